@@ -1,0 +1,196 @@
+//! Ways over a map: a start and the moves from there.
+
+use super::{Cell, CellSet, Map, Move};
+use crate::actions::{ActionError, Actions};
+use serde::{Deserialize, Serialize};
+
+/// A start cell and at most [`HORIZON`](crate::actions::HORIZON) moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Path {
+    /// Where it begins.
+    pub start: Cell,
+    /// The moves, as [`Move`] codes.
+    pub actions: Actions,
+}
+
+impl Path {
+    /// The path that stays at `start`.
+    #[must_use]
+    pub const fn at(start: Cell) -> Self {
+        Self { start, actions: Actions::EMPTY }
+    }
+
+    /// The path through `cells`, each the same as the one before (a wait) or its neighbour on `map`.
+    ///
+    /// Returns `None` for no cells, for cells that are not neighbours, and for more moves than the horizon.
+    #[must_use]
+    pub fn through<const W: usize>(map: &Map<W>, cells: &[Cell]) -> Option<Self> {
+        let (&start, rest) = cells.split_first()?;
+        let mut path = Self::at(start);
+        let mut here = start;
+        for &next in rest {
+            path.push(map.move_between(here, next)?).ok()?;
+            here = next;
+        }
+        Some(path)
+    }
+
+    /// Appends one move.
+    ///
+    /// # Errors
+    /// [`ActionError`] when the path is as long as the horizon.
+    pub fn push(&mut self, step: Move) -> Result<(), ActionError> {
+        self.actions.push(step.code())
+    }
+
+    /// How many moves there are, waits included.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.actions.len()
+    }
+
+    /// Whether the path stays where it starts without a move.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.actions.is_empty()
+    }
+
+    /// The moves in order; a code that is no move (a path from the radio may have one) is a wait.
+    pub fn moves(&self) -> impl Iterator<Item = Move> + '_ {
+        self.actions.iter().map(|code| Move::from_code(code).unwrap_or(Move::Wait))
+    }
+
+    /// The cells in order, the start first: one more than there are moves.
+    pub fn cells<'a, const W: usize>(&'a self, map: &'a Map<W>) -> impl Iterator<Item = Cell> + 'a {
+        let mut here = self.start;
+        core::iter::once(here).chain(self.moves().map(move |step| {
+            here = map.neighbour(here, step);
+            here
+        }))
+    }
+
+    /// The cell at every step from the start on, without end: whoever has arrived stays.
+    pub fn timeline<'a, const W: usize>(&'a self, map: &'a Map<W>) -> impl Iterator<Item = Cell> + 'a {
+        let mut here = self.start;
+        let mut cells = self.cells(map);
+        core::iter::from_fn(move || {
+            here = cells.next().unwrap_or(here);
+            Some(here)
+        })
+    }
+
+    /// The cell after `step` moves; past the end, the last cell.
+    #[must_use]
+    pub fn cell_at<const W: usize>(&self, map: &Map<W>, step: usize) -> Cell {
+        self.cells(map).take(step.saturating_add(1)).last().unwrap_or(self.start)
+    }
+
+    /// The cell where the path ends.
+    #[must_use]
+    pub fn end<const W: usize>(&self, map: &Map<W>) -> Cell {
+        self.cell_at(map, self.len())
+    }
+
+    /// What is left of the path after `done` moves; nothing but the last cell past the end.
+    #[must_use]
+    pub fn rest<const W: usize>(&self, map: &Map<W>, done: usize) -> Self {
+        let mut rest = Self::at(self.cell_at(map, done));
+        for step in self.moves().skip(done) {
+            let _ = rest.push(step); // never longer than this path
+        }
+        rest
+    }
+
+    /// Whether a robot can follow the path: it starts on a free cell, every code is a move, and every move
+    /// leads to a free cell of the map rather than into an obstacle or the border.
+    #[must_use]
+    pub fn is_open<const W: usize>(&self, map: &Map<W>) -> bool {
+        let mut here = self.start;
+        map.is_free(here)
+            && self.actions.iter().all(|code| {
+                let Some(step) = Move::from_code(code) else { return false };
+                let before = here;
+                here = map.neighbour(before, step);
+                map.is_free(here) && (step == Move::Wait || here != before)
+            })
+    }
+
+    /// The cells between the first and the last one, which are not among them even when the path passes
+    /// them on its way.
+    pub(super) fn interior<const W: usize>(&self, map: &Map<W>) -> CellSet<W> {
+        let ends = [self.start, self.end(map)].into_iter().collect();
+        self.cells(map).collect::<CellSet<W>>().without(&ends)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::pictures::{drawn, paper};
+    use super::*;
+    use crate::actions::HORIZON;
+    use std::vec::Vec;
+
+    fn path(cells: &[u16]) -> Path {
+        let cells: Vec<Cell> = cells.iter().copied().map(Cell).collect();
+        Path::through(&paper(&[]), &cells).unwrap()
+    }
+
+    fn numbers(cells: impl Iterator<Item = Cell>) -> Vec<u16> {
+        cells.map(|cell| cell.0).collect()
+    }
+
+    #[test]
+    fn goes_through_the_cells_it_was_made_of() {
+        let path = path(&[28, 29, 29, 22, 23]);
+        assert_eq!(numbers(path.cells(&paper(&[]))), [28, 29, 29, 22, 23]);
+        assert_eq!(numbers(path.timeline(&paper(&[])).take(7)), [28, 29, 29, 22, 23, 23, 23]);
+        assert_eq!([0, 3, 4, 9].map(|step| path.cell_at(&paper(&[]), step).0), [28, 22, 23, 23]);
+    }
+
+    #[test]
+    fn does_not_jump_and_does_not_outgrow_the_horizon() {
+        let map = paper(&[]);
+        assert_eq!(Path::through(&map, &[]), None);
+        assert_eq!(Path::through(&map, &[Cell(6), Cell(7)]), None);
+        assert_eq!(Path::through(&map, &[Cell(3); HORIZON + 1]).map(|path| path.len()), Some(HORIZON));
+        assert_eq!(Path::through(&map, &[Cell(3); HORIZON + 2]), None);
+    }
+
+    #[test]
+    fn leaves_the_rest_of_the_way() {
+        let map = paper(&[]);
+        let whole = path(&[28, 29, 29, 22, 23]);
+        assert_eq!(whole.rest(&map, 0), whole);
+        assert_eq!(whole.rest(&map, 2), path(&[29, 22, 23]));
+        assert_eq!(whole.rest(&map, 4), Path::at(Cell(23)));
+        assert_eq!(whole.rest(&map, 99), Path::at(Cell(23)));
+    }
+
+    #[test]
+    fn is_open_only_along_free_cells() {
+        let path = path(&[28, 29, 29, 22]);
+        assert!(path.is_open(&paper(&[])));
+        for obstacle in [28, 29, 22] {
+            assert!(!path.is_open(&paper(&[obstacle])), "{obstacle}");
+        }
+    }
+
+    #[test]
+    fn is_not_open_into_the_border_or_with_unknown_codes() {
+        let map = drawn(&["..."]);
+        for code in [Move::Up.code(), Move::Down.code(), Move::Left.code(), 5, 15] {
+            let path = Path { start: Cell(0), actions: Actions::new(&[code]).unwrap() };
+            assert!(!path.is_open(&map), "{code}");
+            assert_eq!(path.end(&map), Cell(0));
+        }
+        assert!(!Path::at(Cell(3)).is_open(&map));
+    }
+
+    #[test]
+    fn interior_is_all_but_the_ends() {
+        let interior = path(&[28, 29, 29, 22, 23]).interior(&paper(&[]));
+        assert_eq!(numbers(interior.iter()), [22, 29]);
+        assert!(Path::at(Cell(4)).interior(&paper(&[])).is_empty());
+    }
+}

@@ -1,0 +1,74 @@
+//! All the cells one move away from a set of cells, a word of cells at a time.
+
+use super::{CellSet, Map, Move};
+
+/// The free cells of a map, and its outer columns, where a move to the side must not come out on the other
+/// side.
+pub(super) struct Spread<const W: usize> {
+    width: usize,
+    free: CellSet<W>,
+    first_column: CellSet<W>,
+    last_column: CellSet<W>,
+}
+
+impl<const W: usize> Spread<W> {
+    pub(super) fn over(map: &Map<W>) -> Self {
+        let at_border = |side| {
+            let cells = CellSet::<W>::first(map.len());
+            cells.iter().filter(|&cell| map.neighbour(cell, side) == cell).collect()
+        };
+        Self {
+            width: map.width().into(),
+            free: map.free_cells(),
+            first_column: at_border(Move::Left),
+            last_column: at_border(Move::Right),
+        }
+    }
+
+    /// The free cells that one move, a wait included, reaches from some cell of the set.
+    ///
+    /// Cost: 4 shifts of `W` words.
+    pub(super) fn from(&self, set: &CellSet<W>) -> CellSet<W> {
+        let vertical = set.lowered(self.width).union(&set.raised(self.width));
+        let left = set.without(&self.first_column).lowered(1);
+        let right = set.without(&self.last_column).raised(1);
+        set.union(&vertical).union(&left).union(&right).intersection(&self.free)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Cell;
+    use super::super::pictures::Random;
+    use super::*;
+
+    /// Widths from one word and a bit to several rows per word; rows are split by words in most of them.
+    #[test]
+    fn reaches_what_the_single_moves_reach() {
+        let mut random = Random(11);
+        for (width, height) in [(1, 9), (5, 5), (7, 7), (31, 4), (32, 4), (33, 3), (45, 2), (64, 2), (67, 1)]
+        {
+            for _ in 0..50 {
+                let map: Map<4> = random.map(width, height, 25);
+                let set: CellSet<4> =
+                    (0..5).map(|_| random.cell(&map)).filter(|&cell| map.is_free(cell)).collect();
+                let single = set.iter().flat_map(|cell| map.free_neighbours(cell).map(|(_, next)| next));
+                let expected: CellSet<4> = single.chain(set.iter()).collect();
+                assert_eq!(Spread::over(&map).from(&set), expected, "{map:?} from {set:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn does_not_wrap_around_rows() {
+        for width in [3, 7, 31, 32, 33, 50] {
+            let map: Map<4> = Map::new(width, 2).unwrap();
+            let spread = Spread::over(&map);
+            let from = |cell| spread.from(&[Cell(cell)].into_iter().collect());
+            let (end_of_row, start_of_next) = (width - 1, width);
+            assert!(!from(end_of_row).contains(Cell(start_of_next)), "right, {width} columns");
+            assert!(!from(start_of_next).contains(Cell(end_of_row)), "left, {width} columns");
+            assert_eq!((from(end_of_row).len(), from(start_of_next).len()), (3, 3));
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! The choice of a policy together with the teammates: the posterior over joint policies.
+
+use super::mission::{LABELS, OUTCOMES};
+use super::{Candidate, Mission};
+use crate::grid::Cell;
+use crate::inference::belief::update_pair;
+use crate::inference::{
+    Belief, Choice, IdentityNoise, Interaction, NextState, OutcomeTable, Policy, Preference, Scoring, Side, Star, Terms,
+    Workspace,
+};
+use crate::math;
+use heapless::Vec;
+
+/// The model that joint policies are judged by, and the last judgement.
+#[derive(Clone, Debug)]
+pub struct Decision<const S: usize, const P: usize> {
+    sensor: IdentityNoise<S>,
+    peer_sensor: IdentityNoise<S>,
+    transition: NextState<S, 5>,
+    outcomes: OutcomeTable<S, LABELS, OUTCOMES>,
+    scoring: Scoring,
+    collision: f32,
+    haste: f32,
+    prior: Belief<S>,
+    workspace: Workspace<S, P>,
+    star: Star<P>,
+    /// ln E - F - γ G of the robot's own policies.
+    own: [f32; P],
+    /// The same of the last teammate's policies, its pairs with ours included.
+    rows: [[f32; P]; P],
+    counts: (usize, usize),
+}
+
+/// A robot in a decision: what is believed of its place, and what it could do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Party<'a, const S: usize> {
+    pub(super) belief: &'a Belief<S>,
+    pub(super) preference: &'a Preference<S>,
+    pub(super) candidates: &'a [Candidate],
+}
+
+impl<const S: usize, const P: usize> Decision<S, P> {
+    pub(super) fn new<const W: usize>(mission: &Mission<'_, W>) -> Self {
+        Self {
+            sensor: IdentityNoise::new(mission.sensor),
+            peer_sensor: IdentityNoise::new(mission.peer_sensor),
+            transition: mission.transition(),
+            outcomes: mission.outcomes(),
+            scoring: mission.scoring,
+            collision: mission.collision,
+            haste: mission.haste,
+            prior: mission.belief(),
+            workspace: Workspace::new(),
+            star: Star::new([]),
+            own: [f32::NEG_INFINITY; P],
+            rows: [[f32::NEG_INFINITY; P]; P],
+            counts: (0, 0),
+        }
+    }
+
+    /// What is believed of a teammate that announced to stand at `cell`, and what that says about this robot,
+    /// which takes itself to be at `here`: both beliefs given what the two cells mean for the team.
+    pub(super) fn beliefs(&self, own: &Belief<S>, here: Cell, cell: Cell) -> (Belief<S>, Belief<S>) {
+        let (mut own, mut peer) = (*own, self.prior);
+        let outcome = self.outcomes.outcome(here.index(), cell.index());
+        // An impossible announcement leaves the prior, which is what is then known of the teammate.
+        let _ = peer.update(&self.peer_sensor, cell.index());
+        let _ = update_pair(&mut own, &mut peer, &self.outcomes, outcome);
+        (own, peer)
+    }
+
+    /// Begins a decision among the robot's own candidates over `horizon` steps.
+    pub(super) fn begin(&mut self, own: Party<'_, S>, horizon: usize) {
+        let policies = policies::<P>(own.candidates);
+        let side = side(&self.sensor, &self.transition, own, &policies);
+        self.workspace.evaluate_alone(&side, &self.scoring, horizon);
+        self.own = [f32::NEG_INFINITY; P];
+        for ((score, terms), candidate) in self.own.iter_mut().zip(self.workspace.first_terms()).zip(own.candidates) {
+            *score = score_of(&self.scoring, self.haste, terms, candidate);
+        }
+        self.star = Star::new(self.own.iter().copied().take(own.candidates.len().min(P)));
+        self.counts = (own.candidates.len().min(P), 0);
+    }
+
+    /// Adds a teammate with all the policies it may have.
+    pub(super) fn join(&mut self, own: Party<'_, S>, peer: Party<'_, S>, horizon: usize) {
+        let (ours, theirs) = (policies::<P>(own.candidates), policies::<P>(peer.candidates));
+        let first = side(&self.sensor, &self.transition, own, &ours);
+        let second = side(&self.peer_sensor, &self.transition, peer, &theirs);
+        let interaction = Interaction {
+            outcomes: &self.outcomes,
+            preference: &Mission::<0>::OUTCOME_PREFERENCE,
+            collision: self.collision,
+        };
+        self.workspace.evaluate(&first, &second, &interaction, &self.scoring, horizon);
+        self.counts.1 = peer.candidates.len().min(P);
+        for (row, pairs) in self.rows.iter_mut().zip(self.workspace.pairs()) {
+            let parts = pairs.iter().zip(self.workspace.second_terms()).zip(peer.candidates);
+            for (score, ((pair, terms), candidate)) in row.iter_mut().zip(parts) {
+                *score = self.scoring.precision * pair + score_of(&self.scoring, self.haste, terms, candidate);
+            }
+        }
+        let count = self.counts.1;
+        self.star.join(self.rows.iter().filter_map(|row| row.get(..count)));
+    }
+
+    /// The most probable joint policy; `None` without candidates.
+    pub(super) fn choose(&self) -> Option<Choice> {
+        self.star.choose()
+    }
+
+    /// The posterior probability of each own candidate, whatever the teammates do; zero beyond them.
+    #[must_use]
+    pub fn marginals(&self) -> [f32; P] {
+        self.star.marginals()
+    }
+
+    /// The posterior over the joint policies of this robot and the last teammate that joined, a row per own
+    /// candidate; exact in a team of two. Zero beyond the candidates, and before any decision.
+    #[must_use]
+    pub fn joint(&self) -> [[f32; P]; P] {
+        let (ours, theirs) = self.counts;
+        let mut joint = [[f32::NEG_INFINITY; P]; P];
+        for ((line, row), own) in joint.iter_mut().zip(&self.rows).zip(self.own).take(ours) {
+            for (score, pair) in line.iter_mut().zip(row).take(theirs) {
+                *score = own + pair;
+            }
+        }
+        if ours * theirs == 0 {
+            return [[0.0; P]; P];
+        }
+        math::softmax(joint.as_flattened_mut());
+        joint
+    }
+}
+
+fn side<'a, const S: usize>(
+    likelihood: &'a IdentityNoise<S>,
+    transition: &'a NextState<S, 5>,
+    party: Party<'a, S>,
+    policies: &'a [Policy],
+) -> Side<'a, IdentityNoise<S>, NextState<S, 5>, S> {
+    Side { likelihood, transition, belief: party.belief, preference: party.preference, policies }
+}
+
+fn policies<const P: usize>(candidates: &[Candidate]) -> Vec<Policy, P> {
+    candidates.iter().take(P).map(|candidate| candidate.path.actions).collect()
+}
+
+/// ln E - F - γ G of one candidate by itself. F is the same for all candidates of a decision and cancels.
+fn score_of(scoring: &Scoring, haste: f32, terms: &Terms, candidate: &Candidate) -> f32 {
+    let ln_prior = -haste * candidate.path.len() as f32;
+    scoring.score(ln_prior, 0.0, -terms.expected_free_energy(scoring.convention))
+}

@@ -1,0 +1,199 @@
+//! What a team is to do: the map, the starts, the goals, and the numbers of the generative model.
+
+use crate::actions::HORIZON;
+use crate::grid::{Cell, Map, Move, Path};
+use crate::inference::{Belief, NextState, OutcomeTable, Preference, Scoring};
+use crate::team::MAX_TEAM;
+
+/// The most goals of one mission.
+pub const MAX_GOALS: usize = 8;
+
+/// The labels of cells in the team's outcome: each goal its own, and one for all other cells.
+pub(super) const LABELS: usize = MAX_GOALS + 1;
+
+/// The outcomes of two robots together: nobody on a goal, each on its own, or anything in between.
+pub(super) const OUTCOMES: usize = 3;
+const NOBODY: u8 = 0;
+const SUCCESS: u8 = 1;
+const FAILURE: u8 = 2;
+
+/// A navigation mission of a team, the same on every robot of it. Keep it in a `static`.
+#[derive(Clone, Copy, Debug)]
+pub struct Mission<'m, const W: usize> {
+    /// The map as it is known before the start.
+    pub map: Map<W>,
+    /// Where each robot begins; as many as there are robots.
+    pub starts: &'m [Cell],
+    /// The goals; each robot is to reach another one.
+    pub goals: &'m [Cell],
+    /// Candidate paths given by hand, per robot, used while the robot stands where they begin; `None` or an
+    /// empty list has them planned.
+    pub candidates: Option<&'m [&'m [Path]]>,
+    /// The probability that a robot's own localiser is right.
+    pub sensor: f32,
+    /// The probability that the cell a teammate announces is right.
+    pub peer_sensor: f32,
+    /// How policies are scored.
+    pub scoring: Scoring,
+    /// The preference, on the log scale of C, for being in one cell with a teammate or changing places with it.
+    pub collision: f32,
+    /// What each move of a policy costs in its prior: ln E = -haste * moves.
+    pub haste: f32,
+}
+
+/// Why a mission cannot be flown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum MissionError {
+    /// The map has more cells than the controller was built for.
+    MapTooLarge,
+    /// No robot, or more than [`MAX_TEAM`].
+    TeamSize,
+    /// The robot's number is not below the size of the team.
+    NoSuchRobot,
+    /// No goal, or more than [`MAX_GOALS`].
+    GoalCount,
+    /// A start is outside the map, blocked, or taken by another robot.
+    Start(Cell),
+    /// A goal is outside the map, blocked, or given twice.
+    Goal(Cell),
+    /// A number of the model is out of its range.
+    Number,
+}
+
+impl<'m, const W: usize> Mission<'m, W> {
+    /// A mission with the default model: localisers right in 99.52 % of all readings, teammates in 90.4 %, as in
+    /// the paper's section 5.1.
+    #[must_use]
+    pub const fn new(map: Map<W>, starts: &'m [Cell], goals: &'m [Cell]) -> Self {
+        Self {
+            map,
+            starts,
+            goals,
+            candidates: None,
+            sensor: 0.9952,
+            peer_sensor: 0.904,
+            scoring: Scoring::DEFAULT,
+            collision: -4.0,
+            haste: 0.5,
+        }
+    }
+
+    /// How many robots there are; no more than 255.
+    #[must_use]
+    pub const fn team(&self) -> u8 {
+        if self.starts.len() > u8::MAX as usize { u8::MAX } else { self.starts.len() as u8 }
+    }
+
+    /// Whether a controller for `S` cells can fly this.
+    ///
+    /// # Errors
+    /// The first [`MissionError`] found.
+    pub fn check<const S: usize>(&self) -> Result<(), MissionError> {
+        if self.map.len() > S || S < 2 {
+            return Err(MissionError::MapTooLarge);
+        }
+        if self.starts.is_empty() || self.starts.len() > MAX_TEAM {
+            return Err(MissionError::TeamSize);
+        }
+        if self.goals.is_empty() || self.goals.len() > MAX_GOALS {
+            return Err(MissionError::GoalCount);
+        }
+        if let Some(cell) = self.misplaced(self.starts) {
+            return Err(MissionError::Start(cell));
+        }
+        if let Some(cell) = self.misplaced(self.goals) {
+            return Err(MissionError::Goal(cell));
+        }
+        let probability = |p: f32| (0.0..=1.0).contains(&p);
+        let finite = self.haste.is_finite() && self.haste >= 0.0 && self.scoring.precision.is_finite();
+        let numbers = finite && self.collision.is_finite() && self.collision <= 0.0;
+        if numbers && probability(self.sensor) && probability(self.peer_sensor) {
+            Ok(())
+        } else {
+            Err(MissionError::Number)
+        }
+    }
+
+    /// C: every goal is worth one.
+    pub(super) fn preference<const S: usize>(&self) -> Preference<S> {
+        Preference::new(self.per_cell(|cell| if self.goals.contains(&cell) { 1.0 } else { 0.0 }))
+    }
+
+    /// B: each move leads to the neighbour, or nowhere at a wall or border.
+    pub(super) fn transition<const S: usize>(&self) -> NextState<S, 5> {
+        NextState::new(Move::ALL.map(|step| {
+            self.per_cell(|cell| {
+                let next = self.map.neighbour(cell, step);
+                if self.map.is_free(next) { next.0 } else { cell.0 }
+            })
+        }))
+    }
+
+    /// D: every free cell is equally likely.
+    pub(super) fn belief<const S: usize>(&self) -> Belief<S> {
+        let weights = self.per_cell(|cell| if self.map.is_free(cell) { 1.0 } else { 0.0 });
+        Belief::from_weights(weights).unwrap_or(const { Belief::uniform() })
+    }
+
+    /// The team's outcome: success where two robots stand on different goals, failure where at least one is
+    /// on a goal otherwise.
+    pub(super) fn outcomes<const S: usize>(&self) -> OutcomeTable<S, LABELS, OUTCOMES> {
+        let label = |cell| self.goals.iter().take(MAX_GOALS).position(|&goal| goal == cell).map_or(0, |goal| goal + 1);
+        let table = core::array::from_fn(|first| core::array::from_fn(|second| outcome_of(first, second)));
+        OutcomeTable::new(self.per_cell(|cell| label(cell) as u8), table)
+    }
+
+    /// C for the team's outcome.
+    pub(super) const OUTCOME_PREFERENCE: Preference<OUTCOMES> = Preference::new([0.0, 1.0, 0.0]);
+
+    /// The paths given by hand for a robot that stands at `from`.
+    pub(super) fn listed(&self, robot: usize, from: Cell) -> impl Iterator<Item = Path> + 'm {
+        let lists = self.candidates.unwrap_or(&[]);
+        let list: &'m [Path] = lists.get(robot).copied().unwrap_or(&[]);
+        list.iter().copied().filter(move |path| path.start == from && path.len() <= HORIZON)
+    }
+
+    /// How long the paths given by hand for a robot are.
+    pub(super) fn listed_lengths(&self, robot: usize) -> impl Iterator<Item = usize> + 'm {
+        let lists = self.candidates.unwrap_or(&[]);
+        lists.get(robot).copied().unwrap_or(&[]).iter().map(Path::len)
+    }
+
+    fn per_cell<T, const S: usize>(&self, value: impl Fn(Cell) -> T) -> [T; S] {
+        core::array::from_fn(|state| value(Cell(state as u16)))
+    }
+
+    /// The first cell that no robot can stand on, or that is listed twice.
+    fn misplaced(&self, cells: &[Cell]) -> Option<Cell> {
+        let twice = |index: usize, cell| cells.iter().take(index).any(|&other| other == cell);
+        let wrong = |&(index, cell): &(usize, Cell)| !self.map.is_free(cell) || twice(index, cell);
+        cells.iter().copied().enumerate().find(wrong).map(|(_, cell)| cell)
+    }
+}
+
+/// The outcome of two labels, where zero is no goal.
+const fn outcome_of(first: usize, second: usize) -> u8 {
+    match (first, second) {
+        (0, 0) => NOBODY,
+        (0, _) | (_, 0) => FAILURE,
+        _ if first == second => FAILURE,
+        _ => SUCCESS,
+    }
+}
+
+impl core::fmt::Display for MissionError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::MapTooLarge => f.write_str("the map has more cells than the controller was built for"),
+            Self::TeamSize => write!(f, "a team has 1 to {MAX_TEAM} robots"),
+            Self::NoSuchRobot => f.write_str("the robot's number is not below the size of the team"),
+            Self::GoalCount => write!(f, "a mission has 1 to {MAX_GOALS} goals"),
+            Self::Start(cell) => write!(f, "the start p{} is outside the map, blocked or given twice", cell.0),
+            Self::Goal(cell) => write!(f, "the goal p{} is outside the map, blocked or given twice", cell.0),
+            Self::Number => f.write_str("a probability, precision, haste or collision preference is out of range"),
+        }
+    }
+}
+
+impl core::error::Error for MissionError {}

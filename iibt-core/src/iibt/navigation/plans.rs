@@ -1,0 +1,43 @@
+//! The plans of a robot on its way, their preconditions and what is done about an unmet one (the paper's
+//! table 2).
+
+use crate::iibt::rules::{Raise, Rule};
+use crate::iibt::{Condition, Literal, Logic};
+
+/// Exist(obstacle): an obstacle that is not on the map lies on the rest of the path.
+pub const OBSTACLE: u8 = 0;
+/// IsArrived(goal): the path is done and the robot stands on a goal.
+pub const ARRIVED: u8 = 1;
+
+/// What a robot can decide to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Plan {
+    /// Be done: the stop policy.
+    Stop,
+    /// Stand still for now: the wait policy.
+    Wait,
+    /// Commit to the candidate with this index.
+    Take(usize),
+    /// Follow the path that was announced.
+    Follow,
+}
+
+impl Plan {
+    /// What must hold for the plan to be executed.
+    #[must_use]
+    pub const fn precondition(self) -> Condition {
+        match self {
+            Self::Wait => Condition::ALWAYS,
+            Self::Stop => Condition { all: Logic::of(&[ARRIVED]), none: Logic::NONE },
+            Self::Take(_) | Self::Follow => Condition { all: Logic::NONE, none: Logic::of(&[OBSTACLE, ARRIVED]) },
+        }
+    }
+}
+
+/// f_L. An obstacle on the way is avoided with -1, the value behind the paper's numbers; its table prints
+/// -(max(C) + 1).
+pub const RULES: [Rule; 2] = [
+    Rule { missing: Literal { variable: OBSTACLE, value: false }, raise: Raise::By(-1.0) },
+    Rule { missing: Literal { variable: ARRIVED, value: true }, raise: Raise::AboveAll },
+];

@@ -1,0 +1,286 @@
+//! A, the likelihood P(o | s), in the forms that sensors have.
+
+use crate::math;
+
+/// How likely each of `O` outcomes is in each of `S` states.
+///
+/// The methods beyond [`probability`](Self::probability) have defaults that work for any form and cost
+/// `O * S`; a form with structure replaces them.
+pub trait Likelihood<const S: usize, const O: usize> {
+    /// P(o = `outcome` | s = `state`); zero outside the table.
+    fn probability(&self, outcome: usize, state: usize) -> f32;
+
+    /// The predicted outcomes q(o) = Σ_s A(o, s) q(s).
+    fn predict(&self, belief: &[f32; S]) -> [f32; O] {
+        core::array::from_fn(|outcome| {
+            belief.iter().enumerate().map(|(state, q)| self.probability(outcome, state) * q).sum()
+        })
+    }
+
+    /// Multiplies every entry of `belief` with the likelihood of `outcome`: Bayes' rule without its sum.
+    fn weigh(&self, outcome: usize, belief: &mut [f32; S]) {
+        for (state, q) in belief.iter_mut().enumerate() {
+            *q *= self.probability(outcome, state);
+        }
+    }
+
+    /// The ambiguity Σ_s q(s) H[A(·, s)], in nats.
+    fn ambiguity(&self, belief: &[f32; S]) -> f32 {
+        let column = |state| -> f32 {
+            -(0..O).map(|outcome| math::p_ln_p(self.probability(outcome, state))).sum::<f32>()
+        };
+        belief.iter().enumerate().map(|(state, q)| q * column(state)).sum()
+    }
+}
+
+/// A full table, `O` rows of `S` columns; every column is a distribution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dense<const S: usize, const O: usize>([[f32; S]; O]);
+
+impl<const S: usize, const O: usize> Dense<S, O> {
+    /// A table, checked.
+    ///
+    /// # Panics
+    /// When there are no states or outcomes, or a column is no distribution. In a `const` or `static` this
+    /// fails the build:
+    ///
+    /// ```compile_fail,E0080
+    /// use iibt_core::inference::likelihood::Dense;
+    /// const A: Dense<2, 2> = Dense::new([[0.97, 0.2], [0.0, 0.8]]);
+    /// # let _ = A;
+    /// ```
+    #[must_use]
+    pub const fn new(table: [[f32; S]; O]) -> Self {
+        assert!(S > 0, "A, the likelihood, has no states");
+        assert!(O > 0, "A, the likelihood, has no outcomes");
+        let mut state = 0;
+        while state < S {
+            let mut column = [0.0; O];
+            let mut outcome = 0;
+            while outcome < O {
+                column[outcome] = table[outcome][state];
+                outcome += 1;
+            }
+            assert!(math::is_distribution(&column), "a column of A, the likelihood, is no distribution");
+            state += 1;
+        }
+        Self(table)
+    }
+}
+
+impl<const S: usize, const O: usize> Likelihood<S, O> for Dense<S, O> {
+    fn probability(&self, outcome: usize, state: usize) -> f32 {
+        self.0.get(outcome).and_then(|row| row.get(state)).copied().unwrap_or(0.0)
+    }
+}
+
+/// A sensor that reads the state itself, and errs evenly: A = off + (correct - off) I.
+///
+/// Eight bytes whatever the number of states, and every method costs `S` at the most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct IdentityNoise<const S: usize> {
+    correct: f32,
+    off: f32,
+}
+
+impl<const S: usize> IdentityNoise<S> {
+    /// A sensor that is right with probability `correct`; each other reading has an equal share of the rest.
+    ///
+    /// # Panics
+    /// When there are fewer than two states or `correct` is no probability; in a `const` this fails the build.
+    #[must_use]
+    pub const fn new(correct: f32) -> Self {
+        assert!(S > 1, "A, the likelihood of an identity with noise, needs two states");
+        assert!(correct >= 0.0 && correct <= 1.0, "A, the likelihood: `correct` is no probability");
+        Self { correct, off: (1.0 - correct) / (S - 1) as f32 }
+    }
+
+    /// The probability of the right reading.
+    #[must_use]
+    pub const fn correct(&self) -> f32 {
+        self.correct
+    }
+
+    /// The probability of each single wrong reading.
+    #[must_use]
+    pub const fn off(&self) -> f32 {
+        self.off
+    }
+
+    /// The entropy of every column.
+    fn column_entropy(&self) -> f32 {
+        -math::p_ln_p(self.correct) - (S - 1) as f32 * math::p_ln_p(self.off)
+    }
+}
+
+impl<const S: usize> Likelihood<S, S> for IdentityNoise<S> {
+    fn probability(&self, outcome: usize, state: usize) -> f32 {
+        match outcome {
+            _ if outcome >= S || state >= S => 0.0,
+            _ if outcome == state => self.correct,
+            _ => self.off,
+        }
+    }
+
+    fn predict(&self, belief: &[f32; S]) -> [f32; S] {
+        let background = self.off * belief.iter().sum::<f32>();
+        let signal = self.correct - self.off;
+        belief.map(|q| background + signal * q)
+    }
+
+    fn weigh(&self, outcome: usize, belief: &mut [f32; S]) {
+        let right = belief.get(outcome).copied();
+        belief.iter_mut().for_each(|q| *q *= if right.is_some() { self.off } else { 0.0 });
+        if let (Some(q), Some(right)) = (belief.get_mut(outcome), right) {
+            *q = right * self.correct;
+        }
+    }
+
+    fn ambiguity(&self, belief: &[f32; S]) -> f32 {
+        self.column_entropy() * belief.iter().sum::<f32>()
+    }
+}
+
+/// An outcome of two robots together that their states determine, by way of `L` labels: A(o | s1, s2) is one
+/// where `o` is the outcome of the two states' labels.
+///
+/// One byte per state and one per pair of labels, instead of a table of `K * S * S` probabilities. Label
+/// masses are summed once per belief, so a pair costs `L * L`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutcomeTable<const S: usize, const L: usize, const K: usize> {
+    labels: [u8; S],
+    outcomes: [[u8; L]; L],
+}
+
+impl<const S: usize, const L: usize, const K: usize> OutcomeTable<S, L, K> {
+    /// A table from the label of each state and the outcome of each pair of labels.
+    ///
+    /// # Panics
+    /// When there are no states, labels or outcomes, a label is not below `L`, or an outcome not below `K`;
+    /// in a `const` this fails the build.
+    #[must_use]
+    pub const fn new(labels: [u8; S], outcomes: [[u8; L]; L]) -> Self {
+        assert!(S > 0, "an outcome table has no states");
+        assert!(L > 0, "an outcome table has no labels");
+        assert!(K > 0, "an outcome table has no outcomes");
+        let mut state = 0;
+        while state < S {
+            assert!((labels[state] as usize) < L, "an outcome table's label is out of range");
+            state += 1;
+        }
+        let mut pair = 0;
+        while pair < L * L {
+            assert!((outcomes[pair / L][pair % L] as usize) < K, "an outcome table's outcome is out of range");
+            pair += 1;
+        }
+        Self { labels, outcomes }
+    }
+
+    /// The outcome of two states; outcome zero outside the table.
+    #[must_use]
+    pub fn outcome(&self, first: usize, second: usize) -> usize {
+        self.outcome_of_labels(self.label(first), self.label(second))
+    }
+
+    /// The label of a state; label zero outside the table.
+    #[must_use]
+    pub fn label(&self, state: usize) -> usize {
+        usize::from(self.labels.get(state).copied().unwrap_or(0))
+    }
+
+    /// The mass that a belief gives each label. Costs `S`.
+    #[must_use]
+    pub fn label_masses(&self, belief: &[f32; S]) -> [f32; L] {
+        let mut masses = [0.0; L];
+        for (&label, q) in self.labels.iter().zip(belief) {
+            if let Some(mass) = masses.get_mut(usize::from(label)) {
+                *mass += q;
+            }
+        }
+        masses
+    }
+
+    /// The predicted outcomes of two robots from their label masses. Costs `L * L`.
+    #[must_use]
+    pub fn predict(&self, first: &[f32; L], second: &[f32; L]) -> [f32; K] {
+        let mut outcomes = [0.0; K];
+        for (row, p) in self.outcomes.iter().zip(first) {
+            for (&outcome, q) in row.iter().zip(second) {
+                if let Some(mass) = outcomes.get_mut(usize::from(outcome)) {
+                    *mass += p * q;
+                }
+            }
+        }
+        outcomes
+    }
+
+    /// For each label of the first robot, the probability of `outcome` when the second robot's label masses
+    /// are `second`: the message from the second robot and the outcome to the first. Costs `L * L`.
+    #[must_use]
+    pub fn message(&self, outcome: usize, second: &[f32; L]) -> [f32; L] {
+        core::array::from_fn(|first| {
+            let matches = |(label, _): &(usize, &f32)| self.outcome_of_labels(first, *label) == outcome;
+            second.iter().enumerate().filter(matches).map(|(_, mass)| mass).sum()
+        })
+    }
+
+    /// The same table seen from the second robot.
+    #[must_use]
+    pub fn transposed(&self) -> Self {
+        let outcomes = core::array::from_fn(|second| {
+            core::array::from_fn(|first| self.outcome_of_labels(first, second) as u8)
+        });
+        Self { labels: self.labels, outcomes }
+    }
+
+    fn outcome_of_labels(&self, first: usize, second: usize) -> usize {
+        self.outcomes.get(first).and_then(|row| row.get(second)).copied().map_or(0, usize::from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOISE: IdentityNoise<4> = IdentityNoise::new(0.7);
+    const TABLE: Dense<4, 4> =
+        Dense::new([[0.7, 0.1, 0.1, 0.1], [0.1, 0.7, 0.1, 0.1], [0.1, 0.1, 0.7, 0.1], [0.1, 0.1, 0.1, 0.7]]);
+    const BELIEF: [f32; 4] = [0.1, 0.2, 0.3, 0.4];
+
+    fn close(a: f32, b: f32) -> bool {
+        (a - b).abs() < 1e-6
+    }
+
+    #[test]
+    fn an_identity_with_noise_equals_its_table() {
+        let pairs = NOISE.predict(&BELIEF).into_iter().zip(TABLE.predict(&BELIEF));
+        assert!(pairs.into_iter().all(|(a, b)| close(a, b)));
+        assert!(close(NOISE.ambiguity(&BELIEF), TABLE.ambiguity(&BELIEF)));
+        for outcome in 0..6 {
+            let (mut structured, mut dense) = (BELIEF, BELIEF);
+            NOISE.weigh(outcome, &mut structured);
+            TABLE.weigh(outcome, &mut dense);
+            assert!(structured.iter().zip(dense).all(|(&a, b)| close(a, b)), "outcome {outcome}");
+        }
+    }
+
+    #[test]
+    fn the_outcome_table_is_a_sum_over_pairs_of_states() {
+        const MEET: OutcomeTable<4, 3, 3> = OutcomeTable::new([0, 1, 0, 2], [[0, 2, 2], [2, 2, 1], [2, 1, 2]]);
+        let other = [0.4, 0.3, 0.2, 0.1];
+        let mut expected = [0.0; 3];
+        for (first, p) in BELIEF.iter().enumerate() {
+            for (second, q) in other.iter().enumerate() {
+                expected[MEET.outcome(first, second)] += p * q;
+            }
+        }
+        let predicted = MEET.predict(&MEET.label_masses(&BELIEF), &MEET.label_masses(&other));
+        assert!(predicted.iter().zip(expected).all(|(&a, b)| close(a, b)));
+        for (outcome, &total) in expected.iter().enumerate() {
+            let message = MEET.message(outcome, &MEET.label_masses(&other));
+            let weighed: f32 = BELIEF.iter().enumerate().map(|(s, p)| p * message[MEET.label(s)]).sum();
+            assert!(close(weighed, total));
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! C, what a robot would like to observe.
+
+use crate::math;
+
+/// A preference per outcome on a log scale: P(o) = softmax(C).
+///
+/// The base is what the task wants; [`raise`](Self::raise) adds a temporary preference on top of it, and
+/// [`roll_back`](Self::roll_back) takes all of them away again and leaves exactly the base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preference<const O: usize> {
+    base: [f32; O],
+    raised: [f32; O],
+}
+
+impl<const O: usize> Preference<O> {
+    /// A preference from its log-scale values.
+    ///
+    /// # Panics
+    /// When there are no outcomes or a value is not finite; in a `const` this fails the build, as does a
+    /// value too many or too few.
+    #[must_use]
+    pub const fn new(base: [f32; O]) -> Self {
+        assert!(O > 0, "C, the preference, has no outcomes");
+        let mut outcome = 0;
+        while outcome < O {
+            assert!(base[outcome].is_finite(), "C, the preference, has a value that is not finite");
+            outcome += 1;
+        }
+        Self { base, raised: [0.0; O] }
+    }
+
+    /// The preference for one outcome, temporary raise included; zero outside the table.
+    #[must_use]
+    pub fn get(&self, outcome: usize) -> f32 {
+        let at = |values: &[f32; O]| values.get(outcome).copied().unwrap_or(0.0);
+        at(&self.base) + at(&self.raised)
+    }
+
+    /// The largest preference, temporary raises included: max(C).
+    #[must_use]
+    pub fn largest(&self) -> f32 {
+        (0..O).map(|outcome| self.get(outcome)).fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    /// Adds a temporary preference, which may be negative, to one outcome: C := C + L. A value that is not
+    /// finite or an outcome that does not exist changes nothing.
+    pub fn raise(&mut self, outcome: usize, by: f32) {
+        if let Some(raised) = self.raised.get_mut(outcome)
+            && (*raised + by).is_finite()
+        {
+            *raised += by;
+        }
+    }
+
+    /// Whether a temporary preference is in place.
+    #[must_use]
+    pub fn is_raised(&self) -> bool {
+        self.raised.iter().any(|&raised| raised != 0.0)
+    }
+
+    /// Takes every temporary preference away: C := C - L, exactly.
+    pub fn roll_back(&mut self) {
+        self.raised = [0.0; O];
+    }
+
+    /// ln P(o) = C - ln Σ exp C.
+    #[must_use]
+    pub fn ln_probabilities(&self) -> [f32; O] {
+        let mut values = core::array::from_fn(|outcome| self.get(outcome));
+        math::log_softmax(&mut values);
+        values
+    }
+
+    /// ln P(o) of the aversions alone: likes count as nothing. See [`Credit`](super::Credit).
+    #[must_use]
+    pub fn ln_aversions(&self) -> [f32; O] {
+        let mut values = core::array::from_fn(|outcome| self.get(outcome).min(0.0));
+        math::log_softmax(&mut values);
+        values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_raise_is_rolled_back_to_the_last_bit() {
+        let base = Preference::new([0.1, 0.2, 0.3]);
+        let mut preference = base;
+        preference.raise(1, 1e7);
+        preference.raise(1, -0.7);
+        preference.raise(2, 1.3);
+        assert!(preference.is_raised());
+        assert_eq!(preference.largest(), preference.get(1));
+        preference.roll_back();
+        assert_eq!(preference, base);
+    }
+
+    #[test]
+    fn nonsense_raises_nothing() {
+        let mut preference = Preference::new([0.0, 1.0]);
+        preference.raise(0, f32::NAN);
+        preference.raise(0, f32::INFINITY);
+        preference.raise(9, 1.0);
+        assert!(!preference.is_raised());
+    }
+
+    #[test]
+    fn aversions_leave_likes_out() {
+        let preference = Preference::new([2.0, 0.0, -1.0]);
+        assert_eq!(preference.ln_aversions(), Preference::new([0.0, 0.0, -1.0]).ln_probabilities());
+    }
+}

@@ -1,0 +1,15 @@
+//! Robots that decide together on their own microcontrollers.
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod actions;
+pub mod grid;
+pub mod iibt;
+pub mod inference;
+pub mod math;
+pub mod team;
+pub mod time;
+pub mod tree;

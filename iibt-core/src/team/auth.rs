@@ -1,0 +1,117 @@
+//! Frame authentication: who may speak in the team.
+//!
+//! A keyed 64-bit tag costs less than a table-free CRC on a Cortex-M4 and detects what a CRC detects, so there
+//! is no unauthenticated frame.
+
+use core::hash::Hasher;
+use siphasher::sip::SipHasher24;
+
+/// The length of a tag on the wire.
+pub const TAG_BYTES: usize = 8;
+
+/// The authentication tag of one frame.
+pub type Tag = [u8; TAG_BYTES];
+
+/// A message authentication code over frames.
+///
+/// A code with longer tags is truncated to [`TAG_BYTES`]: a blind forger at 100 frames a second then still
+/// needs 5.8e9 years.
+pub trait FrameAuth {
+    /// The tag of a message under a schema, which is authenticated without being sent: a sender with another
+    /// schema makes another tag.
+    fn tag(&self, schema: u64, message: &[u8]) -> Tag;
+
+    /// Whether `tag` is the tag of the message, in a time that does not depend on where two tags differ.
+    fn verify(&self, schema: u64, message: &[u8], tag: &Tag) -> bool {
+        let expected = self.tag(schema, message);
+        let differing = expected.iter().zip(tag).fold(0, |bits, (a, b)| bits | (a ^ b));
+        // Keeps the compiler from turning the fold into a loop that stops at the first difference.
+        core::hint::black_box(differing) == 0
+    }
+}
+
+/// A 128-bit key. It is shown nowhere, not even by `Debug`.
+#[derive(Clone)]
+pub struct Key([u8; 16]);
+
+impl Key {
+    /// A key from its bytes, which should come from a random number generator.
+    #[must_use]
+    pub const fn new(bytes: [u8; 16]) -> Self {
+        Self(bytes)
+    }
+}
+
+impl core::fmt::Debug for Key {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("Key(..)")
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl defmt::Format for Key {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "Key(..)");
+    }
+}
+
+/// SipHash-2-4 with a 64-bit tag over the schema (little-endian) and the message.
+///
+/// A frame of 40 bytes takes about 800 instructions on a Cortex-M4. SipHash is a pseudorandom function with
+/// short output (Aumasson and Bernstein, 2012), not a NIST-approved MAC, and hides nothing of the message.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SipHash64 {
+    key: Key,
+}
+
+impl SipHash64 {
+    /// The code under a key.
+    #[must_use]
+    pub const fn new(key: Key) -> Self {
+        Self { key }
+    }
+}
+
+impl FrameAuth for SipHash64 {
+    fn tag(&self, schema: u64, message: &[u8]) -> Tag {
+        let mut hasher = SipHasher24::new_with_key(&self.key.0);
+        hasher.write(&schema.to_le_bytes());
+        hasher.write(message);
+        hasher.finish().to_le_bytes()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const AUTH: SipHash64 = SipHash64::new(Key::new([
+        0x00, 0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07, 0x08, 0x09, 0x0a, 0x0b, 0x0c, 0x0d, 0x0e, 0x0f,
+    ]));
+
+    /// The worked example of the SipHash paper, appendix A: the bytes 0 to 14 under the key 0 to 15.
+    #[test]
+    fn is_siphash_2_4() {
+        let schema = u64::from_le_bytes([0, 1, 2, 3, 4, 5, 6, 7]);
+        let tag = AUTH.tag(schema, &[8, 9, 10, 11, 12, 13, 14]);
+        assert_eq!(u64::from_le_bytes(tag), 0xa129_ca61_49be_45e5);
+    }
+
+    #[test]
+    fn verifies_the_very_tag_only() {
+        let tag = AUTH.tag(7, b"message");
+        assert!(AUTH.verify(7, b"message", &tag));
+        assert!(!AUTH.verify(8, b"message", &tag));
+        assert!(!AUTH.verify(7, b"massage", &tag));
+        for bit in 0..64 {
+            let other = (u64::from_le_bytes(tag) ^ (1 << bit)).to_le_bytes();
+            assert!(!AUTH.verify(7, b"message", &other), "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn debug_output_does_not_show_the_key() {
+        assert_eq!(std::format!("{AUTH:?}"), "SipHash64 { key: Key(..) }");
+    }
+}

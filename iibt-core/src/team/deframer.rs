@@ -1,0 +1,92 @@
+//! Cuts a byte stream into frames.
+
+use super::MAX_FRAME;
+
+/// Collects bytes up to the next delimiter (0x00).
+///
+/// Garbage ends at the next delimiter, wherever the receiver came in: it spoils at most the one good frame
+/// that follows it without a delimiter between, and none when the sender also sends a delimiter first. What
+/// is longer than a frame can be is dropped as it comes and counted. A byte costs constant time; how many
+/// bytes to feed per tick is the caller's bound on its work.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Deframer {
+    buffer: [u8; MAX_FRAME - 1],
+    length: usize,
+    overlong: bool,
+    dropped: u32,
+}
+
+impl Deframer {
+    /// A deframer that has received nothing.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { buffer: [0; MAX_FRAME - 1], length: 0, overlong: false, dropped: 0 }
+    }
+
+    /// Takes one byte; at a delimiter, gives what came since the last one, without either, unless it is empty
+    /// or too long for a frame.
+    pub fn feed(&mut self, byte: u8) -> Option<&[u8]> {
+        if byte == 0 {
+            return self.cut();
+        }
+        match self.buffer.get_mut(self.length) {
+            Some(place) => {
+                *place = byte;
+                self.length += 1;
+            }
+            None => self.overlong = true,
+        }
+        None
+    }
+
+    /// How often something too long for a frame was dropped; stops at the largest number.
+    #[must_use]
+    pub const fn dropped(&self) -> u32 {
+        self.dropped
+    }
+
+    fn cut(&mut self) -> Option<&[u8]> {
+        let length = core::mem::take(&mut self.length);
+        if core::mem::take(&mut self.overlong) {
+            self.dropped = self.dropped.saturating_add(1);
+            return None;
+        }
+        self.buffer.get(..length).filter(|frame| !frame.is_empty())
+    }
+}
+
+impl Default for Deframer {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    fn frames(deframer: &mut Deframer, stream: &[u8]) -> Vec<Vec<u8>> {
+        stream.iter().filter_map(|&byte| deframer.feed(byte).map(<[u8]>::to_vec)).collect()
+    }
+
+    #[test]
+    fn cuts_at_delimiters() {
+        let mut deframer = Deframer::new();
+        assert_eq!(frames(&mut deframer, &[1, 2, 0, 3, 0, 0, 0, 4]), [std::vec![1, 2], std::vec![3]]);
+        assert_eq!(frames(&mut deframer, &[5, 0]), [[4, 5]]);
+    }
+
+    #[test]
+    fn drops_and_counts_what_is_too_long() {
+        let mut deframer = Deframer::new();
+        let longest = [7; MAX_FRAME - 1];
+        for (extra, kept, dropped) in [(0, 1, 0), (1, 0, 1), (1000, 0, 2)] {
+            let stream = [&longest[..], &std::vec![9; extra], &[0]].concat();
+            assert_eq!(frames(&mut deframer, &stream).len(), kept, "{extra} bytes too long");
+            assert_eq!(deframer.dropped(), dropped);
+        }
+        assert_eq!(frames(&mut deframer, &[1, 2, 0]), [[1, 2]], "and goes on");
+    }
+}

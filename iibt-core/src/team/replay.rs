@@ -1,0 +1,94 @@
+//! Replay protection: no frame counts twice, and none counts after a newer one.
+//!
+//! Frames carry no wall clock, which could be lost or set wrong, but a [`Stamp`]: how often the sender has
+//! started, and the number of the frame since. A receiver takes only a stamp newer than the newest it has
+//! taken. There is no window for late frames, as other protocols have: an intention is complete, so one that
+//! was overtaken is worth nothing, and the newest stamp alone is a state that cannot be got wrong.
+//!
+//! What this does not cover: a receiver that restarts has forgotten the stamps, and takes a recorded frame of
+//! a peer until it has heard a newer one from the peer itself.
+
+/// When something was said, in the sender's own order: first by epoch, then by sequence. Never wraps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Stamp {
+    /// Counts the sender's starts.
+    pub epoch: u32,
+    /// Counts the sender's frames in this epoch.
+    pub sequence: u32,
+}
+
+impl Stamp {
+    /// The stamp after this one: after the last sequence of an epoch, the first of the next. `None` after the
+    /// last of all.
+    #[must_use]
+    pub const fn next(self) -> Option<Self> {
+        match (self.sequence.checked_add(1), self.epoch.checked_add(1)) {
+            (Some(sequence), _) => Some(Self { sequence, ..self }),
+            (None, Some(epoch)) => Some(Self { epoch, sequence: 0 }),
+            (None, None) => None,
+        }
+    }
+}
+
+/// A sender's stamps, each once, in order.
+///
+/// The caller counts its starts in memory that survives them and passes the count as the epoch: a sender that
+/// starts again with an epoch it had before is taken for a replay. After 2^32 frames (13 years at 10 Hz) the
+/// numbering goes on in the next epoch, which is then the one to remember. Erased flash often reads as
+/// `u32::MAX`: as an epoch it would be this sender's last.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Numbering {
+    next: Option<Stamp>,
+}
+
+impl Numbering {
+    /// The numbering of a sender that has just started for the `epoch`th time.
+    #[must_use]
+    pub const fn new(epoch: u32) -> Self {
+        Self { next: Some(Stamp { epoch, sequence: 0 }) }
+    }
+
+    /// The stamp for the next frame, or `None` when all are used: the sender must fall silent.
+    pub fn next_stamp(&mut self) -> Option<Stamp> {
+        let stamp = self.next?;
+        self.next = stamp.next();
+        Some(stamp)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn stamp(epoch: u32, sequence: u32) -> Stamp {
+        Stamp { epoch, sequence }
+    }
+
+    #[test]
+    fn a_restart_is_newer_than_everything_before() {
+        assert!(stamp(2, 0) > stamp(1, u32::MAX));
+        assert!(stamp(1, 1) > stamp(1, 0));
+    }
+
+    #[test]
+    fn numbers_every_frame_once_and_in_order() {
+        let mut numbering = Numbering::new(7);
+        for sequence in 0..5 {
+            assert_eq!(numbering.next_stamp(), Some(stamp(7, sequence)));
+        }
+    }
+
+    #[test]
+    fn goes_on_in_the_next_epoch_and_stops_after_the_last() {
+        let mut numbering = Numbering { next: Some(stamp(7, u32::MAX)) };
+        assert_eq!(numbering.next_stamp(), Some(stamp(7, u32::MAX)));
+        assert_eq!(numbering.next_stamp(), Some(stamp(8, 0)));
+
+        let mut numbering = Numbering { next: Some(stamp(u32::MAX, u32::MAX)) };
+        assert_eq!(numbering.next_stamp(), Some(stamp(u32::MAX, u32::MAX)));
+        assert_eq!(numbering.next_stamp(), None);
+        assert_eq!(numbering.next_stamp(), None);
+    }
+}

@@ -1,0 +1,141 @@
+//! How large a tree is.
+
+use super::node::Node;
+use super::table::Tree;
+
+/// The size of a tree: its nodes by kind, and its levels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Census {
+    /// Sequences, reactive ones included.
+    pub sequences: usize,
+    /// Fallbacks, reactive ones included.
+    pub fallbacks: usize,
+    /// Nodes that change the status of their one child.
+    pub decorators: usize,
+    /// Conditions.
+    pub conditions: usize,
+    /// Actions, inference nodes included.
+    pub actions: usize,
+    /// Inference nodes.
+    pub inferences: usize,
+    /// The levels, the root being the first.
+    pub depth: usize,
+}
+
+impl Census {
+    /// All nodes.
+    #[must_use]
+    pub const fn total(&self) -> usize {
+        self.sequences + self.fallbacks + self.decorators + self.conditions + self.actions
+    }
+
+    const fn count<L>(&mut self, node: &Node<L>) {
+        match node {
+            Node::Sequence(_) | Node::ReactiveSequence(_) => self.sequences += 1,
+            Node::Fallback(_) | Node::ReactiveFallback(_) => self.fallbacks += 1,
+            Node::Inverter => self.decorators += 1,
+            Node::Condition(_) => self.conditions += 1,
+            Node::Action(_) => self.actions += 1,
+            Node::Inference(_) => {
+                self.actions += 1;
+                self.inferences += 1;
+            }
+        }
+    }
+}
+
+impl<L, const N: usize> Tree<L, N> {
+    /// Counts the nodes by kind and the levels; time grows as nodes times levels.
+    #[must_use]
+    pub const fn census(&self) -> Census {
+        let mut census = Census {
+            sequences: 0,
+            fallbacks: 0,
+            decorators: 0,
+            conditions: 0,
+            actions: 0,
+            inferences: 0,
+            depth: 0,
+        };
+        let mut at = 0;
+        while at < N {
+            census.count(&self.rows[at].node);
+            let level = self.level(at);
+            if level > census.depth {
+                census.depth = level;
+            }
+            at += 1;
+        }
+        census
+    }
+
+    /// The level of the node in row `at`, 1 for the root and 0 past the end.
+    const fn level(&self, mut at: usize) -> usize {
+        let mut level = 0;
+        while at < N {
+            level += 1;
+            at = self.rows[at].parent as usize;
+        }
+        level
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tree;
+
+    /// Table 3 of the paper, the tree with an interactive inference node.
+    #[test]
+    fn the_papers_mission_has_five_nodes_on_three_levels() {
+        const MISSION: Tree<&str, 5> = tree! {
+            Sequence {
+                Fallback { Condition("Battery Enough?"), Action("MoveTo(Charger)") },
+                Inference("MoveToGoal"),
+            }
+        };
+        const CENSUS: Census = MISSION.census();
+        let expected = Census {
+            sequences: 1,
+            fallbacks: 1,
+            decorators: 0,
+            conditions: 1,
+            actions: 2,
+            inferences: 1,
+            depth: 3,
+        };
+        assert_eq!(CENSUS, expected);
+        assert_eq!(CENSUS.total(), 5);
+    }
+
+    /// Table 7, the classical tree of the second robot: figures 14 (right) and 16a.
+    #[test]
+    fn the_papers_classical_tree_has_ten_nodes_on_five_levels() {
+        let tree = tree! {
+            Sequence {
+                Fallback {
+                    Condition("IsHolding(Plate)"),
+                    Sequence {
+                        Condition("IsReached(R1, Goal A)"),
+                        Fallback { Condition("IsReached(Goal B)"), Action("MoveTo(Goal B)") },
+                        Action("Pick(Plate)"),
+                    },
+                },
+                Action("MoveTo(Goal C)"),
+            }
+        };
+        let census = tree.census();
+        let counts = (census.sequences, census.fallbacks, census.conditions, census.actions);
+        assert_eq!((counts, census.total(), census.depth), ((2, 2, 3, 3), 10, 5));
+    }
+
+    #[test]
+    fn reactive_nodes_and_inverters_are_counted() {
+        let census = tree! {
+            ReactiveSequence { Inverter { Condition('g') }, ReactiveFallback { Action('a') } }
+        }
+        .census();
+        assert_eq!((census.sequences, census.fallbacks, census.decorators, census.depth), (1, 1, 1, 3));
+    }
+}
