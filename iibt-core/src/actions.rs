@@ -64,13 +64,12 @@ impl Actions {
     ///
     /// # Errors
     /// [`ActionError`] when the sequence is full or the code is out of range; it is left as it was.
-    pub fn push(&mut self, action: Action) -> Result<(), ActionError> {
-        if action >= Self::CODES {
+    pub const fn push(&mut self, action: Action) -> Result<(), ActionError> {
+        let index = self.len();
+        if action >= Self::CODES || index >= HORIZON {
             return Err(ActionError);
         }
-        let index = self.len();
-        let byte = self.packed.get_mut(index / 2).ok_or(ActionError)?;
-        *byte |= action << (4 * (index % 2));
+        self.packed[index / 2] |= action << (4 * (index % 2));
         self.len += 1;
         Ok(())
     }

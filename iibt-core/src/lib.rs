@@ -6,6 +6,7 @@
 extern crate std;
 
 pub mod actions;
+mod bounded;
 pub mod grid;
 pub mod iibt;
 pub mod inference;

@@ -131,14 +131,21 @@ impl<const W: usize> Map<W> {
 
     /// The move that leads from one cell to another, if they are the same or neighbours.
     #[must_use]
-    pub fn move_between(&self, from: Cell, to: Cell) -> Option<Move> {
+    pub const fn move_between(&self, from: Cell, to: Cell) -> Option<Move> {
         if !self.contains(from) || !self.contains(to) {
             return None;
         }
-        if from == to {
+        if from.0 == to.0 {
             return Some(Move::Wait);
         }
-        Move::ALL.into_iter().find(|&step| self.neighbour(from, step) == to)
+        let mut code = 0;
+        while let Some(step) = Move::from_code(code) {
+            if self.neighbour(from, step).0 == to.0 {
+                return Some(step);
+            }
+            code += 1;
+        }
+        None
     }
 
     /// The moves between two cells if nothing stood in the way: columns plus rows apart.

@@ -25,13 +25,16 @@ impl Path {
     ///
     /// Returns `None` for no cells, for cells that are not neighbours, and for more moves than the horizon.
     #[must_use]
-    pub fn through<const W: usize>(map: &Map<W>, cells: &[Cell]) -> Option<Self> {
-        let (&start, rest) = cells.split_first()?;
-        let mut path = Self::at(start);
-        let mut here = start;
-        for &next in rest {
-            path.push(map.move_between(here, next)?).ok()?;
-            here = next;
+    pub const fn through<const W: usize>(map: &Map<W>, cells: &[Cell]) -> Option<Self> {
+        let [start, rest @ ..] = cells else { return None };
+        let mut path = Self::at(*start);
+        let (mut here, mut rest) = (*start, rest);
+        while let [next, further @ ..] = rest {
+            let Some(step) = map.move_between(here, *next) else { return None };
+            if path.push(step).is_err() {
+                return None;
+            }
+            (here, rest) = (*next, further);
         }
         Some(path)
     }
@@ -40,7 +43,7 @@ impl Path {
     ///
     /// # Errors
     /// [`ActionError`] when the path is as long as the horizon.
-    pub fn push(&mut self, step: Move) -> Result<(), ActionError> {
+    pub const fn push(&mut self, step: Move) -> Result<(), ActionError> {
         self.actions.push(step.code())
     }
 

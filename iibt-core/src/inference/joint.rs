@@ -4,7 +4,9 @@
 //! candidates are rolled out once, all in step; only the coupled outcomes are looked at pair by pair. For `P`
 //! candidates a robot, `S` states and `T` steps that is `2 P T` predictions instead of `2 P P T`.
 
-use super::{Belief, Credit, Gain, Likelihood, OutcomeTable, Padding, Policy, Preference, Scoring, Terms, Transition};
+use super::{
+    Belief, Credit, Gain, Likelihood, OutcomeTable, Padding, Policy, Preference, Scoring, Terms, Transition,
+};
 use crate::actions::Action;
 use crate::math;
 
@@ -172,7 +174,8 @@ impl<const S: usize, const P: usize> Workspace<S, P> {
         A: Likelihood<S, S>,
     {
         let likes = interaction.preference.ln_probabilities();
-        let second_labels = self.second.beliefs.each_ref().map(|belief| interaction.outcomes.label_masses(belief));
+        let second_labels =
+            self.second.beliefs.each_ref().map(|belief| interaction.outcomes.label_masses(belief));
         for ((row, policy), belief) in self.pairs.iter_mut().zip(first.policies).zip(&self.first.beliefs) {
             let labels = interaction.outcomes.label_masses(belief);
             let others = second.policies.iter().zip(&self.second.beliefs).zip(&second_labels);
@@ -185,9 +188,11 @@ impl<const S: usize, const P: usize> Workspace<S, P> {
                 *value += math::expectation(&outcomes, &likes);
                 *value += match scoring.gain {
                     Gain::PerModality => math::entropy(&outcomes),
-                    Gain::Joint => {
-                        joint_gain((first.likelihood, belief), (second.likelihood, other_belief), interaction.outcomes)
-                    }
+                    Gain::Joint => joint_gain(
+                        (first.likelihood, belief),
+                        (second.likelihood, other_belief),
+                        interaction.outcomes,
+                    ),
                 };
             }
         }
@@ -320,7 +325,9 @@ where
     };
     let (ours, theirs) = (by_label(first), by_label(second));
     let column = |parts: &[[f32; S]; L], outcome: usize| -> [f32; L] {
-        core::array::from_fn(|label| parts.get(label).and_then(|part| part.get(outcome)).copied().unwrap_or(0.0))
+        core::array::from_fn(|label| {
+            parts.get(label).and_then(|part| part.get(outcome)).copied().unwrap_or(0.0)
+        })
     };
     let mut entropy = 0.0;
     for one in 0..S {

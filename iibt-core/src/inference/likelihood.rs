@@ -96,6 +96,14 @@ impl<const S: usize> IdentityNoise<S> {
         Self { correct, off: (1.0 - correct) / (S - 1) as f32 }
     }
 
+    /// The same for a number that is only known at run time, held to 0..=1; NaN is a sensor that knows nothing.
+    #[must_use]
+    pub const fn clamped(correct: f32) -> Self {
+        const { assert!(S > 1, "A, the likelihood of an identity with noise, needs two states") }
+        let correct = if correct.is_nan() { 1.0 / S as f32 } else { correct.clamp(0.0, 1.0) };
+        Self { correct, off: (1.0 - correct) / (S - 1) as f32 }
+    }
+
     /// The probability of the right reading.
     #[must_use]
     pub const fn correct(&self) -> f32 {
@@ -171,10 +179,25 @@ impl<const S: usize, const L: usize, const K: usize> OutcomeTable<S, L, K> {
         }
         let mut pair = 0;
         while pair < L * L {
-            assert!((outcomes[pair / L][pair % L] as usize) < K, "an outcome table's outcome is out of range");
+            assert!(
+                (outcomes[pair / L][pair % L] as usize) < K,
+                "an outcome table's outcome is out of range"
+            );
             pair += 1;
         }
         Self { labels, outcomes }
+    }
+
+    /// A table worked out per state and per pair of labels; a label or outcome out of range counts as zero.
+    #[must_use]
+    pub fn from_fn(label: impl Fn(usize) -> usize, outcome: impl Fn(usize, usize) -> usize) -> Self {
+        let within = |value: usize, limit: usize| if value < limit { value as u8 } else { 0 };
+        Self {
+            labels: core::array::from_fn(|state| within(label(state), L)),
+            outcomes: core::array::from_fn(|first| {
+                core::array::from_fn(|second| within(outcome(first, second), K))
+            }),
+        }
     }
 
     /// The outcome of two states; outcome zero outside the table.
@@ -266,8 +289,21 @@ mod tests {
     }
 
     #[test]
+    fn a_sensor_known_at_run_time_is_held_to_the_range() {
+        let cases = [(0.7, 0.7), (1.5, 1.0), (-1.0, 0.0), (f32::NAN, 0.25), (f32::INFINITY, 1.0)];
+        for (given, expected) in cases {
+            assert_eq!(IdentityNoise::<4>::clamped(given), IdentityNoise::new(expected), "{given}");
+        }
+    }
+
+    #[test]
     fn the_outcome_table_is_a_sum_over_pairs_of_states() {
-        const MEET: OutcomeTable<4, 3, 3> = OutcomeTable::new([0, 1, 0, 2], [[0, 2, 2], [2, 2, 1], [2, 1, 2]]);
+        const MEET: OutcomeTable<4, 3, 3> =
+            OutcomeTable::new([0, 1, 0, 2], [[0, 2, 2], [2, 2, 1], [2, 1, 2]]);
+        let labels = [0, 1, 0, 2];
+        let outcome = |first: usize, second: usize| [[0, 2, 2], [2, 2, 1], [2, 1, 2]][first][second];
+        assert_eq!(OutcomeTable::from_fn(|state| labels[state], outcome), MEET);
+
         let other = [0.4, 0.3, 0.2, 0.1];
         let mut expected = [0.0; 3];
         for (first, p) in BELIEF.iter().enumerate() {

@@ -58,7 +58,11 @@ impl<const P: usize> Star<P> {
         let policy = math::argmax(best);
         let normaliser = math::log_sum_exp(total);
         let probability = |score: f32| math::exp(score - normaliser).clamp(0.0, 1.0);
-        Some(Choice { policy, joint: probability(*best.get(policy)?), marginal: probability(*total.get(policy)?) })
+        Some(Choice {
+            policy,
+            joint: probability(*best.get(policy)?),
+            marginal: probability(*total.get(policy)?),
+        })
     }
 
     /// The marginal posterior over the robot's own policies; zero beyond the candidates.

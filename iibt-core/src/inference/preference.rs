@@ -29,6 +29,13 @@ impl<const O: usize> Preference<O> {
         Self { base, raised: [0.0; O] }
     }
 
+    /// A preference worked out per outcome; a value that is not finite counts as zero.
+    #[must_use]
+    pub fn from_fn(mut value: impl FnMut(usize) -> f32) -> Self {
+        let finite = |outcome| Some(value(outcome)).filter(|value| value.is_finite()).unwrap_or(0.0);
+        Self { base: core::array::from_fn(finite), raised: [0.0; O] }
+    }
+
     /// The preference for one outcome, temporary raise included; zero outside the table.
     #[must_use]
     pub fn get(&self, outcome: usize) -> f32 {
@@ -104,6 +111,8 @@ mod tests {
         preference.raise(0, f32::INFINITY);
         preference.raise(9, 1.0);
         assert!(!preference.is_raised());
+        let odd = Preference::from_fn(|outcome| if outcome == 0 { f32::INFINITY } else { 1.0 });
+        assert_eq!(odd, preference);
     }
 
     #[test]

@@ -55,8 +55,9 @@ impl<const S: usize, const U: usize> Transition<S> for Dense<S, U> {
 
     fn successor(&self, action: Action, state: usize) -> usize {
         let Some(matrix) = self.0.get(usize::from(action)) else { return state };
-        let column: [f32; S] =
-            core::array::from_fn(|next| matrix.get(next).and_then(|row| row.get(state)).copied().unwrap_or(0.0));
+        let column: [f32; S] = core::array::from_fn(|next| {
+            matrix.get(next).and_then(|row| row.get(state)).copied().unwrap_or(0.0)
+        });
         math::argmax(&column)
     }
 }
@@ -78,10 +79,26 @@ impl<const S: usize, const U: usize> NextState<S, U> {
         assert!(U > 0, "B, the transition, has no actions");
         let mut entry = 0;
         while entry < S * U {
-            assert!((table[entry / S][entry % S] as usize) < S, "B, the transition: a next state is out of range");
+            assert!(
+                (table[entry / S][entry % S] as usize) < S,
+                "B, the transition: a next state is out of range"
+            );
             entry += 1;
         }
         Self(table)
+    }
+}
+
+impl<const S: usize, const U: usize> NextState<S, U> {
+    /// A table worked out per action and state; where that leads to no state, the action changes nothing.
+    #[must_use]
+    pub fn from_fn(mut next: impl FnMut(Action, usize) -> usize) -> Self {
+        Self(core::array::from_fn(|action| {
+            core::array::from_fn(|state| {
+                let next = next(action as Action, state);
+                (if next < S { next } else { state }) as u16
+            })
+        }))
     }
 }
 
@@ -128,6 +145,15 @@ mod tests {
                 assert_eq!(TABLE.successor(action, state), NEXT.successor(action, state));
             }
         }
+    }
+
+    #[test]
+    fn a_table_can_be_worked_out() {
+        let worked_out =
+            NextState::<3, 2>::from_fn(
+                |action, state| if action == 0 { state.wrapping_sub(1) } else { state + 1 },
+            );
+        assert_eq!(worked_out, NEXT);
     }
 
     #[test]

@@ -192,7 +192,8 @@ impl Agreement {
     ) -> Option<Move> {
         let target = self.path.cell_at(map, self.step() + 1);
         let step = self.path.actions.get(self.step()).and_then(Move::from_code)?;
-        let free = |peer: &Intention| self.keeps_pace(peer) && (step == Move::Wait || !may_be_in(map, peer, target));
+        let free =
+            |peer: &Intention| self.keeps_pace(peer) && (step == Move::Wait || !may_be_in(map, peer, target));
         (self.is_agreed() && self.all_of(&mut peers, free)).then_some(step)
     }
 

@@ -57,7 +57,8 @@ mod tests {
     use super::*;
 
     fn moves(rows: &[&[u16]]) -> Moves {
-        let entry = |robot: usize, goal: usize| rows.get(robot)?.get(goal).copied().filter(|&moves| moves < 99);
+        let entry =
+            |robot: usize, goal: usize| rows.get(robot)?.get(goal).copied().filter(|&moves| moves < 99);
         core::array::from_fn(|robot| core::array::from_fn(|goal| entry(robot, goal)))
     }
 

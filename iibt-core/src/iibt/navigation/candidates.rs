@@ -3,6 +3,7 @@
 use super::assignment::{Moves, earliest_together};
 use super::{MAX_GOALS, Mission};
 use crate::actions::HORIZON;
+use crate::bounded::up_to;
 use crate::grid::{Cell, Map, Path, Planner, TimedPlanner, Variety, WaitPlace, first_conflict};
 use crate::team::MAX_TEAM;
 use heapless::Vec;
@@ -61,7 +62,7 @@ impl<const S: usize, const W: usize> Generator<S, W> {
             None => earliest_together(&self.moves(mission, map, cells), cells.len()).map(usize::from),
         };
         let later = earliest.map(|moves| moves + LEEWAY);
-        [fixed, earliest, later].into_iter().flatten().filter(|&moves| moves <= HORIZON).take(2).collect()
+        up_to([fixed, earliest, later].into_iter().flatten().filter(|&moves| moves <= HORIZON))
     }
 
     /// Fills `candidates` for a robot that stands at `from`: those listed for it, or planned ones.
@@ -115,10 +116,13 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         candidates: &mut Vec<Candidate, P>,
     ) {
         for &goal in mission.goals {
-            let ways = self.planner.alternatives::<W, 3>(&situation.map, from, goal, VARIETY).unwrap_or_default();
-            for way in ways {
+            let ways =
+                self.planner.alternatives::<W, 3>(&situation.map, from, goal, VARIETY).unwrap_or_default();
+            for &way in &ways {
                 let arrival = situation.arrivals.iter().copied().find(|&arrival| arrival >= way.len());
-                let path = arrival.and_then(|arrival| way.with_waits(arrival, WaitPlace::BeforeLastMove)).unwrap_or(way);
+                let path = arrival
+                    .and_then(|arrival| way.with_waits(arrival, WaitPlace::BeforeLastMove))
+                    .unwrap_or(way);
                 let clear = |other: &Path| first_conflict(&situation.map, &path, other).is_none();
                 if situation.announced.iter().all(clear) {
                     add(mission, candidates, path);
@@ -140,7 +144,11 @@ impl<const S: usize, const W: usize> Generator<S, W> {
 }
 
 /// Adds a path that is not there yet, while there is room.
-fn add<const W: usize, const P: usize>(mission: &Mission<'_, W>, candidates: &mut Vec<Candidate, P>, path: Path) {
+fn add<const W: usize, const P: usize>(
+    mission: &Mission<'_, W>,
+    candidates: &mut Vec<Candidate, P>,
+    path: Path,
+) {
     if candidates.iter().all(|candidate| candidate.path != path) {
         let end = path.end(&mission.map);
         let goal = mission.goals.contains(&end).then_some(end);

@@ -2,11 +2,12 @@
 
 use super::mission::{LABELS, OUTCOMES};
 use super::{Candidate, Mission};
+use crate::bounded::up_to;
 use crate::grid::Cell;
 use crate::inference::belief::update_pair;
 use crate::inference::{
-    Belief, Choice, IdentityNoise, Interaction, NextState, OutcomeTable, Policy, Preference, Scoring, Side, Star, Terms,
-    Workspace,
+    Belief, Choice, IdentityNoise, Interaction, NextState, OutcomeTable, Policy, Preference, Scoring, Side,
+    Star, Terms, Workspace,
 };
 use crate::math;
 use heapless::Vec;
@@ -42,8 +43,8 @@ pub(super) struct Party<'a, const S: usize> {
 impl<const S: usize, const P: usize> Decision<S, P> {
     pub(super) fn new<const W: usize>(mission: &Mission<'_, W>) -> Self {
         Self {
-            sensor: IdentityNoise::new(mission.sensor),
-            peer_sensor: IdentityNoise::new(mission.peer_sensor),
+            sensor: IdentityNoise::clamped(mission.sensor),
+            peer_sensor: IdentityNoise::clamped(mission.peer_sensor),
             transition: mission.transition(),
             outcomes: mission.outcomes(),
             scoring: mission.scoring,
@@ -75,7 +76,9 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         let side = side(&self.sensor, &self.transition, own, &policies);
         self.workspace.evaluate_alone(&side, &self.scoring, horizon);
         self.own = [f32::NEG_INFINITY; P];
-        for ((score, terms), candidate) in self.own.iter_mut().zip(self.workspace.first_terms()).zip(own.candidates) {
+        for ((score, terms), candidate) in
+            self.own.iter_mut().zip(self.workspace.first_terms()).zip(own.candidates)
+        {
             *score = score_of(&self.scoring, self.haste, terms, candidate);
         }
         self.star = Star::new(self.own.iter().copied().take(own.candidates.len().min(P)));
@@ -97,7 +100,8 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         for (row, pairs) in self.rows.iter_mut().zip(self.workspace.pairs()) {
             let parts = pairs.iter().zip(self.workspace.second_terms()).zip(peer.candidates);
             for (score, ((pair, terms), candidate)) in row.iter_mut().zip(parts) {
-                *score = self.scoring.precision * pair + score_of(&self.scoring, self.haste, terms, candidate);
+                *score =
+                    self.scoring.precision * pair + score_of(&self.scoring, self.haste, terms, candidate);
             }
         }
         let count = self.counts.1;
@@ -144,7 +148,7 @@ fn side<'a, const S: usize>(
 }
 
 fn policies<const P: usize>(candidates: &[Candidate]) -> Vec<Policy, P> {
-    candidates.iter().take(P).map(|candidate| candidate.path.actions).collect()
+    up_to(candidates.iter().map(|candidate| candidate.path.actions))
 }
 
 /// ln E - F - γ G of one candidate by itself. F is the same for all candidates of a decision and cancels.

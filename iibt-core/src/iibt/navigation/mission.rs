@@ -13,9 +13,9 @@ pub(super) const LABELS: usize = MAX_GOALS + 1;
 
 /// The outcomes of two robots together: nobody on a goal, each on its own, or anything in between.
 pub(super) const OUTCOMES: usize = 3;
-const NOBODY: u8 = 0;
-const SUCCESS: u8 = 1;
-const FAILURE: u8 = 2;
+const NOBODY: usize = 0;
+const SUCCESS: usize = 1;
+const FAILURE: usize = 2;
 
 /// A navigation mission of a team, the same on every robot of it. Keep it in a `static`.
 #[derive(Clone, Copy, Debug)]
@@ -117,31 +117,29 @@ impl<'m, const W: usize> Mission<'m, W> {
 
     /// C: every goal is worth one.
     pub(super) fn preference<const S: usize>(&self) -> Preference<S> {
-        Preference::new(self.per_cell(|cell| if self.goals.contains(&cell) { 1.0 } else { 0.0 }))
+        Preference::from_fn(|state| if self.goals.contains(&Cell(state as u16)) { 1.0 } else { 0.0 })
     }
 
     /// B: each move leads to the neighbour, or nowhere at a wall or border.
     pub(super) fn transition<const S: usize>(&self) -> NextState<S, 5> {
-        NextState::new(Move::ALL.map(|step| {
-            self.per_cell(|cell| {
-                let next = self.map.neighbour(cell, step);
-                if self.map.is_free(next) { next.0 } else { cell.0 }
-            })
-        }))
+        NextState::from_fn(|action, state| {
+            let step = Move::from_code(action).unwrap_or(Move::Wait);
+            let next = self.map.neighbour(Cell(state as u16), step);
+            if self.map.is_free(next) { next.index() } else { state }
+        })
     }
 
     /// D: every free cell is equally likely.
     pub(super) fn belief<const S: usize>(&self) -> Belief<S> {
-        let weights = self.per_cell(|cell| if self.map.is_free(cell) { 1.0 } else { 0.0 });
-        Belief::from_weights(weights).unwrap_or(const { Belief::uniform() })
+        let free = |state| f32::from(u8::from(self.map.is_free(Cell(state as u16))));
+        Belief::from_weights(core::array::from_fn(free)).unwrap_or(const { Belief::uniform() })
     }
 
     /// The team's outcome: success where two robots stand on different goals, failure where at least one is
     /// on a goal otherwise.
     pub(super) fn outcomes<const S: usize>(&self) -> OutcomeTable<S, LABELS, OUTCOMES> {
-        let label = |cell| self.goals.iter().take(MAX_GOALS).position(|&goal| goal == cell).map_or(0, |goal| goal + 1);
-        let table = core::array::from_fn(|first| core::array::from_fn(|second| outcome_of(first, second)));
-        OutcomeTable::new(self.per_cell(|cell| label(cell) as u8), table)
+        let number = |state| self.goals.iter().position(|&goal| goal == Cell(state as u16));
+        OutcomeTable::from_fn(|state| number(state).map_or(0, |goal| goal + 1), outcome_of)
     }
 
     /// C for the team's outcome.
@@ -160,10 +158,6 @@ impl<'m, const W: usize> Mission<'m, W> {
         lists.get(robot).copied().unwrap_or(&[]).iter().map(Path::len)
     }
 
-    fn per_cell<T, const S: usize>(&self, value: impl Fn(Cell) -> T) -> [T; S] {
-        core::array::from_fn(|state| value(Cell(state as u16)))
-    }
-
     /// The first cell that no robot can stand on, or that is listed twice.
     fn misplaced(&self, cells: &[Cell]) -> Option<Cell> {
         let twice = |index: usize, cell| cells.iter().take(index).any(|&other| other == cell);
@@ -173,7 +167,7 @@ impl<'m, const W: usize> Mission<'m, W> {
 }
 
 /// The outcome of two labels, where zero is no goal.
-const fn outcome_of(first: usize, second: usize) -> u8 {
+const fn outcome_of(first: usize, second: usize) -> usize {
     match (first, second) {
         (0, 0) => NOBODY,
         (0, _) | (_, 0) => FAILURE,
@@ -189,9 +183,13 @@ impl core::fmt::Display for MissionError {
             Self::TeamSize => write!(f, "a team has 1 to {MAX_TEAM} robots"),
             Self::NoSuchRobot => f.write_str("the robot's number is not below the size of the team"),
             Self::GoalCount => write!(f, "a mission has 1 to {MAX_GOALS} goals"),
-            Self::Start(cell) => write!(f, "the start p{} is outside the map, blocked or given twice", cell.0),
+            Self::Start(cell) => {
+                write!(f, "the start p{} is outside the map, blocked or given twice", cell.0)
+            }
             Self::Goal(cell) => write!(f, "the goal p{} is outside the map, blocked or given twice", cell.0),
-            Self::Number => f.write_str("a probability, precision, haste or collision preference is out of range"),
+            Self::Number => {
+                f.write_str("a probability, precision, haste or collision preference is out of range")
+            }
         }
     }
 }

@@ -30,7 +30,9 @@ impl Plan {
         match self {
             Self::Wait => Condition::ALWAYS,
             Self::Stop => Condition { all: Logic::of(&[ARRIVED]), none: Logic::NONE },
-            Self::Take(_) | Self::Follow => Condition { all: Logic::NONE, none: Logic::of(&[OBSTACLE, ARRIVED]) },
+            Self::Take(_) | Self::Follow => {
+                Condition { all: Logic::NONE, none: Logic::of(&[OBSTACLE, ARRIVED]) }
+            }
         }
     }
 }

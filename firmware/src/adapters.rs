@@ -1,0 +1,18 @@
+//! The hardware traits over common drivers, so that a new board seldom needs code of its own.
+//!
+//! [`IoLink`] makes a link of two `embedded-io` streams, [`DifferentialDrive`] a drive of two motors behind
+//! `embedded-hal` outputs, and [`DeadReckoning`] a localiser of nothing but the moves that were made.
+//! [`Absent`] stands for a sensor that the robot does not have.
+//! [`FrameQueue`] is the buffer between a sender that must not wait and a slow port.
+
+mod absent;
+mod dead_reckoning;
+mod differential_drive;
+mod frame_queue;
+mod io_link;
+
+pub use absent::Absent;
+pub use dead_reckoning::{Counted, DeadReckoning};
+pub use differential_drive::{Chassis, DifferentialDrive, Motor, Wheel};
+pub use frame_queue::FrameQueue;
+pub use io_link::IoLink;

@@ -1,0 +1,124 @@
+//! A localiser for robots that cannot see where they are.
+
+use crate::hardware::{Drive, Localiser};
+use core::cell::Cell as Shared;
+use iibt_core::grid::{Cell, Map, Move};
+
+/// Where a robot must be if its start was right and every finished move worked.
+///
+/// It has no sensor, so its error never shrinks: for short missions, simulation, and robots whose drive
+/// corrects itself (a line follower). It hears of moves by lending itself to the drive:
+/// [`DeadReckoning::count`] wraps the drive, and a shared reference is the [`Localiser`]. A move counts
+/// once the drive has been asked and says it no longer moves; a move that was stopped does not count.
+#[derive(Debug)]
+pub struct DeadReckoning<const W: usize> {
+    map: Map<W>,
+    here: Shared<Cell>,
+}
+
+/// A drive whose finished moves a [`DeadReckoning`] counts.
+#[derive(Debug)]
+pub struct Counted<'a, D, const W: usize> {
+    drive: D,
+    reckoning: &'a DeadReckoning<W>,
+    pending: Option<Move>,
+}
+
+impl<const W: usize> DeadReckoning<W> {
+    /// A robot that stands at `start`. The map gives the border only; its obstacles are not looked at.
+    #[must_use]
+    pub const fn new(map: Map<W>, start: Cell) -> Self {
+        Self { map, here: Shared::new(start) }
+    }
+
+    /// The same drive, with its finished moves counted here.
+    pub const fn count<D>(&self, drive: D) -> Counted<'_, D, W> {
+        Counted { drive, reckoning: self, pending: None }
+    }
+}
+
+impl<const W: usize> Localiser for &DeadReckoning<W> {
+    fn locate(&mut self) -> Option<Cell> {
+        Some(self.here.get())
+    }
+}
+
+impl<D: Drive, const W: usize> Drive for Counted<'_, D, W> {
+    fn go(&mut self, step: Move) {
+        self.drive.go(step);
+        self.pending = Some(step);
+    }
+
+    fn is_moving(&mut self) -> bool {
+        let moving = self.drive.is_moving();
+        if !moving && let Some(step) = self.pending.take() {
+            let DeadReckoning { map, here } = self.reckoning;
+            here.set(map.neighbour(here.get(), step));
+        }
+        moving
+    }
+
+    fn stop(&mut self) {
+        self.drive.stop();
+        self.pending = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A drive that needs as many questions for a move as its number says.
+    struct Slow(u32, u32);
+
+    impl Drive for Slow {
+        fn go(&mut self, _: Move) {
+            self.1 = self.0;
+        }
+        fn is_moving(&mut self) -> bool {
+            let moving = self.1 > 0;
+            self.1 = self.1.saturating_sub(1);
+            moving
+        }
+        fn stop(&mut self) {
+            self.1 = 0;
+        }
+    }
+
+    fn reckoning() -> DeadReckoning<1> {
+        DeadReckoning::new(Map::new(3, 3).unwrap(), Cell(4))
+    }
+
+    #[test]
+    fn counts_a_move_when_it_is_finished() {
+        let reckoning = reckoning();
+        let mut drive = reckoning.count(Slow(1, 0));
+        drive.go(Move::Right);
+        assert!(drive.is_moving());
+        assert_eq!((&reckoning).locate(), Some(Cell(4)));
+        assert!(!drive.is_moving());
+        assert!(!drive.is_moving());
+        assert_eq!((&reckoning).locate(), Some(Cell(5)));
+    }
+
+    #[test]
+    fn forgets_a_move_that_was_stopped() {
+        let reckoning = reckoning();
+        let mut drive = reckoning.count(Slow(1, 0));
+        drive.go(Move::Up);
+        drive.stop();
+        assert!(!drive.is_moving());
+        assert_eq!((&reckoning).locate(), Some(Cell(4)));
+    }
+
+    #[test]
+    fn stays_on_the_map() {
+        let reckoning = reckoning();
+        let mut drive = reckoning.count(Slow(0, 0));
+        for _ in 0..5 {
+            drive.go(Move::Down);
+            assert!(!drive.is_moving());
+        }
+        assert_eq!((&reckoning).locate(), Some(Cell(7)));
+    }
+}

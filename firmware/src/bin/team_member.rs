@@ -1,0 +1,165 @@
+//! Robot 1 of the paper's section 5.1 on the STM32F405: `cargo fw` builds it.
+//!
+//! It decides with robot 2, whose intentions arrive as frames on USART2, goes where it decided to go, and logs
+//! on USART1. Without a positioning system it reckons its place from its own moves.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!(
+        "This image runs on a robot: `cargo fw` builds it, `cargo fw-run team_member` starts it in QEMU."
+    );
+}
+
+#[cfg(target_os = "none")]
+mod image {
+    use cortex_m::singleton;
+    use firmware::adapters::{Absent, Chassis, Counted, DeadReckoning};
+    use firmware::board::{self, Board, Milliseconds, Motors, TeamLink};
+    use firmware::hardware::{Clock, Hardware};
+    use firmware::missions::{CANDIDATES, CELLS, SECTION_5_1, WORDS};
+    use firmware::{Controller, Report, Settings};
+    use heapless::Vec;
+    use iibt_core::actions::HORIZON;
+    use iibt_core::team::{Key, RobotId, Status};
+    use iibt_core::time::Duration;
+
+    const CHASSIS: Chassis = Chassis { cell: 0.5, track: 0.1, speed: 0.25, duty: 60 };
+
+    /// Between two ticks of the controller, in milliseconds.
+    const TICK: Duration = Duration(100);
+
+    /// For the bench only: a team in the field has a key of its own.
+    const KEY: Key = Key::new(*b"section 5.1 demo");
+
+    type Robot = Controller<'static, Body, CELLS, WORDS, CANDIDATES>;
+
+    /// The robot's hardware: what the board has, and a reckoning in the place of a localiser.
+    struct Body {
+        link: TeamLink,
+        drive: Counted<'static, Motors, WORDS>,
+        localiser: &'static DeadReckoning<WORDS>,
+        absent: (Absent, Absent),
+        clock: Milliseconds,
+    }
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        match start() {
+            Some(robot) => run(robot),
+            None => board::restart(),
+        }
+    }
+
+    /// `None` when a part is taken already or the mission does not fit: neither can happen after a reset.
+    fn start() -> Option<&'static mut Robot> {
+        let mut board = Board::take(CHASSIS)?;
+        board.led.set_high();
+        let start = *SECTION_5_1.starts.first()?;
+        let reckoning: &'static DeadReckoning<WORDS> =
+            singleton!(: DeadReckoning<WORDS> = DeadReckoning::new(SECTION_5_1.map, start))?;
+        let body = Body {
+            link: board.link,
+            drive: reckoning.count(board.drive),
+            localiser: reckoning,
+            absent: (Absent, Absent),
+            clock: board.clock,
+        };
+        // The epoch belongs into memory that outlives a restart; this board has none wired up.
+        let settings = Settings { beacon: TICK, timeout: Duration(10_000), ..Settings::new(KEY, 1) };
+        let robot = Controller::new(&SECTION_5_1, RobotId(0), settings, body).ok()?;
+        defmt::info!("boot: robot 1 of {=usize} on p{=u16}", SECTION_5_1.starts.len(), start.0);
+        singleton!(: Robot = robot)
+    }
+
+    fn run(robot: &'static mut Robot) -> ! {
+        let mut due = robot.hardware_mut().clock.now();
+        let mut ticks: u32 = 0;
+        let mut before = robot.report();
+        loop {
+            let now = robot.hardware_mut().clock.now();
+            if now.has_reached(due) {
+                due = now.after(TICK);
+                ticks = ticks.wrapping_add(1);
+                robot.tick();
+                let report = robot.report();
+                tell(robot, ticks, &before, &report);
+                before = report;
+            }
+            board::sleep();
+        }
+    }
+
+    /// Logs what has changed in a tick.
+    fn tell(robot: &Robot, tick: u32, before: &Report, now: &Report) {
+        if now.received.accepted > 0 && before.received.accepted == 0 {
+            defmt::info!("tick {=u32}: heard the team", tick);
+        }
+        if now.step != before.step {
+            defmt::info!("tick {=u32}: step {=usize} done, on p{=u16}", tick, now.step, now.cell.0);
+        }
+        if now.status != before.status {
+            if now.status == Status::Announced {
+                tell_decision(robot, tick, now);
+            }
+            defmt::info!("tick {=u32}: {} in round {=u16}", tick, now.status, now.round.0);
+        }
+    }
+
+    /// Logs the posterior over the joint policies, bit by bit, and the choice.
+    fn tell_decision(robot: &Robot, tick: u32, now: &Report) {
+        for (policy, row) in robot.navigation().decision().joint().iter().enumerate() {
+            let [first, second, third, fourth] = row.map(f32::to_bits);
+            defmt::info!(
+                "tick {=u32}: posterior of {=usize}: {=u32:08x} {=u32:08x} {=u32:08x} {=u32:08x}",
+                tick,
+                policy,
+                first,
+                second,
+                third,
+                fourth
+            );
+        }
+        let mut cells = Vec::<u16, { HORIZON + 1 }>::new();
+        for cell in now.path.cells(&SECTION_5_1.map) {
+            // There is room for every cell of the longest path.
+            let _ = cells.push(cell.0);
+        }
+        let goal = now.goal.map_or(0, |goal| goal.0);
+        defmt::info!(
+            "tick {=u32}: chose p{=u16} with {=f32} by {}",
+            tick,
+            goal,
+            now.probability,
+            cells.as_slice()
+        );
+    }
+
+    impl Hardware for Body {
+        type Link = TeamLink;
+        type Drive = Counted<'static, Motors, WORDS>;
+        type Localiser = &'static DeadReckoning<WORDS>;
+        type Scanner = Absent;
+        type Battery = Absent;
+        type Clock = Milliseconds;
+
+        fn link(&mut self) -> &mut Self::Link {
+            &mut self.link
+        }
+        fn drive(&mut self) -> &mut Self::Drive {
+            &mut self.drive
+        }
+        fn localiser(&mut self) -> &mut Self::Localiser {
+            &mut self.localiser
+        }
+        fn scanner(&mut self) -> &mut Self::Scanner {
+            &mut self.absent.0
+        }
+        fn battery(&mut self) -> &mut Self::Battery {
+            &mut self.absent.1
+        }
+        fn clock(&mut self) -> &mut Self::Clock {
+            &mut self.clock
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Panics and faults: log the place, restart the robot.
+
+use super::log;
+use core::panic::PanicInfo;
+use cortex_m::peripheral::SCB;
+
+/// Sends the rest of the log and resets the chip, which lets go of the motors.
+pub fn restart() -> ! {
+    log::flush();
+    SCB::sys_reset()
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    log::abandon();
+    defmt::error!("{}", defmt::Display2Format(info));
+    restart()
+}
+
+/// Where a stack overflow is said to happen; odd, as no program counter is.
+const NO_STACK: u32 = 1;
+
+/// Reports a fault; runs on a fresh stack.
+extern "C" fn report(place: u32) -> ! {
+    log::abandon();
+    match place {
+        NO_STACK => defmt::error!("stack overflow"),
+        _ => defmt::error!("fault at {=u32:#010x}", place),
+    }
+    restart()
+}
+
+/// The hard fault, which every other fault escalates to.
+///
+/// After a stack overflow there is no stack to run on and no frame to read, so this starts over at the
+/// top of the stack. The seventh word of the exception frame is the program counter; a frame below
+/// `_stack_end` was never written.
+// SAFETY: the name is the one that the vector table of cortex-m-rt refers to.
+#[allow(unsafe_code, reason = "the stack pointer must change before any Rust runs")]
+#[unsafe(naked)]
+#[unsafe(export_name = "HardFault")]
+extern "C" fn hard_fault() -> ! {
+    core::arch::naked_asm!(
+        "mrs r0, MSP",
+        "movw r1, :lower16:_stack_end",
+        "movt r1, :upper16:_stack_end",
+        "cmp r0, r1",
+        "ite hs",
+        "ldrhs r0, [r0, #24]",
+        "movlo r0, #{no_stack}",
+        "movw r1, :lower16:_stack_start",
+        "movt r1, :upper16:_stack_start",
+        "msr MSP, r1",
+        "b {report}",
+        no_stack = const NO_STACK,
+        report = sym report,
+    )
+}

@@ -1,0 +1,22 @@
+//! A value that the program shares with its interrupts.
+
+use core::cell::RefCell;
+use critical_section::Mutex;
+
+/// A value that is reached with the interrupts off; keep what is done to it short.
+pub(super) struct Shared<T>(Mutex<RefCell<T>>);
+
+impl<T> Shared<T> {
+    pub(super) const fn new(value: T) -> Self {
+        Self(Mutex::new(RefCell::new(value)))
+    }
+
+    /// Does something to the value; `None` when this is called from within such a call, which only a
+    /// fault or a panic does.
+    pub(super) fn with<R>(&self, act: impl FnOnce(&mut T) -> R) -> Option<R> {
+        critical_section::with(|section| {
+            let mut value = self.0.borrow(section).try_borrow_mut().ok()?;
+            Some(act(&mut value))
+        })
+    }
+}

@@ -1,0 +1,176 @@
+//! A robot's body: the hardware its controller works on, filled and read by the world around it.
+//!
+//! Within a tick a body is alone. The world puts in what the sensors read before the controller ticks, and
+//! carries out what the controller has commanded afterwards.
+
+use firmware::hardware;
+use iibt_core::grid::{Cell, Move};
+use iibt_core::time::Instant;
+use std::collections::VecDeque;
+
+/// The hardware of one simulated robot.
+#[derive(Debug, Default)]
+pub(crate) struct Body {
+    pub(crate) antenna: Antenna,
+    pub(crate) wheels: Wheels,
+    pub(crate) localiser: Localiser,
+    pub(crate) scanner: Scanner,
+    pub(crate) battery: Battery,
+    pub(crate) clock: Clock,
+}
+
+/// The robot's end of the radio.
+#[derive(Debug, Default)]
+pub(crate) struct Antenna {
+    pub(crate) received: VecDeque<u8>,
+    pub(crate) sent: Vec<Vec<u8>>,
+}
+
+/// The wheels, and the move they have been told to make.
+#[derive(Debug, Default)]
+pub(crate) struct Wheels {
+    pub(crate) command: Option<Move>,
+}
+
+/// The positioning, and what it reads in this tick.
+#[derive(Debug, Default)]
+pub(crate) struct Localiser {
+    pub(crate) reading: Option<Cell>,
+}
+
+/// The obstacle sensor: what comes into view is reported first, what stays in view again and again.
+#[derive(Debug, Default)]
+pub(crate) struct Scanner {
+    in_view: Vec<Cell>,
+    unreported: VecDeque<Cell>,
+}
+
+/// The battery and its charge in percent.
+#[derive(Debug, Default)]
+pub(crate) struct Battery {
+    pub(crate) charge: u8,
+}
+
+/// The clock, which counts the simulator's ticks.
+#[derive(Debug, Default)]
+pub(crate) struct Clock {
+    pub(crate) now: u32,
+}
+
+impl Scanner {
+    /// Turns to what is in view now.
+    pub(crate) fn look(&mut self, in_view: Vec<Cell>) {
+        self.unreported.retain(|cell| in_view.contains(cell));
+        for &cell in in_view.iter().rev().filter(|cell| !self.in_view.contains(cell)) {
+            self.unreported.push_front(cell);
+        }
+        if self.unreported.is_empty() {
+            self.unreported.extend(&in_view);
+        }
+        self.in_view = in_view;
+    }
+}
+
+impl hardware::Link for Antenna {
+    fn receive(&mut self) -> Option<u8> {
+        self.received.pop_front()
+    }
+
+    fn send(&mut self, frame: &[u8]) -> bool {
+        self.sent.push(frame.to_vec());
+        true
+    }
+}
+
+impl hardware::Drive for Wheels {
+    fn go(&mut self, step: Move) {
+        self.command = Some(step);
+    }
+
+    fn is_moving(&mut self) -> bool {
+        self.command.is_some()
+    }
+
+    fn stop(&mut self) {
+        self.command = None;
+    }
+}
+
+impl hardware::Localiser for Localiser {
+    fn locate(&mut self) -> Option<Cell> {
+        self.reading
+    }
+}
+
+impl hardware::Scanner for Scanner {
+    fn scan(&mut self) -> Option<Cell> {
+        self.unreported.pop_front()
+    }
+}
+
+impl hardware::Battery for Battery {
+    fn charge(&mut self) -> u8 {
+        self.charge
+    }
+}
+
+impl hardware::Clock for Clock {
+    fn now(&mut self) -> Instant {
+        Instant(self.now)
+    }
+}
+
+impl hardware::Hardware for Body {
+    type Link = Antenna;
+    type Drive = Wheels;
+    type Localiser = Localiser;
+    type Scanner = Scanner;
+    type Battery = Battery;
+    type Clock = Clock;
+
+    fn link(&mut self) -> &mut Antenna {
+        &mut self.antenna
+    }
+
+    fn drive(&mut self) -> &mut Wheels {
+        &mut self.wheels
+    }
+
+    fn localiser(&mut self) -> &mut Localiser {
+        &mut self.localiser
+    }
+
+    fn scanner(&mut self) -> &mut Scanner {
+        &mut self.scanner
+    }
+
+    fn battery(&mut self) -> &mut Battery {
+        &mut self.battery
+    }
+
+    fn clock(&mut self) -> &mut Clock {
+        &mut self.clock
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hardware::Scanner as _;
+
+    #[test]
+    fn what_comes_into_view_is_reported_first_and_what_stays_again() {
+        let mut scanner = Scanner::default();
+        let mut reported = |in_view: &[u16]| {
+            scanner.look(in_view.iter().copied().map(Cell).collect());
+            scanner.scan().map(|cell| cell.0)
+        };
+        assert_eq!(reported(&[]), None);
+        assert_eq!(reported(&[3, 5]), Some(3));
+        assert_eq!(reported(&[3, 5]), Some(5));
+        assert_eq!(reported(&[3, 5]), Some(3));
+        assert_eq!(reported(&[3, 4, 5]), Some(4), "it is new");
+        assert_eq!(reported(&[3, 4]), Some(3), "5 is out of view");
+        assert_eq!(reported(&[]), None);
+    }
+}

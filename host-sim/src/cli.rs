@@ -1,0 +1,270 @@
+//! The verbs, what they read and what they print.
+
+use anstream::{AutoStream, ColorChoice};
+use clap::{Args, Parser, Subcommand};
+use host_sim::show::{Narrator, Palette, Screen, outcome_line, summary};
+use host_sim::{Audience, Conditions, Record, Scenario, fly, library};
+use std::error::Error;
+use std::fs::File;
+use std::io::{self, IsTerminal, Read, Write};
+use std::path::Path;
+use std::process::ExitCode;
+use terminal_size::{Height, Width, terminal_size};
+
+/// The exit status when a mission is not accomplished.
+const NOT_ACCOMPLISHED: u8 = 1;
+
+/// The exit status for an input that cannot be used; the same as for a wrong command line.
+const UNUSABLE: u8 = 2;
+
+/// No scenario is larger than this.
+const MAX_BYTES: u64 = 1 << 20;
+
+const EXAMPLES: &str = "\
+Examples:
+  host-sim                    fly the three-robot factory mission
+  host-sim list               see what else is built in
+  host-sim run detour --loss 0.3 --seed 7
+  host-sim run my-warehouse.toml --json > flight.json
+
+Exit status:
+  0  all robots arrived together at different goals
+  1  they did not
+  2  wrong usage or input";
+
+const RUN_EXAMPLES: &str = "\
+Examples:
+  host-sim run factory              watch the default mission
+  host-sim run factory --loss 0.3   with a radio that loses three frames in ten
+  host-sim run my-warehouse.toml    a scenario of your own
+  host-sim run two-goals --json | jq '.robots[].path'
+
+A scenario of your own:
+  title = \"Two robots in a corridor\"
+  map = \"\"\"
+  1..#..G
+  2.....G
+  \"\"\"
+'.' is free, '#' blocked, '1' to '8' are robots, 'G' goals.
+host-sim/scenarios/README.md tells what else a scenario can say.
+
+Exit status:
+  0  all robots arrived together at different goals
+  1  they did not
+  2  wrong usage or input";
+
+/// Fly teams of robots that decide together, in simulation.
+///
+/// The robots run the firmware's own controller and talk through a radio that may lose frames. Without a
+/// verb, the three-robot factory mission is flown.
+#[derive(Parser)]
+#[command(name = "host-sim", version, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Option<Verb>,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// List the built-in scenarios
+    #[command(after_help = "Example:\n  host-sim list")]
+    List,
+    /// Fly a scenario
+    #[command(after_help = RUN_EXAMPLES)]
+    Run(Run),
+}
+
+#[derive(Args)]
+struct Run {
+    /// A built-in scenario, or a scenario file
+    #[arg(value_name = "NAME|FILE.toml", default_value = library::DEFAULT)]
+    scenario: String,
+    /// The seed of all chance; the same seed gives the same flight
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// The probability that a frame does not reach a teammate, 0 to 1, in place of the scenario's
+    #[arg(long, value_name = "P", value_parser = probability)]
+    loss: Option<f64>,
+    /// Print one JSON object with everything about the flight, and nothing else
+    #[arg(long, conflicts_with = "quiet")]
+    json: bool,
+    /// Print the outcome in one line, and nothing else
+    #[arg(long)]
+    quiet: bool,
+}
+
+type Failure = Box<dyn Error>;
+
+/// Does what the command line says.
+pub(crate) fn main() -> ExitCode {
+    match Cli::parse().run() {
+        Ok(code) => code,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            ExitCode::from(UNUSABLE)
+        }
+    }
+}
+
+impl Cli {
+    fn run(self) -> Result<ExitCode, Failure> {
+        match self.verb {
+            Some(Verb::List) => list(),
+            Some(Verb::Run(run)) => run.run(),
+            None => Run::default().run(),
+        }
+    }
+}
+
+impl Default for Run {
+    fn default() -> Self {
+        Self { scenario: library::DEFAULT.to_owned(), seed: 0, loss: None, json: false, quiet: false }
+    }
+}
+
+fn list() -> Result<ExitCode, Failure> {
+    let longest = library::names().map(str::len).max().unwrap_or(0);
+    let mut text = String::new();
+    for name in library::names() {
+        let title = scenario(name)?.title;
+        text += &format!("{name:<longest$}  {title}\n");
+    }
+    print(&text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+impl Run {
+    fn run(&self) -> Result<ExitCode, Failure> {
+        let scenario = scenario(&self.scenario)?;
+        let conditions = Conditions { seed: self.seed, loss: self.loss };
+        let record = fly(&scenario, conditions, &mut *self.audience(&scenario))
+            .map_err(|error| format!("{}: {error}", scenario.name))?;
+        print(&self.report(&record)?)?;
+        let success = record.outcome.is_success();
+        Ok(if success { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
+    }
+
+    fn audience(&self, scenario: &Scenario) -> Box<dyn Audience> {
+        if self.json || self.quiet {
+            return Box::new(());
+        }
+        match size_of_screen() {
+            Some((columns, lines)) if fits(scenario, columns, lines) => {
+                Box::new(Screen::new(io::stdout(), palette(), columns))
+            }
+            _ => Box::new(Narrator::new(io::stdout())),
+        }
+    }
+
+    fn report(&self, record: &Record) -> Result<String, Failure> {
+        let text = if self.json {
+            record.to_json()?
+        } else if self.quiet {
+            outcome_line(record)
+        } else {
+            let columns = size_of_screen().and_then(|(columns, _)| u16::try_from(columns).ok());
+            format!("\n{}", summary(record, columns))
+        };
+        Ok(text + "\n")
+    }
+}
+
+/// The columns and lines of the terminal, if standard output is one that can be redrawn.
+fn size_of_screen() -> Option<(usize, usize)> {
+    let is_dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+    if is_dumb || !io::stdout().is_terminal() {
+        return None;
+    }
+    terminal_size().map(|(Width(columns), Height(lines))| (usize::from(columns), usize::from(lines)))
+}
+
+fn fits(scenario: &Scenario, columns: usize, lines: usize) -> bool {
+    let width = 2 * usize::from(scenario.map.width()) + 2;
+    width.max(60) < columns && Screen::<io::Stdout>::height(scenario) < lines
+}
+
+fn palette() -> Palette {
+    match AutoStream::choice(&io::stdout()) {
+        ColorChoice::Never => Palette::Plain,
+        _ => Palette::Colour,
+    }
+}
+
+/// A built-in scenario by its name, else a file.
+fn scenario(name: &str) -> Result<Scenario, Failure> {
+    if let Some(scenario) = library::find(name) {
+        return Ok(scenario?);
+    }
+    let path = Path::new(name);
+    let is_path = path.extension().is_some() || path.components().count() > 1 || path.exists();
+    if !is_path {
+        return Err(unknown(name).into());
+    }
+    let text = read(path).map_err(|error| format!("{name}: {error}"))?;
+    Ok(Scenario::read(name, &text)?)
+}
+
+fn unknown(name: &str) -> String {
+    let hint =
+        library::nearest(name).map_or_else(String::new, |nearest| format!("did you mean '{nearest}'? "));
+    let names = library::names().collect::<Vec<_>>().join(", ");
+    format!("no scenario is called '{name}': {hint}built in are {names}; a file of your own ends in .toml")
+}
+
+fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(io::Error::other("larger than 1 MiB, which is no scenario"));
+    }
+    Ok(bytes)
+}
+
+fn probability(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|value| (0.0..=1.0).contains(value));
+    value.ok_or_else(|| "a probability is a number from 0 to 1".to_owned())
+}
+
+/// Prints to standard output; that nobody reads on is no error.
+fn print(text: &str) -> io::Result<()> {
+    match io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        result => result,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn no_verb_flies_what_run_flies_by_default() {
+        let Some(Verb::Run(run)) = Cli::parse_from(["host-sim", "run"]).verb else { panic!("not a run") };
+        let usual = Run::default();
+        assert_eq!((run.scenario, run.seed, run.loss), (usual.scenario, usual.seed, usual.loss));
+        assert_eq!((run.json, run.quiet), (usual.json, usual.quiet));
+    }
+
+    #[test]
+    fn wrong_arguments_are_refused() {
+        let refused =
+            |arguments: &[&str]| Cli::try_parse_from([&["host-sim", "run"], arguments].concat()).is_err();
+        assert!(refused(&["--loss", "1.5"]) && refused(&["--loss", "NaN"]) && refused(&["--seed", "-1"]));
+        assert!(refused(&["--json", "--quiet"]) && refused(&["--fast"]));
+        assert!(!refused(&["--loss", "1", "--seed", "18446744073709551615"]));
+    }
+
+    #[test]
+    fn an_unknown_name_gets_a_suggestion_and_a_missing_file_its_name() {
+        let refusal = |name: &str| scenario(name).map_or_else(|error| error.to_string(), |_| String::new());
+        assert!(refusal("factry").starts_with("no scenario is called 'factry': did you mean 'factory'?"));
+        assert!(refusal("xyzzy").starts_with("no scenario is called 'xyzzy': built in are factory"));
+        assert!(refusal("nowhere/mine.toml").starts_with("nowhere/mine.toml: "));
+    }
+}

@@ -1,0 +1,270 @@
+//! A flight: the loop that lets the world, the robots and the radio take turns, and keeps the record.
+//!
+//! ```text
+//! one tick   world: obstacles appear ─► sensors and arrived frames into the bodies
+//!            every controller ticks, alone in its body
+//!            frames to the radio ─► commands to the world, all at once ─► referee ─► news
+//! ```
+//! What a robot sends in a tick arrives in a later one and all moves are made at once, so the order in which
+//! the robots tick does not matter.
+
+use crate::chance::{Chance, Purpose};
+use crate::news::{self, News};
+use crate::radio::{Radio, Traffic};
+use crate::record::{self, Dated, Outcome, Record, RobotRecord};
+use crate::referee::Collisions;
+use crate::scenario::{self, Floor, Scenario};
+use crate::team::{Team, with_team};
+use crate::world::World;
+use firmware::{ControllerError, Report};
+use iibt_core::grid::{Cell, Move};
+use iibt_core::team::Status;
+
+/// What a flight depends on besides its scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Conditions {
+    /// The seed of all chance.
+    pub seed: u64,
+    /// The radio's loss, 0 to 1, in place of the scenario's.
+    pub loss: Option<f64>,
+}
+
+/// A flight as it stands after a tick, for those who look on.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'f> {
+    /// What is flown.
+    pub scenario: &'f Scenario,
+    /// The ticks flown.
+    pub tick: u32,
+    /// Free and blocked cells, in truth.
+    pub floor: &'f Floor,
+    /// Where the robots stand, in truth.
+    pub cells: &'f [Cell],
+    /// What the robots say of themselves.
+    pub reports: &'f [Report],
+    /// What has happened in the last tick.
+    pub news: &'f [Dated],
+}
+
+/// Somebody who looks on.
+pub trait Audience {
+    /// Sees the flight before the first tick and after every one.
+    fn see(&mut self, scene: &Scene<'_>);
+}
+
+/// Nobody.
+impl Audience for () {
+    fn see(&mut self, _: &Scene<'_>) {}
+}
+
+/// Flies a scenario to its end.
+///
+/// # Errors
+/// [`ControllerError`] when the controllers do not accept the mission or the team.
+pub fn fly(
+    scenario: &Scenario,
+    conditions: Conditions,
+    audience: &mut dyn Audience,
+) -> Result<Record, ControllerError> {
+    with_team(scenario, |team| {
+        let mut flight = Flight::new(scenario, conditions, team);
+        flight.show(audience, 0);
+        while !flight.is_over() {
+            let told = flight.news.len();
+            flight.tick();
+            flight.show(audience, told);
+        }
+        flight.record()
+    })
+}
+
+struct Flight<'f, 'm> {
+    scenario: &'f Scenario,
+    seed: u64,
+    terms: scenario::Radio,
+    team: &'f mut Team<'m>,
+    world: World,
+    radio: Radio,
+    localisers: Chance,
+    collisions: Collisions,
+    tick: u32,
+    reports: Vec<Report>,
+    found: Vec<Cell>,
+    news: Vec<Dated>,
+    history: Vec<Vec<Cell>>,
+}
+
+impl<'f, 'm> Flight<'f, 'm> {
+    fn new(scenario: &'f Scenario, conditions: Conditions, team: &'f mut Team<'m>) -> Self {
+        let terms =
+            scenario::Radio { loss: conditions.loss.unwrap_or(scenario.radio.loss), ..scenario.radio };
+        let world = World::new(scenario);
+        Self {
+            seed: conditions.seed,
+            terms,
+            radio: Radio::new(terms, team.len(), conditions.seed),
+            localisers: Chance::new(conditions.seed, Purpose::Localiser),
+            collisions: Collisions::default(),
+            tick: 0,
+            reports: team.iter().map(|robot| robot.report()).collect(),
+            found: Vec::new(),
+            news: Vec::new(),
+            history: vec![world.cells().to_vec()],
+            scenario,
+            team,
+            world,
+        }
+    }
+
+    /// Shows how things stand, and the news but for those told already.
+    fn show(&self, audience: &mut dyn Audience, told: usize) {
+        audience.see(&Scene {
+            scenario: self.scenario,
+            tick: self.tick,
+            floor: self.world.floor(),
+            cells: self.world.cells(),
+            reports: &self.reports,
+            news: &self.news[told..],
+        });
+    }
+
+    fn is_over(&self) -> bool {
+        let arrived = self.reports.iter().all(|report| report.status == Status::Arrived);
+        let accomplished = arrived && record::at_different_goals(&self.scenario.goals, self.world.cells());
+        accomplished || self.tick >= self.scenario.limit
+    }
+
+    fn tick(&mut self) {
+        let mut news: Vec<_> =
+            self.world.begin(self.tick).into_iter().map(|cell| News::Appeared { cell }).collect();
+        news.extend(self.sense());
+        for robot in self.team.iter_mut() {
+            robot.tick();
+        }
+        self.transmit();
+        news.extend(self.drive());
+        news.extend(self.compare());
+        self.news.extend(news.into_iter().map(|news| Dated { tick: self.tick, news }));
+        self.tick += 1;
+    }
+
+    /// Fills the bodies with what the sensors and the radio bring in this tick.
+    fn sense(&mut self) -> Vec<News> {
+        let mut news = Vec::new();
+        for index in 0..self.team.len() {
+            let reading = self.locate(index);
+            let in_view: Vec<_> = self.world.in_view(index, self.scenario.view).collect();
+            for &cell in &in_view {
+                if !self.found.contains(&cell) {
+                    self.found.push(cell);
+                    news.push(News::Found { robot: index, cell });
+                }
+            }
+            let body = self.team[index].body();
+            body.clock.now = self.tick;
+            body.battery.charge = self.scenario.robots[index].battery;
+            body.localiser.reading = Some(reading);
+            body.scanner.look(in_view);
+        }
+        for (receiver, frame) in self.radio.arrivals(self.tick) {
+            self.team[receiver].body().antenna.received.extend(frame);
+        }
+        news
+    }
+
+    fn locate(&mut self, robot: usize) -> Cell {
+        let (here, cells) = (self.world.cells()[robot], self.world.floor().len() as u16);
+        let is_right = self.localisers.strikes(self.scenario.robots[robot].localiser);
+        let other = self.localisers.below(cells - 1);
+        if is_right { here } else { Cell(other + u16::from(other >= here.0)) }
+    }
+
+    fn transmit(&mut self) {
+        for (sender, robot) in self.team.iter_mut().enumerate() {
+            for frame in robot.body().antenna.sent.drain(..) {
+                self.radio.send(self.tick, sender, &frame);
+            }
+        }
+    }
+
+    /// Makes the moves that the robots have commanded.
+    fn drive(&mut self) -> Option<News> {
+        let command = |robot: &mut Box<dyn crate::team::Robot + 'm>| robot.body().wheels.command.take();
+        let commands: Vec<_> =
+            self.team.iter_mut().map(|robot| command(robot).unwrap_or(Move::Wait)).collect();
+        let (before, faults) = (self.world.cells().to_vec(), self.collisions.total());
+        self.world.carry_out(&commands);
+        self.collisions.judge(self.world.floor(), &before, &commands, self.world.cells());
+        self.history.push(self.world.cells().to_vec());
+        let times = self.collisions.total() - faults;
+        (times > 0).then_some(News::Collided { times })
+    }
+
+    fn compare(&mut self) -> Vec<News> {
+        let reports: Vec<_> = self.team.iter().map(|robot| robot.report()).collect();
+        let before = std::mem::replace(&mut self.reports, reports);
+        news::between(&before, &self.reports, self.world.cells(), self.world.floor())
+    }
+
+    fn record(self) -> Record {
+        let robots: Vec<_> = (0..self.team.len()).map(|index| self.robot(index)).collect();
+        let outcome = self.outcome(&robots);
+        Record {
+            scenario: self.scenario.name.clone(),
+            title: self.scenario.title.clone(),
+            seed: self.seed,
+            loss: self.terms.loss,
+            ticks: self.ticks(outcome, &robots),
+            outcome,
+            collisions: self.collisions,
+            frames: total(self.radio.traffic()),
+            width: self.world.floor().width(),
+            height: self.world.floor().height(),
+            goals: self.scenario.goals.clone(),
+            robots,
+            news: self.news,
+            history: self.history,
+        }
+    }
+
+    fn outcome(&self, robots: &[RobotRecord]) -> Outcome {
+        let paths: Vec<_> = robots.iter().map(|robot| robot.path.clone()).collect();
+        record::outcome(&self.collisions, &self.scenario.goals, self.world.cells(), &paths)
+    }
+
+    /// A mission lasts until its last arrival, even if the robots go on to say so.
+    fn ticks(&self, outcome: Outcome, robots: &[RobotRecord]) -> u32 {
+        match outcome {
+            Outcome::Together | Outcome::Apart => robots.iter().map(|robot| robot.arrived).max().unwrap_or(0),
+            Outcome::Unfinished | Outcome::Collided => self.tick,
+        }
+    }
+
+    fn robot(&self, index: usize) -> RobotRecord {
+        let (setup, report) = (&self.scenario.robots[index], &self.reports[index]);
+        let cells: Vec<_> = self.history.iter().map(|cells| cells[index]).collect();
+        let cell = self.world.cells()[index];
+        RobotRecord {
+            name: setup.name.clone(),
+            start: setup.start,
+            cell,
+            goal: report.goal,
+            path: report.path.cells(&self.scenario.map).collect(),
+            probability: report.probability,
+            status: record::status(report),
+            moves: cells.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32,
+            arrived: cells.iter().rposition(|&before| before != cell).map_or(0, |last| last as u32 + 1),
+            frames: self.radio.traffic()[index],
+            accepted: report.received.accepted,
+            rejected: report.received.refused(),
+        }
+    }
+}
+
+fn total(traffic: &[Traffic]) -> Traffic {
+    traffic.iter().fold(Traffic::default(), |sum, part| Traffic {
+        sent: sum.sent + part.sent,
+        delivered: sum.delivered + part.delivered,
+        lost: sum.lost + part.lost,
+    })
+}

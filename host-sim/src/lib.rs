@@ -1,0 +1,45 @@
+//! The simulator: teams of robots that run the firmware's own controller, in worlds drawn in text files.
+//!
+//! ```text
+//! Scenario ─► fly ─► Record             what is flown, the flight, what came of it
+//!              │
+//!              ├─ World                 the truth: where robots stand, what blocks their way
+//!              ├─ team                  the controllers, each alone in a simulated body
+//!              ├─ Radio                 the only way between them: encoded frames, lost and late
+//!              └─ Collisions            the referee's count
+//! ```
+//!
+//! Nothing depends on the time of day or on the machine: the same scenario, seed and loss give the same
+//! [`Record`], byte for byte.
+//!
+//! ```
+//! use host_sim::{Conditions, fly, library};
+//!
+//! let scenario = library::find("two-goals").expect("it is built in")?;
+//! let record = fly(&scenario, Conditions::default(), &mut ())?;
+//! assert!(record.outcome.is_success());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod body;
+mod chance;
+mod flight;
+pub mod library;
+mod news;
+mod radio;
+mod record;
+mod referee;
+mod scenario;
+pub mod show;
+mod team;
+mod world;
+
+pub use flight::{Audience, Conditions, Scene, fly};
+pub use news::News;
+pub use radio::Traffic;
+pub use record::{Dated, Outcome, Record, RobotRecord};
+pub use referee::Collisions;
+pub use scenario::{
+    Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Obstacle, Radio, Robot, Scenario, ScenarioError, When,
+};

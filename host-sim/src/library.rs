@@ -1,0 +1,55 @@
+//! The scenarios that are built in.
+
+use crate::scenario::{Scenario, ScenarioError};
+
+/// The scenario that is flown when none is named.
+pub const DEFAULT: &str = "factory";
+
+macro_rules! scenarios {
+    ($($name:literal)*) => {
+        [$(($name, include_str!(concat!("../scenarios/", $name, ".toml")))),*]
+    };
+}
+
+const TEXTS: [(&str, &str); 5] = scenarios!["factory" "two-goals" "detour" "warehouse" "courtyard"];
+
+/// The names, in the order they are listed.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    TEXTS.iter().map(|&(name, _)| name)
+}
+
+/// The scenario with a name, or `None`. What is built in parses; a test holds that.
+#[must_use]
+pub fn find(name: &str) -> Option<Result<Scenario, ScenarioError>> {
+    let (name, text) = TEXTS.iter().find(|(known, _)| *known == name)?;
+    Some(Scenario::parse(name, text))
+}
+
+/// The name that somebody who typed `name` most likely meant.
+#[must_use]
+pub fn nearest(name: &str) -> Option<&'static str> {
+    let similarity = |known: &str| strsim::jaro_winkler(known, &name.to_lowercase());
+    names().max_by(|a, b| similarity(a).total_cmp(&similarity(b))).filter(|known| similarity(known) > 0.7)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_scenario_is_sound_and_named_after_itself() {
+        for name in names() {
+            let scenario = find(name).unwrap().unwrap();
+            assert_eq!(scenario.name, name);
+        }
+        assert!(names().any(|name| name == DEFAULT));
+    }
+
+    #[test]
+    fn a_mistyped_name_is_recognised() {
+        for (typed, meant) in [("factry", "factory"), ("Two_goals", "two-goals"), ("warehose", "warehouse")] {
+            assert_eq!(nearest(typed), Some(meant));
+        }
+        assert_eq!(nearest("xyzzy"), None);
+    }
+}

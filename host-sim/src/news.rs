@@ -1,0 +1,113 @@
+//! News: what happens in a tick that is worth telling.
+
+use crate::scenario::{Floor, Scenario};
+use firmware::Report;
+use iibt_core::grid::Cell;
+use iibt_core::team::Status;
+use serde::Serialize;
+
+/// One thing that happened. Robots are named by their index in the scenario.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum News {
+    /// An obstacle appeared.
+    Appeared {
+        /// Where.
+        cell: Cell,
+    },
+    /// A robot saw an obstacle that nobody had seen.
+    Found {
+        /// Who.
+        robot: usize,
+        /// Where.
+        cell: Cell,
+    },
+    /// A robot chose a policy.
+    Chose {
+        /// Who.
+        robot: usize,
+        /// In which joint decision.
+        round: u16,
+        /// The goal it leads to.
+        goal: Cell,
+        /// The cells of its path, from where it stands.
+        path: Vec<Cell>,
+        /// The posterior probability of the choice.
+        probability: f32,
+    },
+    /// All robots know each other's choices and will follow their own.
+    Agreed {
+        /// In which joint decision.
+        round: u16,
+    },
+    /// A robot is where it wanted to be.
+    Arrived {
+        /// Who.
+        robot: usize,
+        /// Where it stands in truth.
+        cell: Cell,
+    },
+    /// Robots shared or swapped cells, or ran into something.
+    Collided {
+        /// How often in this tick.
+        times: u32,
+    },
+}
+
+/// What the reports of two ticks in a row tell together.
+pub(crate) fn between(before: &[Report], after: &[Report], cells: &[Cell], floor: &Floor) -> Vec<News> {
+    let mut news = Vec::new();
+    for (robot, (old, new)) in before.iter().zip(after).enumerate() {
+        news.extend(choice(robot, old, new, floor));
+        if new.status == Status::Arrived && old.status != Status::Arrived {
+            news.push(News::Arrived { robot, cell: cells[robot] });
+        }
+    }
+    let round = agreed_round(after).filter(|&round| agreed_round(before) != Some(round));
+    news.extend(round.map(|round| News::Agreed { round }));
+    news
+}
+
+/// A choice is news when it is another one, or belongs to another decision.
+fn choice(robot: usize, old: &Report, new: &Report, floor: &Floor) -> Option<News> {
+    let goal = new.goal.filter(|_| !matches!(new.status, Status::Deciding | Status::Away))?;
+    if old.round == new.round && old.path == new.path && old.goal == new.goal {
+        return None;
+    }
+    let path = new.path.cells(floor).collect();
+    Some(News::Chose { robot, round: new.round.0, goal, path, probability: new.probability })
+}
+
+/// The decision that every robot has agreed to, if they all have.
+fn agreed_round(reports: &[Report]) -> Option<u16> {
+    let first = reports.first()?.round;
+    let agrees =
+        |report: &Report| report.round == first && matches!(report.status, Status::Agreed | Status::Arrived);
+    reports.iter().all(agrees).then_some(first.0)
+}
+
+impl News {
+    /// This in one line.
+    #[must_use]
+    pub fn line(&self, scenario: &Scenario) -> String {
+        let name = |robot: usize| scenario.robots.get(robot).map_or("?", |robot| robot.name.as_str());
+        match self {
+            Self::Appeared { cell } => format!("an obstacle appears at {}", cell.0),
+            Self::Found { robot, cell } => format!("{} finds the obstacle at {}", name(*robot), cell.0),
+            Self::Chose { robot, goal, path, probability, .. } => format!(
+                "{} chooses goal {} by {}, probability {probability:.3}",
+                name(*robot),
+                goal.0,
+                route(path)
+            ),
+            Self::Agreed { round } => format!("all agree (decision {round})"),
+            Self::Arrived { robot, cell } => format!("{} has arrived at {}", name(*robot), cell.0),
+            Self::Collided { times } => format!("COLLISION ({times})"),
+        }
+    }
+}
+
+/// Cells as their numbers, one after another.
+pub(crate) fn route(cells: &[Cell]) -> String {
+    cells.iter().map(|cell| cell.0.to_string()).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,141 @@
+//! Scenarios: what a mission is flown in. Read from TOML with a drawn map, checked as a whole.
+//!
+//! The format is described for users in `scenarios/README.md`. A [`Scenario`] that exists is sound: every cell
+//! it names is on the map, every start is free and nobody else's, every number is in its range.
+
+mod check;
+mod drawing;
+mod error;
+mod file;
+mod team;
+mod values;
+
+pub use error::ScenarioError;
+
+use iibt_core::grid::{Cell, Map, Path};
+
+/// The most cells a map has.
+pub const MAX_CELLS: usize = 1024;
+
+/// The most candidate paths a robot is given.
+pub const MAX_PATHS: usize = 16;
+
+/// The longest mission, in ticks.
+pub const MAX_TICKS: u32 = 100_000;
+
+/// A map of up to [`MAX_CELLS`] cells.
+pub type Floor = Map<{ iibt_core::grid::words(MAX_CELLS, 1) }>;
+
+/// A mission and the world it is flown in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// What it is called on the command line: the name of a built-in one, else the file.
+    pub name: String,
+    /// What it shows, in one line.
+    pub title: String,
+    /// The ticks after which the mission counts as not accomplished.
+    pub limit: u32,
+    /// What the robots know of the world when they start.
+    pub map: Floor,
+    /// Where robots are wanted, one each.
+    pub goals: Vec<Cell>,
+    /// The team, in the order of the robots' numbers.
+    pub robots: Vec<Robot>,
+    /// The obstacles that appear while the mission is flown.
+    pub obstacles: Vec<Obstacle>,
+    /// The radio between the robots.
+    pub radio: Radio,
+    /// How many cells far a robot sees obstacles, diagonals included.
+    pub view: u16,
+    /// What the robots' inference works with.
+    pub inference: Inference,
+}
+
+/// One robot of the team.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Robot {
+    /// What it is called.
+    pub name: String,
+    /// Where it stands at first.
+    pub start: Cell,
+    /// The charge of its battery in percent.
+    pub battery: u8,
+    /// The probability that its localiser is right; else it names any other cell.
+    pub localiser: f64,
+    /// The paths it may choose from; none when it plans its own.
+    pub paths: Vec<Path>,
+}
+
+/// An obstacle that appears.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Obstacle {
+    /// Where it appears, as soon as no robot stands there.
+    pub cell: Cell,
+    /// When it appears.
+    pub when: When,
+}
+
+/// When an obstacle appears.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// At the beginning of a tick.
+    Tick(u32),
+    /// Once this robot, by its index, stands in this cell.
+    Reached(usize, Cell),
+}
+
+/// What happens to frames between the robots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Radio {
+    /// The probability that a frame does not reach a teammate, for each of them alone.
+    pub loss: f64,
+    /// The ticks a frame travels, at least one.
+    pub delay: u32,
+    /// The probability that a frame reaches a teammate twice.
+    pub duplicate: f64,
+}
+
+/// The parameters of the robots' inference; `None` leaves the core's own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inference {
+    /// The policy precision γ.
+    pub precision: Option<f32>,
+    /// The probability with which a robot takes its own localiser to be right.
+    pub sensor: Option<f32>,
+    /// The probability with which it takes a teammate's word on its cell to be right.
+    pub peer_sensor: Option<f32>,
+    /// What each move of a policy costs in its prior.
+    pub haste: Option<f32>,
+    /// The preference for a collision, at most zero.
+    pub collision: Option<f32>,
+}
+
+impl Default for Radio {
+    fn default() -> Self {
+        Self { loss: 0.0, delay: 1, duplicate: 0.0 }
+    }
+}
+
+impl Scenario {
+    /// Reads a scenario from the bytes of a file, which need not be text; see [`Scenario::parse`].
+    ///
+    /// # Errors
+    /// As [`Scenario::parse`], and when the bytes are no UTF-8.
+    pub fn read(name: &str, bytes: &[u8]) -> Result<Self, ScenarioError> {
+        let text = std::str::from_utf8(bytes).map_err(|error| {
+            let before = bytes.iter().take(error.valid_up_to());
+            let line = 1 + before.filter(|&&byte| byte == b'\n').count();
+            ScenarioError { file: name.to_owned(), line, reason: "this is no UTF-8 text".to_owned() }
+        })?;
+        Self::parse(name, text)
+    }
+
+    /// Reads a scenario; `name` is what it will be called, in errors too.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] with the line and the reason for the first thing that is wrong.
+    pub fn parse(name: &str, text: &str) -> Result<Self, ScenarioError> {
+        let parsed = toml::from_str(text).map_err(error::Fault::from);
+        parsed.and_then(|file| check::check(name, text, &file)).map_err(|fault| fault.in_file(name, text))
+    }
+}

@@ -1,0 +1,129 @@
+//! From a file as written to a sound scenario, or the first thing that is wrong with it.
+
+use super::drawing::Drawing;
+use super::error::Fault;
+use super::file::{Event, File, Number};
+use super::values::{line_of_text, parameter, share, whole};
+use super::{Inference, MAX_TICKS, Obstacle, Radio, Robot, Scenario, When, file};
+use iibt_core::grid::Cell;
+use iibt_core::iibt::navigation::MAX_GOALS;
+use toml::Spanned;
+
+const LONGEST_TITLE: usize = 120;
+
+/// Checks everything; `text` is what `file` was read from.
+pub(super) fn check(name: &str, text: &str, file: &File) -> Result<Scenario, Fault> {
+    let drawing = Drawing::read(text, &file.map)?;
+    let goals = drawing.goals(file)?;
+    enough(goals.len(), drawing.team_size(file)?).map_err(|reason| {
+        let span = file.goals.as_ref().map_or(file.map.span(), Spanned::span);
+        Fault::new(span, reason)
+    })?;
+    let robots = drawing.team(file, &goals)?;
+    let obstacles = file.events.iter().map(|event| drawing.obstacle(event, &robots));
+    Ok(Scenario {
+        name: name.to_owned(),
+        title: line_of_text("title", &file.title, LONGEST_TITLE)?,
+        limit: whole("limit", file.limit.as_ref(), 1..=MAX_TICKS, 200)?,
+        view: whole("view", file.view.as_ref(), 1..=8, 1)? as u16,
+        radio: radio(&file.radio)?,
+        inference: inference(&file.inference)?,
+        obstacles: obstacles.collect::<Result<_, _>>()?,
+        map: drawing.map,
+        goals,
+        robots,
+    })
+}
+
+impl Drawing {
+    /// A free cell of the map.
+    pub(super) fn free(&self, what: &str, number: &Number) -> Result<Cell, Fault> {
+        let value = *number.get_ref();
+        let cell = u16::try_from(value).ok().map(Cell).filter(|&cell| self.map.contains(cell));
+        let reason = match cell {
+            Some(cell) if self.map.is_free(cell) => return Ok(cell),
+            Some(_) => format!("{what} {value} is blocked on the map"),
+            None => {
+                let last = self.map.len() - 1;
+                format!("{what} {value} is outside the map, whose cells are 0 to {last}")
+            }
+        };
+        Err(Fault::new(number.span(), reason))
+    }
+
+    fn goals(&self, file: &File) -> Result<Vec<Cell>, Fault> {
+        let Some(listed) = &file.goals else { return Ok(self.goals.clone()) };
+        if !self.goals.is_empty() {
+            let reason = "the map draws goals as 'G' already: leave one of the two out";
+            return Err(Fault::new(listed.span(), reason));
+        }
+        let mut goals = Vec::new();
+        for number in listed.get_ref() {
+            let goal = self.free("goal", number)?;
+            if goals.contains(&goal) {
+                return Err(Fault::new(number.span(), format!("goal {} is listed twice", goal.0)));
+            }
+            goals.push(goal);
+        }
+        Ok(goals)
+    }
+
+    fn obstacle(&self, event: &Spanned<Event>, robots: &[Robot]) -> Result<Obstacle, Fault> {
+        let written = event.get_ref();
+        let cell = self.free("block", &written.block)?;
+        if let Some(robot) = robots.iter().find(|robot| robot.start == cell) {
+            let reason = format!("{} is where {} starts: no obstacle can appear there", cell.0, robot.name);
+            return Err(Fault::new(written.block.span(), reason));
+        }
+        Ok(Obstacle { cell, when: self.when(event, robots)? })
+    }
+
+    fn when(&self, event: &Spanned<Event>, robots: &[Robot]) -> Result<When, Fault> {
+        let written = event.get_ref();
+        match (&written.tick, &written.robot, &written.at) {
+            (Some(_), None, None) => Ok(When::Tick(whole("tick", written.tick.as_ref(), 0..=MAX_TICKS, 0)?)),
+            (None, Some(name), Some(at)) => Ok(When::Reached(named(name, robots)?, self.free("at", at)?)),
+            _ => {
+                let reason = "say when it appears: either tick = N, or robot = \"NAME\" and at = CELL";
+                Err(Fault::new(event.span(), reason))
+            }
+        }
+    }
+}
+
+fn enough(goals: usize, robots: usize) -> Result<(), String> {
+    if goals > MAX_GOALS {
+        return Err(format!("{goals} goals, but a mission has at most {MAX_GOALS}"));
+    }
+    if goals < robots {
+        return Err(format!("{goals} goals for {robots} robots: each robot needs one of its own"));
+    }
+    Ok(())
+}
+
+fn named(name: &Spanned<String>, robots: &[Robot]) -> Result<usize, Fault> {
+    robots.iter().position(|robot| robot.name == *name.get_ref()).ok_or_else(|| {
+        let names: Vec<_> = robots.iter().map(|robot| robot.name.as_str()).collect();
+        let reason = format!("no robot is called \"{}\": there are {}", name.get_ref(), names.join(", "));
+        Fault::new(name.span(), reason)
+    })
+}
+
+fn radio(written: &file::Radio) -> Result<Radio, Fault> {
+    let usual = Radio::default();
+    Ok(Radio {
+        loss: share("loss", written.loss.as_ref(), usual.loss)?,
+        delay: whole("delay", written.delay.as_ref(), 1..=1000, usual.delay)?,
+        duplicate: share("duplicate", written.duplicate.as_ref(), usual.duplicate)?,
+    })
+}
+
+fn inference(written: &file::Inference) -> Result<Inference, Fault> {
+    Ok(Inference {
+        precision: parameter("precision", written.precision.as_ref(), 0.0..=1000.0)?,
+        sensor: parameter("sensor", written.sensor.as_ref(), 0.0..=1.0)?,
+        peer_sensor: parameter("peer_sensor", written.peer_sensor.as_ref(), 0.0..=1.0)?,
+        haste: parameter("haste", written.haste.as_ref(), 0.0..=1000.0)?,
+        collision: parameter("collision", written.collision.as_ref(), -1000.0..=0.0)?,
+    })
+}

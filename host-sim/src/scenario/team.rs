@@ -1,0 +1,141 @@
+//! The team as written and drawn, checked robot by robot.
+
+use super::drawing::Drawing;
+use super::error::Fault;
+use super::file::{self, File, Number};
+use super::values::{line_of_text, share, whole};
+use super::{MAX_PATHS, Robot};
+use iibt_core::actions::HORIZON;
+use iibt_core::grid::{Cell, Path};
+use iibt_core::team::MAX_TEAM;
+use toml::Spanned;
+
+const LONGEST_NAME: usize = 12;
+
+impl Drawing {
+    /// How many robots there are.
+    pub(super) fn team_size(&self, file: &File) -> Result<usize, Fault> {
+        if let Some(extra) = file.robots.get(MAX_TEAM) {
+            let reason = format!("{} robots, but a team has at most {MAX_TEAM}", file.robots.len());
+            return Err(Fault::new(extra.span(), reason));
+        }
+        let drawn = self.starts.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
+        match drawn.max(file.robots.len()) {
+            0 => {
+                let reason = "no robots: add a [[robot]] with its start, or draw '1' on the map";
+                Err(Fault::new(file.map.span(), reason))
+            }
+            size => Ok(size),
+        }
+    }
+
+    /// The robots in the order of their numbers: those written, and those only drawn.
+    pub(super) fn team(&self, file: &File, goals: &[Cell]) -> Result<Vec<Robot>, Fault> {
+        let mut robots = Vec::new();
+        for index in 0..self.team_size(file)? {
+            let (span, written) = match file.robots.get(index) {
+                Some(entry) => (entry.span(), entry.get_ref()),
+                None => (file.map.span(), &file::Robot::default()),
+            };
+            let robot = self.robot(index, written, goals).map_err(|fault| fault.or_at(&span))?;
+            apart(&robot, &robots).map_err(|reason| Fault::new(span, reason))?;
+            robots.push(robot);
+        }
+        all_or_none(&robots, file)?;
+        Ok(robots)
+    }
+
+    fn robot(&self, index: usize, written: &file::Robot, goals: &[Cell]) -> Result<Robot, Fault> {
+        let name = match &written.name {
+            Some(name) => line_of_text("name", name, LONGEST_NAME)?,
+            None => format!("R{}", index + 1),
+        };
+        let start = self.start(index, &name, written)?;
+        Ok(Robot {
+            start,
+            battery: whole("battery", written.battery.as_ref(), 0..=100, 100)? as u8,
+            localiser: share("localiser", written.localiser.as_ref(), 1.0)?,
+            paths: self.paths(start, written, goals)?,
+            name,
+        })
+    }
+
+    fn start(&self, index: usize, name: &str, written: &file::Robot) -> Result<Cell, Fault> {
+        let mark = index + 1;
+        match (self.starts.get(index).copied().flatten(), &written.start) {
+            (None, Some(number)) => self.free("start", number),
+            (Some(cell), None) => Ok(cell),
+            (Some(_), Some(number)) => {
+                let reason = format!("the map draws {name} as '{mark}' already: leave one of the two out");
+                Err(Fault::new(number.span(), reason))
+            }
+            (None, None) => {
+                let reason = format!("{name} has no start: write start = CELL, or draw '{mark}' on the map");
+                Err(Fault::anywhere(reason))
+            }
+        }
+    }
+
+    fn paths(&self, start: Cell, written: &file::Robot, goals: &[Cell]) -> Result<Vec<Path>, Fault> {
+        let Some(listed) = &written.paths else { return Ok(Vec::new()) };
+        let count = listed.get_ref().len();
+        if count == 0 || count > MAX_PATHS {
+            let reason = format!("{count} paths listed: give 1 to {MAX_PATHS}, or leave `paths` out");
+            return Err(Fault::new(listed.span(), reason));
+        }
+        listed.get_ref().iter().map(|path| self.path(start, path, goals)).collect()
+    }
+
+    fn path(&self, start: Cell, listed: &Spanned<Vec<Number>>, goals: &[Cell]) -> Result<Path, Fault> {
+        let numbers = listed.get_ref();
+        let cells = numbers.iter().map(|number| self.free("path cell", number));
+        let cells = cells.collect::<Result<Vec<_>, _>>()?;
+        for (pair, number) in cells.windows(2).zip(numbers.iter().skip(1)) {
+            if self.map.move_between(pair[0], pair[1]).is_none() {
+                let reason = format!("{} and {} on the path are no neighbours", pair[0].0, pair[1].0);
+                return Err(Fault::new(number.span(), reason));
+            }
+        }
+        ends_well(start, &cells, goals).map_err(|reason| Fault::new(listed.span(), reason))?;
+        Path::through(&self.map, &cells).ok_or_else(|| {
+            let moves = cells.len().saturating_sub(1);
+            Fault::new(listed.span(), format!("the path has {moves} moves, but at most {HORIZON} fit"))
+        })
+    }
+}
+
+fn ends_well(start: Cell, cells: &[Cell], goals: &[Cell]) -> Result<(), String> {
+    match cells {
+        [first, ..] if *first != start => {
+            Err(format!("the path begins at {}, but the robot at {}", first.0, start.0))
+        }
+        [.., last] if !goals.contains(last) => Err(format!("the path ends at {}, which is no goal", last.0)),
+        [] => Err("the path has no cells".to_owned()),
+        _ => Ok(()),
+    }
+}
+
+/// Whether a robot differs from those before it.
+fn apart(robot: &Robot, others: &[Robot]) -> Result<(), String> {
+    if let Some(other) = others.iter().find(|other| other.start == robot.start) {
+        return Err(format!(
+            "{} starts at {}, where {} stands already",
+            robot.name, robot.start.0, other.name
+        ));
+    }
+    if others.iter().any(|other| other.name == robot.name) {
+        return Err(format!("two robots are called {}", robot.name));
+    }
+    Ok(())
+}
+
+fn all_or_none(robots: &[Robot], file: &File) -> Result<(), Fault> {
+    let listed = file.robots.iter().find_map(|robot| robot.get_ref().paths.as_ref());
+    match (listed, robots.iter().find(|robot| robot.paths.is_empty())) {
+        (Some(listed), Some(robot)) => {
+            let reason = format!("{} has no paths: list them for every robot or for none", robot.name);
+            Err(Fault::new(listed.span(), reason))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,11 @@
+//! What people see of a flight: a picture that moves, lines of news, and a summary.
+
+mod narrator;
+mod picture;
+mod screen;
+mod summary;
+
+pub use narrator::Narrator;
+pub use picture::{Palette, picture};
+pub use screen::Screen;
+pub use summary::{outcome_line, summary};

@@ -1,0 +1,150 @@
+//! A flight drawn as text: the map with everything on it, and a line for every robot.
+
+use crate::flight::Scene;
+use anstyle::{AnsiColor, Style};
+use firmware::Report;
+use iibt_core::grid::Cell;
+
+/// How things are coloured, if at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Palette {
+    /// Characters only.
+    Plain,
+    /// ANSI colours.
+    Colour,
+}
+
+const ROBOTS: [AnsiColor; 8] = [
+    AnsiColor::Cyan,
+    AnsiColor::Yellow,
+    AnsiColor::Magenta,
+    AnsiColor::Green,
+    AnsiColor::Blue,
+    AnsiColor::Red,
+    AnsiColor::BrightCyan,
+    AnsiColor::BrightYellow,
+];
+
+const WALL: Style = AnsiColor::BrightBlack.on_default();
+const OBSTACLE: Style = AnsiColor::Red.on_default().bold();
+const GOAL: Style = AnsiColor::Green.on_default().bold();
+const FLOOR: Style = AnsiColor::BrightBlack.on_default();
+
+impl Palette {
+    fn paint(self, style: Style, text: &str) -> String {
+        match self {
+            Self::Plain => text.to_owned(),
+            Self::Colour => format!("{style}{text}{style:#}"),
+        }
+    }
+}
+
+/// The scene in lines of the same number at every tick.
+///
+/// Robots are drawn as their numbers, goals as `G`, walls as `##`, obstacles that appeared as `XX`, and the
+/// cells that robots still mean to enter as `*`.
+#[must_use]
+pub fn picture(scene: &Scene<'_>, palette: Palette) -> Vec<String> {
+    let mut lines = vec![format!("tick {}", scene.tick), String::new()];
+    let width = scene.floor.width();
+    for row in 0..scene.floor.height() {
+        let cells = (0..width).map(|column| Cell(row * width + column));
+        let drawn: String = cells.map(|cell| square(scene, cell, palette)).collect();
+        lines.push(format!("  {}", drawn.trim_end()));
+    }
+    lines.push(String::new());
+    lines.extend((0..scene.cells.len()).map(|robot| robot_line(scene, robot, palette)));
+    lines
+}
+
+/// One cell, two characters wide.
+fn square(scene: &Scene<'_>, cell: Cell, palette: Palette) -> String {
+    if let Some(robot) = scene.cells.iter().position(|&at| at == cell) {
+        return palette.paint(colour(robot).bold(), &format!("{} ", robot + 1));
+    }
+    if !scene.scenario.map.is_free(cell) {
+        return palette.paint(WALL, "##");
+    }
+    if !scene.floor.is_free(cell) {
+        return palette.paint(OBSTACLE, "XX");
+    }
+    if scene.scenario.goals.contains(&cell) {
+        return palette.paint(GOAL, "G ");
+    }
+    let heading_here =
+        |report: &Report| report.path.cells(scene.floor).skip(report.step + 1).any(|at| at == cell);
+    match scene.reports.iter().position(heading_here) {
+        Some(robot) => palette.paint(colour(robot), "* "),
+        None => palette.paint(FLOOR, ". "),
+    }
+}
+
+fn robot_line(scene: &Scene<'_>, robot: usize, palette: Palette) -> String {
+    let (setup, report) = (&scene.scenario.robots[robot], &scene.reports[robot]);
+    let name = palette.paint(colour(robot).bold(), &format!("{:<4}", setup.name));
+    let plan = match report.goal {
+        Some(goal) => format!(
+            "to {}, step {} of {}, probability {:.3}",
+            goal.0,
+            report.step,
+            report.path.len(),
+            report.probability
+        ),
+        None => "has not chosen".to_owned(),
+    };
+    format!("  {name} at {:>3}  {plan}", scene.cells[robot].0)
+}
+
+fn colour(robot: usize) -> Style {
+    ROBOTS[robot % ROBOTS.len()].on_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Audience, Conditions, Scenario, fly};
+
+    /// Keeps the picture of one tick.
+    struct Photograph {
+        tick: u32,
+        palette: Palette,
+        lines: Vec<String>,
+    }
+
+    impl Audience for Photograph {
+        fn see(&mut self, scene: &Scene<'_>) {
+            if scene.tick == self.tick {
+                self.lines = picture(scene, self.palette);
+            }
+        }
+    }
+
+    fn photograph(tick: u32, palette: Palette) -> Vec<String> {
+        let text = "title = 't'\nmap = '''\n1..G\n.##.\n2..G\n'''\n[[event]]\ntick = 0\nblock = 4";
+        let scenario = Scenario::parse("test", text).unwrap();
+        let mut photograph = Photograph { tick, palette, lines: Vec::new() };
+        fly(&scenario, Conditions::default(), &mut photograph).unwrap();
+        photograph.lines
+    }
+
+    #[test]
+    fn shows_robots_goals_walls_and_obstacles() {
+        let map = ["  1 . . G", "  . ####.", "  2 . . G"];
+        assert_eq!(photograph(0, Palette::Plain)[2..5], map);
+        assert_eq!(photograph(1, Palette::Plain)[3], "  XX####.");
+    }
+
+    #[test]
+    fn shows_plans_and_says_who_has_one() {
+        let (early, late) = (photograph(0, Palette::Plain), photograph(4, Palette::Plain));
+        assert!(early[6].contains("R1") && early[6].contains("has not chosen"), "{early:?}");
+        assert_eq!(late[2], "  1 * * G");
+        assert!(late[6].contains("to 3, step 0 of 3"), "{late:?}");
+    }
+
+    #[test]
+    fn colours_only_when_asked() {
+        assert!(!photograph(4, Palette::Plain).concat().contains('\x1b'));
+        assert!(photograph(4, Palette::Colour).concat().contains('\x1b'));
+    }
+}

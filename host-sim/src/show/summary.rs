@@ -1,0 +1,142 @@
+//! The end of a flight in a table and a line.
+
+use crate::news::route;
+use crate::record::{Outcome, Record, RobotRecord};
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle};
+
+/// A line below the header and nothing else.
+const STYLE: TableStyle = TableStyle::new().header_separator(LineStyle::new('─', '─', '─', '─'));
+
+/// A terminal narrower than this gets lines that are too long for it.
+const NARROWEST: u16 = 72;
+
+const HEADER: [&str; 9] =
+    ["robot", "goal", "chosen path", "prob.", "moves", "sent", "lost", "rejected", "arrived"];
+const PATH: usize = 2;
+const TEXTS: [usize; 3] = [0, PATH, 8];
+
+/// A table of the robots, and the outcome below it. In a terminal of so many `columns`, paths are wrapped.
+#[must_use]
+pub fn summary(record: &Record, columns: Option<u16>) -> String {
+    let mut table = Table::new();
+    table.load_style(STYLE).set_header(HEADER).add_rows(record.robots.iter().map(row));
+    if let Some(columns) = columns {
+        table.set_content_arrangement(ContentArrangement::Dynamic).set_width(columns.max(NARROWEST));
+    }
+    for (index, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((0, 2));
+        if index != PATH {
+            column.set_constraint(ColumnConstraint::ContentWidth);
+        }
+        if !TEXTS.contains(&index) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    format!("{}\n\n{}", table.trim_fmt(), outcome_line(record))
+}
+
+fn row(robot: &RobotRecord) -> [String; 9] {
+    [
+        robot.name.clone(),
+        robot.goal.map_or_else(|| "-".to_owned(), |goal| goal.0.to_string()),
+        route(&robot.path),
+        format!("{:.3}", robot.probability),
+        robot.moves.to_string(),
+        robot.frames.sent.to_string(),
+        format!("{}/{}", robot.frames.lost, robot.frames.lost + robot.frames.delivered),
+        robot.rejected.to_string(),
+        arrival(robot),
+    ]
+}
+
+fn arrival(robot: &RobotRecord) -> String {
+    if robot.goal == Some(robot.cell) && robot.status == "arrived" {
+        format!("tick {}", robot.arrived)
+    } else {
+        format!("no: {}", robot.status)
+    }
+}
+
+/// The outcome in one line.
+#[must_use]
+pub fn outcome_line(record: &Record) -> String {
+    let name = &record.scenario;
+    let copies = record.frames.delivered + record.frames.lost;
+    let lost = format!("{} of {copies} deliveries lost", record.frames.lost);
+    format!("{name}: {}; {}, {lost} (seed {})", ending(record), collisions(record), record.seed)
+}
+
+fn ending(record: &Record) -> String {
+    let (team, ticks) = (record.robots.len(), record.ticks);
+    match (record.outcome, record.spread()) {
+        (Outcome::Together, 0) => format!("all {team} robots arrived together at tick {ticks}"),
+        (Outcome::Together, spread) => {
+            let apart = counted(spread, "tick");
+            format!("all {team} robots arrived with the same step, at most {apart} apart, at tick {ticks}")
+        }
+        (Outcome::Apart, _) => format!("all {team} robots arrived, but not together, by tick {ticks}"),
+        (Outcome::Unfinished, _) => format!("NOT accomplished within {ticks} ticks"),
+        (Outcome::Collided, _) => format!("FAILED by a collision, {ticks} ticks flown"),
+    }
+}
+
+fn collisions(record: &Record) -> String {
+    let seen = &record.collisions;
+    match seen.total() {
+        0 => "no collisions".to_owned(),
+        total => format!(
+            "{} ({}, {}, {})",
+            counted(total, "collision"),
+            counted(seen.shared, "shared cell"),
+            counted(seen.swapped, "swap"),
+            counted(seen.bumps, "bump")
+        ),
+    }
+}
+
+fn counted(number: u32, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Conditions, fly, library};
+
+    fn flown(loss: f64) -> Record {
+        let scenario = library::find("two-goals").unwrap().unwrap();
+        fly(&scenario, Conditions { seed: 1, loss: Some(loss) }, &mut ()).unwrap()
+    }
+
+    #[test]
+    fn tells_every_robot_and_the_outcome() {
+        let text = summary(&flown(0.0), None);
+        let lines: Vec<_> = text.lines().collect();
+        let words = |line: usize| lines[line].split_whitespace().take(9).collect::<Vec<_>>().join(" ");
+        assert_eq!(lines.len(), 6, "{text}");
+        assert_eq!(words(0), "robot goal chosen path prob. moves sent lost rejected");
+        assert_eq!(words(2), "R1 26 28 29 30 31 32 33 26");
+        assert_eq!(words(3), "R2 24 2 1 8 15 22 23 24");
+        assert!(lines[5].starts_with("two-goals: all 2 robots arrived together at tick"), "{text}");
+    }
+
+    #[test]
+    fn fits_the_terminal() {
+        let text = summary(&flown(0.0), Some(80));
+        let mut table = text.lines().take_while(|line| !line.is_empty());
+        assert!(table.all(|line| line.chars().count() <= 80), "{text}");
+        assert!(text.lines().count() > 6, "paths are wrapped:\n{text}");
+    }
+
+    #[test]
+    fn tells_how_it_ended() {
+        let mut record = flown(1.0);
+        assert!(outcome_line(&record).contains("NOT accomplished within 200 ticks; no collisions"));
+        record.collisions.swapped = 2;
+        record.outcome = Outcome::Collided;
+        assert!(outcome_line(&record).contains("FAILED by a collision"));
+        assert!(outcome_line(&record).contains("2 collisions (0 shared cells, 2 swaps, 0 bumps)"));
+        record.outcome = Outcome::Apart;
+        assert!(outcome_line(&record).contains("not together"));
+    }
+}

@@ -1,0 +1,101 @@
+//! The team: one of the firmware's controllers for every robot, each in a body of its own.
+//!
+//! A controller is compiled for a size of map. The sizes are chosen from here; nobody else sees them.
+
+use crate::body::Body;
+use crate::scenario::{Floor, MAX_CELLS, MAX_PATHS, Scenario};
+use firmware::{Controller, ControllerError, Report, Settings};
+use iibt_core::grid::{Cell, Map, Path, words};
+use iibt_core::iibt::Mission;
+use iibt_core::team::{Key, RobotId};
+
+/// A robot that flies, whatever the size its controller is compiled for.
+pub(crate) trait Robot {
+    /// One tick of its controller.
+    fn tick(&mut self);
+    /// What its controller says of itself.
+    fn report(&self) -> Report;
+    /// The body it works in.
+    fn body(&mut self) -> &mut Body;
+}
+
+/// The robots in the order of their numbers.
+pub(crate) type Team<'m> = Vec<Box<dyn Robot + 'm>>;
+
+const SMALL: usize = 49;
+const MEDIUM: usize = 256;
+const KEY: Key = Key::new(*b"simulated robots");
+const EPOCH: u32 = 1;
+
+/// Builds the team of a scenario for as long as `fly` lasts.
+pub(crate) fn with_team<R>(
+    scenario: &Scenario,
+    fly: impl FnOnce(&mut Team<'_>) -> R,
+) -> Result<R, ControllerError> {
+    let cells = scenario.map.len();
+    if cells <= SMALL {
+        sized::<SMALL, { words(SMALL, 1) }, R>(scenario, fly)
+    } else if cells <= MEDIUM {
+        sized::<MEDIUM, { words(MEDIUM, 1) }, R>(scenario, fly)
+    } else {
+        sized::<MAX_CELLS, { words(MAX_CELLS, 1) }, R>(scenario, fly)
+    }
+}
+
+fn sized<const S: usize, const W: usize, R>(
+    scenario: &Scenario,
+    fly: impl FnOnce(&mut Team<'_>) -> R,
+) -> Result<R, ControllerError> {
+    let starts: Vec<Cell> = scenario.robots.iter().map(|robot| robot.start).collect();
+    let paths: Vec<&[Path]> = scenario.robots.iter().map(|robot| robot.paths.as_slice()).collect();
+    let mut mission = Mission::new(shrunk::<W>(&scenario.map), &starts, &scenario.goals);
+    if paths.iter().all(|paths| !paths.is_empty()) {
+        mission.candidates = Some(&paths);
+    }
+    tune(&mut mission, scenario);
+    let mut team: Team<'_> = Vec::new();
+    for robot in 0..starts.len() as u8 {
+        let settings = Settings::new(KEY, EPOCH);
+        let controller =
+            Controller::<Body, S, W, MAX_PATHS>::new(&mission, RobotId(robot), settings, Body::default())?;
+        team.push(Box::new(controller));
+    }
+    Ok(fly(&mut team))
+}
+
+fn tune<const W: usize>(mission: &mut Mission<'_, W>, scenario: &Scenario) {
+    let wanted = &scenario.inference;
+    let settings = [
+        (&mut mission.sensor, wanted.sensor),
+        (&mut mission.peer_sensor, wanted.peer_sensor),
+        (&mut mission.haste, wanted.haste),
+        (&mut mission.collision, wanted.collision),
+        (&mut mission.scoring.precision, wanted.precision),
+    ];
+    for (setting, value) in settings {
+        *setting = value.unwrap_or(*setting);
+    }
+}
+
+/// The same map in fewer words.
+fn shrunk<const W: usize>(floor: &Floor) -> Map<W> {
+    let mut map = Map::new(floor.width(), floor.height()).unwrap_or_else(|_| unreachable!("W fits the map"));
+    for cell in (0..floor.len() as u16).map(Cell).filter(|&cell| !floor.is_free(cell)) {
+        map.block(cell);
+    }
+    map
+}
+
+impl<const S: usize, const W: usize, const P: usize> Robot for Controller<'_, Body, S, W, P> {
+    fn tick(&mut self) {
+        Controller::tick(self);
+    }
+
+    fn report(&self) -> Report {
+        Controller::report(self)
+    }
+
+    fn body(&mut self) -> &mut Body {
+        self.hardware_mut()
+    }
+}

@@ -1,0 +1,125 @@
+//! How the robot chooses when it is its turn, and what it does about a choice that does not fit.
+
+use super::candidates::Situation;
+use super::decision::Party;
+use super::{Candidate, Navigation, intentions};
+use crate::bounded::up_to;
+use crate::grid::{Cell, Map, Path, first_conflict};
+use crate::inference::Preference;
+use crate::team::{Intention, MAX_TEAM, Status};
+use heapless::Vec;
+
+impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
+    /// The map as the preferences make it: what is disliked is not entered.
+    fn passable(&self) -> Map<W> {
+        let disliked = |state: &usize| self.preference.get(*state) < 0.0;
+        self.mission
+            .map
+            .avoiding((0..self.mission.map.len()).filter(disliked).map(|state| Cell(state as u16)))
+    }
+
+    /// The paths that teammates have announced in this round.
+    pub(super) fn announced(&self) -> Vec<Path, MAX_TEAM> {
+        up_to(self.partners().filter(|peer| peer.status != Status::Deciding).map(|peer| peer.path))
+    }
+
+    /// The teammates that are in this round.
+    fn partners(&self) -> impl Iterator<Item = &Intention> + Clone {
+        let round = self.agreement.round();
+        intentions(&self.roster).filter(move |peer| peer.round == round)
+    }
+
+    pub(super) fn situation<'a>(&mut self, here: Cell, announced: &'a [Path]) -> Situation<'a, W> {
+        let map = self.passable();
+        let starts = self.partners().map(|peer| peer.path.start);
+        let cells: Vec<Cell, MAX_TEAM> = up_to(core::iter::once(here).chain(starts));
+        let arrivals = self.generator.arrivals(self.mission, &map, &cells, announced);
+        Situation { map, announced, arrivals }
+    }
+
+    /// Whether it is this robot's turn to choose, and where it stands.
+    pub(super) fn turn(&self) -> Option<Cell> {
+        self.here().filter(|_| self.agreement.is_my_turn(intentions(&self.roster)))
+    }
+
+    /// C for a decision: a goal that a teammate has claimed is worth nothing.
+    fn wanted(&self) -> Preference<S> {
+        let mut wanted = self.preference;
+        for claimed in self.partners().filter_map(|peer| peer.goal) {
+            wanted.raise(claimed.index(), -wanted.get(claimed.index()).max(0.0));
+        }
+        wanted
+    }
+
+    /// The longest policy in this decision.
+    fn horizon(&self, situation: &Situation<'_, W>) -> usize {
+        let ours = self.candidates.iter().map(|candidate| candidate.path.len());
+        let listed = (0..self.mission.starts.len()).flat_map(|robot| self.mission.listed_lengths(robot));
+        ours.chain(listed).chain(situation.arrivals.iter().copied()).max().unwrap_or(0)
+    }
+
+    /// Joint candidates: the robot's own, with those of each teammate, which are the path it announced or
+    /// else all that it might choose.
+    pub(super) fn deliberate(&mut self, here: Cell) {
+        let announced = self.announced();
+        let situation = self.situation(here, &announced);
+        let horizon = self.horizon(&situation);
+        let wanted = self.wanted();
+        let known = |peer: &Intention| (peer.robot.index(), peer.path, peer.status != Status::Deciding);
+        let partners: Vec<(usize, Path, bool), MAX_TEAM> = up_to(self.partners().map(known));
+        let mut own = self.belief;
+        for (_, path, _) in &partners {
+            own = self.decision.beliefs(&own, here, path.start).0;
+        }
+        self.decision
+            .begin(Party { belief: &own, preference: &wanted, candidates: &self.candidates }, horizon);
+        for &(robot, path, chosen) in &partners {
+            let (_, belief) = self.decision.beliefs(&self.belief, here, path.start);
+            self.propose(&situation, robot, path, chosen);
+            self.decision.join(
+                Party { belief: &own, preference: &wanted, candidates: &self.candidates },
+                Party { belief: &belief, preference: &wanted, candidates: &self.teammates },
+                horizon,
+            );
+        }
+    }
+
+    /// What a teammate may do: what it announced, or whatever this robot would consider in its place.
+    fn propose(&mut self, situation: &Situation<'_, W>, robot: usize, path: Path, chosen: bool) {
+        if chosen {
+            self.teammates.clear();
+        } else {
+            self.generator.fill(self.mission, situation, (robot, path.start), &mut self.teammates);
+        }
+        if self.teammates.is_empty() {
+            // There is room: the list is empty.
+            let _ = self.teammates.push(Candidate { path, goal: None });
+        }
+    }
+
+    /// Announces the chosen path, or opens another round when it does not go with those announced before.
+    pub(super) fn commit(&mut self, candidate: Candidate) {
+        let announced = self.announced();
+        let fits = announced.iter().all(|other| self.goes_with(&candidate.path, other));
+        let clear = announced.iter().all(|other| self.is_clear(&candidate.path, other));
+        if !fits && self.objections < self.mission.team() {
+            self.objections += 1;
+            self.agreement.open(candidate.path.start);
+        } else if clear {
+            let probability = self.choice.map_or(0.0, |choice| choice.joint);
+            self.agreement.announce(candidate.path, candidate.goal, probability);
+        } else {
+            self.agreement.announce(Path::at(candidate.path.start), None, 1.0);
+        }
+    }
+
+    fn is_clear(&self, path: &Path, other: &Path) -> bool {
+        first_conflict(&self.mission.map, path, other).is_none()
+    }
+
+    /// Whether two robots that follow these paths arrive in the same step on different cells, safely.
+    fn goes_with(&self, path: &Path, other: &Path) -> bool {
+        let together = other.is_empty() || other.len() == path.len();
+        together && path.end(&self.mission.map) != other.end(&self.mission.map) && self.is_clear(path, other)
+    }
+}

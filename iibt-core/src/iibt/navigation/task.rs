@@ -1,0 +1,127 @@
+//! Navigation as the task of the inference node: the lines of Algorithm 1.
+
+use super::{MAX_KNOWN_HAZARDS, Navigation, Plan, RULES, intentions};
+use crate::bounded::up_to;
+use crate::grid::Cell;
+use crate::iibt::rules::raise_for;
+use crate::iibt::{Literal, Task};
+use crate::team::{MAX_HAZARDS, MAX_TEAM, Status};
+use heapless::Vec;
+
+impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, W, P> {
+    type Policy = Plan;
+
+    fn prepare(&mut self) {
+        self.preference = self.mission.preference();
+    }
+
+    fn observe(&mut self) {
+        let told = intentions(&self.roster).flat_map(|peer| peer.hazards.iter().copied());
+        let seen: Vec<Cell, { MAX_TEAM * MAX_HAZARDS + 1 }> =
+            up_to(self.percept.hazard.into_iter().chain(told));
+        for &hazard in &seen {
+            self.remember(hazard);
+        }
+    }
+
+    fn update(&mut self) {
+        self.track();
+        self.keep_up();
+        if self.has_arrived() {
+            self.agreement.arrive();
+        }
+    }
+
+    fn candidates(&mut self) {
+        let Some(here) = self.turn() else {
+            self.candidates.clear();
+            return;
+        };
+        let announced = self.announced();
+        let situation = self.situation(here, &announced);
+        self.generator.fill(self.mission, &situation, (self.robot.index(), here), &mut self.candidates);
+    }
+
+    fn intentions(&mut self) {
+        self.choice = None;
+        if let Some(here) = self.turn().filter(|_| !self.candidates.is_empty()) {
+            self.deliberate(here);
+            self.choice = self.decision.choose();
+        }
+    }
+
+    fn infer(&mut self) -> Option<Plan> {
+        if self.stopping && self.has_arrived() {
+            return Some(Plan::Stop);
+        }
+        if self.agreement.status() != Status::Deciding {
+            return Some(Plan::Follow);
+        }
+        if self.turn().is_none() {
+            return Some(Plan::Wait);
+        }
+        self.choice.map(|choice| Plan::Take(choice.policy))
+    }
+
+    fn is_stop(&self, plan: Plan) -> bool {
+        plan == Plan::Stop
+    }
+
+    fn unmet(&self, plan: Plan) -> Option<Literal> {
+        plan.precondition().unmet(self.logic(plan))
+    }
+
+    fn raise(&mut self, missing: Literal) {
+        let Some(raise) = raise_for(&RULES, missing) else { return };
+        let (path, done) = match self.choice.and_then(|choice| self.candidates.get(choice.policy)) {
+            Some(taken) => (taken.path, 0),
+            None => (*self.agreement.path(), self.agreement.step()),
+        };
+        let amount = raise.amount(self.preference.largest());
+        let hazards: Vec<Cell, MAX_KNOWN_HAZARDS> = up_to(self.hazards_on(&path, done));
+        for &hazard in &hazards {
+            self.preference.raise(hazard.index(), amount);
+        }
+        if self.choice.is_none()
+            && let Some(here) = self.here()
+        {
+            self.agreement.open(here);
+        }
+    }
+
+    fn connected(&self) -> bool {
+        self.roster.all_connected(self.percept.now)
+    }
+
+    fn execute(&mut self, plan: Plan) {
+        match plan {
+            Plan::Take(index) => {
+                if let Some(&candidate) = self.candidates.get(index) {
+                    self.commit(candidate);
+                }
+            }
+            Plan::Follow if !self.percept.moving => {
+                self.command = self.agreement.next_move(&self.mission.map, intentions(&self.roster));
+                self.commanded = self.command;
+            }
+            _ => {}
+        }
+    }
+
+    fn roll_back(&mut self) {
+        self.preference.roll_back();
+    }
+
+    fn wait(&mut self) {
+        self.command = None;
+    }
+
+    fn reaches_stop(&self, plan: Plan) -> bool {
+        let done = self.agreement.step() + usize::from(self.command.is_some());
+        plan == Plan::Follow && self.agreement.is_agreed() && done == self.agreement.path().len()
+    }
+
+    fn promote_stop(&mut self) {
+        self.stopping = true;
+    }
+}

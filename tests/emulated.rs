@@ -1,0 +1,97 @@
+//! The image in QEMU against the host: the same decision with the same bits, and a mission flown together.
+
+use firmware::missions::{CANDIDATES, CELLS, SECTION_5_1, WORDS};
+use firmware::{Controller, Settings};
+use iibt_core::grid::Cell;
+use iibt_core::team::{Intention, RobotId, SipHash64, Status, decode};
+use iibt_core::time::Instant;
+use tests::qemu::{Line, Robot, team_member};
+use tests::rig::{Body, DEMO_KEY};
+
+type Bench = Controller<'static, Body, CELLS, WORDS, CANDIDATES>;
+
+/// One of the two robots, on the bench.
+fn robot(number: u8) -> Bench {
+    let start = SECTION_5_1.starts[usize::from(number)];
+    let settings = Settings::new(DEMO_KEY, 1);
+    Bench::new(&SECTION_5_1, RobotId(number), settings, Body::on(start)).expect("the mission is sound")
+}
+
+/// Ticks a robot on the bench once with what it has heard; returns the frames it sent.
+fn tick(robot: &mut Bench, heard: &[u8]) -> Vec<u8> {
+    let body = robot.hardware_mut();
+    body.now = Instant(body.now.0 + 1);
+    body.inbox.extend(heard);
+    robot.tick();
+    let body = robot.hardware_mut();
+    body.carry_out(&SECTION_5_1.map);
+    body.outbox.drain(..).flatten().collect()
+}
+
+/// The number after `before` in a log line.
+fn number(line: &str, before: &str) -> u32 {
+    let rest = line.split(before).nth(1).unwrap_or_else(|| panic!("{before:?} in {line:?}"));
+    let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();
+    digits.parse().unwrap_or_else(|_| panic!("a number after {before:?} in {line:?}"))
+}
+
+/// The bits of one row of the posterior that the image logged.
+fn row(line: &Line) -> Vec<u32> {
+    let bits = line.message.rsplit(": ").next().expect("a row after the colon");
+    bits.split(' ').map(|word| u32::from_str_radix(word, 16).expect("eight hexadecimal digits")).collect()
+}
+
+/// The posterior of robot 1 when robot 2 is heard for the first time at this tick.
+fn posterior_on_the_host(at: u32) -> Vec<Vec<u32>> {
+    let (mut first, mut second) = (robot(0), robot(1));
+    let hello = tick(&mut second, &[]);
+    for _ in 1..at {
+        tick(&mut first, &[]);
+    }
+    tick(&mut first, &hello);
+    assert_eq!(first.report().status, Status::Announced, "it decides as soon as it hears robot 2");
+    first
+        .navigation()
+        .decision()
+        .joint()
+        .iter()
+        .map(|row| row.iter().map(|p| p.to_bits()).collect())
+        .collect()
+}
+
+#[test]
+fn the_image_decides_with_the_same_bits_as_the_host_and_arrives_with_a_robot_on_the_host() {
+    let mut image = Robot::boot(team_member());
+    let mut second = robot(1);
+    image.wait_for("boot");
+
+    // Robot 2 hears every frame of the image and answers each with one of its own.
+    let auth = SipHash64::new(DEMO_KEY);
+    let mut said: Vec<Intention> = vec![];
+    while second.report().status != Status::Arrived
+        || said.last().is_none_or(|said| said.status != Status::Arrived)
+    {
+        let frame = image.receive();
+        said.push(decode(&frame[..frame.len() - 1], &auth).expect("the image sends authentic frames"));
+        image.send(&tick(&mut second, &frame));
+        assert!(said.len() < 2000, "no arrival after {} frames: {:#?}", said.len(), image.seen());
+    }
+
+    let rows: Vec<Vec<u32>> =
+        (0..CANDIDATES).map(|policy| row(&image.wait_for(&format!("posterior of {policy}:")))).collect();
+    let chosen = image.wait_for("chose p");
+    assert_eq!(rows, posterior_on_the_host(number(&chosen.message, "tick ")));
+    assert_eq!(number(&chosen.message, "chose p"), 26, "{}", chosen.message);
+    image.wait_for("Agreed in round 0");
+    image.wait_for("step 6 done, on p26");
+    image.wait_for("Arrived in round 0");
+
+    let together: f32 =
+        [(1, 2), (1, 3), (2, 1)].map(|(own, other)| f32::from_bits(rows[own][other])).iter().sum();
+    assert!(together > 0.999, "simultaneous arrivals at different goals have {together}");
+    assert_eq!(second.report().goal, Some(Cell(24)));
+
+    let path = said.last().expect("the image has spoken").path;
+    let cells: Vec<u16> = path.cells(&SECTION_5_1.map).map(|cell| cell.0).collect();
+    assert_eq!(cells, [28, 29, 30, 31, 32, 33, 26], "path C");
+}

@@ -1,0 +1,73 @@
+//! Whatever the radio, the drive and the world do: no two robots ever share or swap a cell.
+
+use iibt_core::grid::{Cell, Map};
+use iibt_core::iibt::Mission;
+use tests::team::{Hardship, Outcome, Random, Team};
+
+const RUNS: u64 = 200;
+
+/// A random map with walls in a tenth of its cells, and a team of two to five robots with as many goals.
+fn fly(seed: u64, hardship: Hardship) -> Outcome {
+    let mut random = Random::new(seed);
+    let mut map = Map::new(7, 7).expect("49 cells fit two words");
+    for cell in 0..49 {
+        if random.chance(0.1) {
+            map.block(Cell(cell));
+        }
+    }
+    let mut free: Vec<Cell> = (0..49).map(Cell).filter(|&cell| map.is_free(cell)).collect();
+    let mut draw = || free.swap_remove(random.below(free.len() as u32) as usize);
+    let size = 2 + (seed % 4) as usize;
+    let starts: Vec<Cell> = (0..size).map(|_| draw()).collect();
+    let goals: Vec<Cell> = (0..size).map(|_| draw()).collect();
+    let mission = Mission::new(map, &starts, &goals);
+    Team::new(&mission, hardship, seed).fly(400)
+}
+
+/// Flies many missions; returns in how many all robots arrived.
+fn campaign(name: &str, hardship: Hardship) -> usize {
+    let mut arrived = 0;
+    for seed in 0..RUNS {
+        let outcome = fly(seed, hardship);
+        assert_eq!(outcome.collisions, 0, "{name}: seed {seed}: {outcome:?}");
+        arrived += usize::from(outcome.arrived.is_some());
+    }
+    println!("{name}: all arrived in {arrived} of {RUNS}");
+    arrived
+}
+
+#[test]
+fn with_a_perfect_radio() {
+    assert!(campaign("perfect", Hardship::default()) >= 190);
+}
+
+#[test]
+fn with_a_third_of_the_frames_lost_late_or_twice() {
+    let hardship = Hardship { loss: 0.3, delay: 3, duplicates: 0.2, ..Hardship::default() };
+    assert!(campaign("lossy", hardship) >= 190);
+}
+
+#[test]
+fn with_most_of_the_frames_lost() {
+    campaign("deaf", Hardship { loss: 0.7, delay: 5, duplicates: 0.5, ..Hardship::default() });
+}
+
+#[test]
+fn with_moves_that_fail_and_obstacles_that_appear() {
+    let hardship = Hardship { loss: 0.2, slip: 0.1, obstacle: 0.05, ..Hardship::default() };
+    campaign("rough ground", hardship);
+}
+
+#[test]
+fn with_robots_that_restart_at_any_moment() {
+    let hardship = Hardship { loss: 0.2, delay: 2, slip: 0.05, restart: 0.02, ..Hardship::default() };
+    campaign("restarts", hardship);
+}
+
+#[test]
+fn with_no_radio_at_all_nobody_moves() {
+    for seed in 0..20 {
+        let outcome = fly(seed, Hardship { loss: 1.1, ..Hardship::default() });
+        assert_eq!((outcome.arrived, outcome.collisions), (None, 0));
+    }
+}

@@ -1,0 +1,343 @@
+//! Whole missions in the simulator: they end well, repeat exactly, and bad input is refused with a reason.
+
+use host_sim::{Conditions, Outcome, Record, Scenario, fly, library};
+use iibt_core::grid::Cell;
+use proptest::prelude::*;
+use std::collections::BTreeSet;
+
+fn built_in(name: &str) -> Scenario {
+    library::find(name).expect("built in").expect("sound")
+}
+
+fn flown(scenario: &Scenario, seed: u64, loss: f64) -> Record {
+    fly(scenario, Conditions { seed, loss: Some(loss) }, &mut ()).expect("a sound scenario can be flown")
+}
+
+mod missions {
+    use super::*;
+
+    #[test]
+    fn every_built_in_one_is_accomplished() {
+        for name in library::names() {
+            let record = flown(&built_in(name), 0, 0.0);
+            assert_eq!(record.outcome, Outcome::Together, "{name}");
+            assert_eq!((record.collisions.total(), record.spread(), record.frames.lost), (0, 0, 0), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_factory_s_robots_reach_three_goals_in_the_same_tick() {
+        let record = flown(&built_in("factory"), 0, 0.0);
+        let ends: BTreeSet<_> = record.robots.iter().map(|robot| robot.cell.0).collect();
+        assert_eq!(ends, BTreeSet::from([24, 26, 32]));
+        assert!(
+            record.robots.iter().all(|robot| robot.arrived == record.ticks && robot.goal == Some(robot.cell))
+        );
+        let after_obstacle = record.history.iter().skip(9).flatten();
+        assert!(after_obstacle.clone().count() > 0 && after_obstacle.clone().all(|&cell| cell != Cell(23)));
+    }
+
+    #[test]
+    fn the_obstacle_of_the_factory_makes_the_team_choose_again() {
+        let record = flown(&built_in("factory"), 0, 0.0);
+        let kinds: Vec<_> = record.news.iter().map(|dated| kind(&dated.news)).collect();
+        let appeared = kinds.iter().position(|&kind| kind == "appeared").expect("there is an obstacle");
+        let agreements = |kinds: &[&str]| kinds.iter().filter(|&&kind| kind == "agreed").count();
+        assert_eq!((agreements(&kinds[..appeared]), agreements(&kinds[appeared..])), (1, 1), "{kinds:?}");
+    }
+
+    #[test]
+    fn the_order_of_the_robots_does_not_matter_for_success() {
+        let mut scenario = built_in("factory");
+        for _ in 0..scenario.robots.len() {
+            scenario.robots.rotate_left(1);
+            assert_eq!(flown(&scenario, 0, 0.0).outcome, Outcome::Together, "{:?}", scenario.robots);
+        }
+    }
+
+    #[test]
+    fn a_team_waits_for_a_robot_without_charge() {
+        let mut scenario = built_in("two-goals");
+        scenario.robots[1].battery = 5;
+        let record = flown(&scenario, 0, 0.0);
+        assert_eq!((record.outcome, record.robots[1].status), (Outcome::Unfinished, "away"));
+        assert!(record.history.iter().all(|cells| *cells == record.history[0]));
+    }
+
+    #[test]
+    fn a_localiser_that_errs_once_in_a_hundred_makes_nobody_collide() {
+        let mut scenario = built_in("factory");
+        scenario.robots.iter_mut().for_each(|robot| robot.localiser = 0.99);
+        for seed in 0..10 {
+            let record = flown(&scenario, seed, 0.1);
+            assert_eq!((record.outcome, record.collisions.total()), (Outcome::Together, 0), "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn a_goal_nobody_can_reach_ends_at_the_limit() {
+        let text = "title = 't'\nlimit = 40\nmap = '''\n1.#G\n2.#.\n..#G\n'''";
+        let record = flown(&Scenario::parse("walled", text).unwrap(), 0, 0.0);
+        assert_eq!((record.outcome, record.ticks, record.collisions.total()), (Outcome::Unfinished, 40, 0));
+    }
+
+    fn kind(news: &host_sim::News) -> &'static str {
+        match news {
+            host_sim::News::Appeared { .. } => "appeared",
+            host_sim::News::Found { .. } => "found",
+            host_sim::News::Chose { .. } => "chose",
+            host_sim::News::Agreed { .. } => "agreed",
+            host_sim::News::Arrived { .. } => "arrived",
+            host_sim::News::Collided { .. } => "collided",
+        }
+    }
+}
+
+mod radio {
+    use super::*;
+
+    /// Whether no robot has moved for twenty ticks.
+    fn stands_still(record: &Record) -> bool {
+        let last = record.history.iter().rev().take(20).collect::<Vec<_>>();
+        last.len() == 20 && last.windows(2).all(|pair| pair[0] == pair[1])
+    }
+
+    #[test]
+    fn losing_three_frames_in_ten_makes_nobody_collide() {
+        let scenario = built_in("factory");
+        for seed in 0..10 {
+            let record = flown(&scenario, seed, 0.3);
+            assert_eq!(record.collisions.total(), 0, "seed {seed}");
+            assert!(record.frames.lost > 0, "seed {seed}");
+            assert!(record.outcome.is_success() || stands_still(&record), "seed {seed}: {record:?}");
+        }
+    }
+
+    #[test]
+    fn losing_half_of_them_makes_nobody_collide_anywhere() {
+        for name in library::names() {
+            for seed in 0..3 {
+                let record = flown(&built_in(name), seed, 0.5);
+                assert_eq!(record.collisions.total(), 0, "{name}, seed {seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_it_everybody_stays() {
+        let record = flown(&built_in("two-goals"), 0, 1.0);
+        assert_eq!(record.outcome, Outcome::Unfinished);
+        assert!(record.history.iter().all(|cells| *cells == record.history[0]));
+        assert_eq!((record.frames.delivered, record.frames.lost), (0, record.frames.sent));
+    }
+
+    #[test]
+    fn late_and_repeated_frames_cost_time_only() {
+        let mut scenario = built_in("factory");
+        let usual = flown(&scenario, 0, 0.0);
+        (scenario.radio.delay, scenario.radio.duplicate) = (4, 0.5);
+        let record = flown(&scenario, 0, 0.0);
+        assert_eq!((record.outcome, record.collisions.total()), (Outcome::Together, 0));
+        assert!(record.ticks > usual.ticks);
+        assert!(record.robots.iter().all(|robot| robot.rejected > 0), "a frame heard twice is rejected once");
+        assert!(usual.robots.iter().all(|robot| robot.rejected == 0));
+    }
+}
+
+mod json {
+    use super::*;
+
+    fn json(name: &str, seed: u64, loss: f64) -> String {
+        flown(&built_in(name), seed, loss).to_json().unwrap()
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_bytes() {
+        for name in ["factory", "detour"] {
+            assert_eq!(json(name, 7, 0.3), json(name, 7, 0.3), "{name}");
+            assert_ne!(json(name, 7, 0.3), json(name, 8, 0.3), "{name}");
+        }
+    }
+
+    #[test]
+    fn it_tells_the_whole_flight() {
+        let record = flown(&built_in("two-goals"), 3, 0.0);
+        let value: serde_json::Value = serde_json::from_str(&record.to_json().unwrap()).unwrap();
+        assert_eq!(value["scenario"], "two-goals");
+        assert_eq!(
+            (&value["seed"], &value["loss"], &value["outcome"]),
+            (&3.into(), &0.0.into(), &"together".into())
+        );
+        assert_eq!(value["history"][0], serde_json::json!([28, 2]));
+        assert_eq!(value["robots"][0]["path"], serde_json::json!([28, 29, 30, 31, 32, 33, 26]));
+        assert_eq!(value["history"].as_array().unwrap().len(), record.history.len());
+    }
+}
+
+mod refused {
+    use super::*;
+
+    /// A sound scenario; the cases below each spoil one line of it.
+    const SOUND: &str = "\
+title = 'two robots'
+limit = 100
+map = '''
+....
+.#..
+....
+'''
+goals = [3, 11]
+[[robot]]
+start = 0
+paths = [[0, 1, 2, 3]]
+[[robot]]
+name = 'Bo'
+start = 8
+paths = [[8, 9, 10, 11]]
+[radio]
+loss = 0.1
+delay = 1
+[[event]]
+tick = 4
+block = 7
+[inference]
+precision = 16.0
+";
+
+    fn refusal(name: &str, text: &str) -> String {
+        Scenario::parse(name, text).map_or_else(|error| error.to_string(), |_| "accepted".to_owned())
+    }
+
+    #[test]
+    fn the_sound_one_is_not() {
+        assert_eq!(refusal("sound.toml", SOUND), "accepted");
+    }
+
+    #[test]
+    fn with_file_line_and_reason() {
+        #[rustfmt::skip]
+        let cases = [
+            ("limit = 100", "limit = ", "2", "string values must be quoted"),
+            ("limit = 100", "limits = 100", "2", "unknown field `limits`, expected one of `title`"),
+            ("limit = 100", "limit = 0", "2", "limit = 0 is not between 1 and 100000"),
+            ("limit = 100", "limit = 2.5", "2", "expected a whole number"),
+            ("limit = 100", "view = 9", "2", "view = 9 is not between 1 and 8"),
+            ("'two robots'", "''", "1", "title is not one line of 1 to 120 characters"),
+            (".#..", ".#.", "5", "row 1 of the map has 3 cells, but row 0 has 4"),
+            (".#..", ".#x.", "5", "row 1, column 2 of the map: 'x' is not a map character"),
+            (".#..", ".#1.", "10", "the map draws R1 as '1' already"),
+            (".#..", ".#1.\n1...", "6", "row 2, column 0 of the map: robot 1 is drawn at 6 already"),
+            (".#..", ".#G.", "8", "the map draws goals as 'G' already"),
+            ("[3, 11]", "[3]", "8", "1 goals for 2 robots"),
+            ("[3, 11]", "[3, 3]", "8", "goal 3 is listed twice"),
+            ("[3, 11]", "[3,\n12]", "9", "goal 12 is outside the map, whose cells are 0 to 11"),
+            ("[3, 11]", "[3, 11, 5]", "8", "goal 5 is blocked on the map"),
+            ("[3, 11]", "[-1, 11]", "8", "goal -1 is outside the map"),
+            ("start = 0", "start = 5", "10", "start 5 is blocked on the map"),
+            ("start = 0", "start = 70000", "10", "start 70000 is outside the map"),
+            ("start = 0", "battery = 50", "9", "R1 has no start: write start = CELL, or draw '1' on the map"),
+            ("start = 8\npaths = [[8", "start = 0\npaths = [[0, 1, 2, 3], [0, 4, 8", "12", "Bo starts at 0, where R1 stands already"),
+            ("'Bo'", "'R1'", "12", "two robots are called R1"),
+            ("'Bo'", r#""B\no""#, "13", "name is not one line of 1 to 12 characters"),
+            ("[[0, 1, 2, 3]]", "[[0, 1, 2]]", "11", "the path ends at 2, which is no goal"),
+            ("[[0, 1, 2, 3]]", "[[0, 2, 3]]", "11", "0 and 2 on the path are no neighbours"),
+            ("[[0, 1, 2, 3]]", "[[1, 2, 3]]", "11", "the path begins at 1, but the robot at 0"),
+            ("[[0, 1, 2, 3]]", "[[0, 1, 5]]", "11", "path cell 5 is blocked on the map"),
+            ("[[0, 1, 2, 3]]", "[[0, 1, 99]]", "11", "path cell 99 is outside the map"),
+            ("[[0, 1, 2, 3]]", "[[]]", "11", "the path has no cells"),
+            ("[[0, 1, 2, 3]]", "[]", "11", "0 paths listed: give 1 to 16"),
+            ("paths = [[0, 1, 2, 3]]", "", "15", "R1 has no paths: list them for every robot or for none"),
+            ("loss = 0.1", "loss = 1.5", "17", "loss = 1.5 is not between 0 and 1"),
+            ("loss = 0.1", "loss = nan", "17", "loss = NaN is not between 0 and 1"),
+            ("delay = 1", "delay = 0", "18", "delay = 0 is not between 1 and 1000"),
+            ("delay = 1", "jitter = 1", "18", "unknown field `jitter`"),
+            ("block = 7", "block = 8", "21", "8 is where Bo starts"),
+            ("block = 7", "block = 12", "21", "block 12 is outside the map"),
+            ("tick = 4", "at = 4", "19", "say when it appears"),
+            ("tick = 4", "robot = 'Al'\nat = 4", "20", "no robot is called \"Al\": there are R1, Bo"),
+            ("tick = 4\nblock = 7", "tick = 4", "19", "missing field `block`"),
+            ("precision = 16.0", "precision = -1", "23", "precision = -1 is not between 0 and 1000"),
+        ];
+        for (right, wrong, line, reason) in cases {
+            assert!(SOUND.contains(right), "{right}");
+            let refusal = refusal("my.toml", &SOUND.replacen(right, wrong, 1));
+            assert!(refusal.starts_with(&format!("my.toml:{line}: ")), "{wrong}: {refusal}");
+            assert!(refusal.contains(reason), "{wrong}: {refusal}");
+        }
+    }
+
+    #[test]
+    fn when_the_team_or_the_map_is_too_large() {
+        let nine = "[[robot]]\nstart = 0\n".repeat(9);
+        let team = refusal("a.toml", &format!("title = 't'\nmap = '...'\ngoals = [1]\n{nine}"));
+        assert_eq!(team, "a.toml:20: 9 robots, but a team has at most 8");
+        let map = refusal("a.toml", &format!("title = 't'\nmap = '''\n{}'''", "1.......G\n".repeat(114)));
+        assert!(map.starts_with("a.toml:2: the map has 9 x 114 cells: draw 2 to 1024"), "{map}");
+        let goals = refusal("a.toml", "title = 't'\nmap = '1GGGGGGGGG'");
+        assert_eq!(goals, "a.toml:2: 9 goals, but a mission has at most 8");
+        let nobody = refusal("a.toml", "title = 't'\nmap = '...G'");
+        assert!(nobody.starts_with("a.toml:2: no robots"), "{nobody}");
+        let path = format!("0{}", ", 1, 0".repeat(40));
+        let long = format!("title = 't'\nmap = '...'\ngoals = [0]\n[[robot]]\nstart = 0\npaths = [[{path}]]");
+        assert_eq!(refusal("a.toml", &long), "a.toml:6: the path has 80 moves, but at most 64 fit");
+    }
+
+    #[test]
+    fn when_it_is_no_text() {
+        let error = Scenario::read("noise.bin", b"title = 't'\n\xff\xfe").unwrap_err();
+        assert_eq!(error.to_string(), "noise.bin:2: this is no UTF-8 text");
+    }
+
+    #[test]
+    fn when_there_is_no_such_name() {
+        assert!(library::find("factori").is_none());
+        assert_eq!(library::nearest("factori"), Some("factory"));
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes_without_a_panic(bytes: Vec<u8>) {
+            prop_assert!(Scenario::read("noise", &bytes).is_err());
+        }
+
+        #[test]
+        fn any_damage_without_a_panic(at in 0..SOUND.len(), length in 0usize..40, insert in "[ -~\n]{0,6}") {
+            let end = (at + length).min(SOUND.len());
+            let text = [&SOUND[..at], &insert, &SOUND[end..]].concat();
+            if let Err(error) = Scenario::parse("damaged", &text) {
+                prop_assert!((1..=text.lines().count() + 1).contains(&error.line), "{error}");
+                prop_assert!(!error.reason.is_empty());
+            }
+        }
+    }
+}
+
+mod accepted {
+    use super::*;
+
+    /// A drawing of up to 8 x 8 cells with two robots and two goals somewhere.
+    fn drawing() -> impl Strategy<Value = String> {
+        let cells = (2usize..8, 2usize..8);
+        cells.prop_flat_map(|(width, height)| {
+            let floor =
+                proptest::collection::vec(prop_oneof![4 => Just('.'), 1 => Just('#')], width * height - 4);
+            let marks = floor.prop_map(|floor| floor.into_iter().chain("12GG".chars()).collect::<Vec<_>>());
+            marks.prop_shuffle().prop_map(move |marks| {
+                marks.chunks(width).map(|row| row.iter().collect::<String>()).collect::<Vec<_>>().join("\n")
+            })
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        #[test]
+        fn can_be_flown_without_a_collision(map in drawing(), seed: u64) {
+            let text = format!("title = 't'\nlimit = 60\nmap = '''\n{map}\n'''\n[radio]\nloss = 0.2");
+            let scenario = Scenario::parse("drawn", &text).unwrap();
+            let record = fly(&scenario, Conditions { seed, loss: None }, &mut ()).unwrap();
+            prop_assert_eq!(record.collisions.total(), 0);
+            prop_assert!(record.history.len() <= 61);
+        }
+    }
+}

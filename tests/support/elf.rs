@@ -1,0 +1,49 @@
+//! What an image takes of its chip, read from its ELF file.
+
+use object::elf::{SHF_ALLOC, SHT_NOBITS};
+use object::{Object, ObjectSection, ObjectSymbol, SectionFlags};
+use std::path::Path;
+
+/// Where the RAM of an STM32 begins; below are the flash and what is loaded into it.
+const RAM: u64 = 0x2000_0000;
+
+/// The sizes and symbols of an image.
+#[derive(Clone, Debug)]
+pub struct Elf {
+    /// Bytes of flash: code, constants, and the initial values of statics.
+    pub flash: u64,
+    /// Bytes of RAM for statics; the stack has its own region.
+    pub ram: u64,
+    /// The names of all symbols, mangled.
+    pub symbols: Vec<String>,
+}
+
+impl Elf {
+    /// Reads an image.
+    ///
+    /// # Panics
+    /// When there is no such file, or it is no ELF file.
+    #[must_use]
+    pub fn read(path: &Path) -> Self {
+        let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let file = object::File::parse(&*bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let mut elf = Self { flash: 0, ram: 0, symbols: vec![] };
+        for section in file.sections() {
+            let SectionFlags::Elf { sh_flags, sh_type, .. } = section.flags() else { continue };
+            if !sh_flags.contains(SHF_ALLOC) {
+                continue;
+            }
+            let in_ram = section.address() >= RAM;
+            let stored = sh_type != SHT_NOBITS;
+            elf.ram += if in_ram { section.size() } else { 0 };
+            elf.flash += if stored { section.size() } else { 0 };
+        }
+        elf.symbols = file.symbols().filter_map(|symbol| symbol.name().ok().map(String::from)).collect();
+        elf
+    }
+
+    /// The symbols whose name contains one of `parts`.
+    pub fn symbols_with<'a>(&'a self, parts: &'a [&str]) -> impl Iterator<Item = &'a str> {
+        self.symbols.iter().map(String::as_str).filter(|name| parts.iter().any(|part| name.contains(part)))
+    }
+}

@@ -1,0 +1,246 @@
+//! The image of a robot in QEMU: start it, read its log, exchange frames with it.
+//!
+//! Nothing here measures time. Reads wait for the emulator; the [`PATIENCE`] only ends a test that hangs.
+
+use defmt_decoder::{DecodeError, Table};
+use std::io::{Read, Write};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
+
+/// How long a robot may take for one answer before the test fails.
+pub const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Builds the image `name` of the package `firmware` and returns the path of its ELF file.
+///
+/// # Panics
+/// When it does not build; the compiler's messages are on the standard error stream.
+#[must_use]
+pub fn image(name: &str) -> PathBuf {
+    let output = Command::new(env!("CARGO"))
+        .args(["build", "-p", "firmware", "--profile", "firmware", "--target", "thumbv7em-none-eabihf"])
+        .args(["--bin", name, "--message-format", "json-render-diagnostics"])
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+        .stderr(Stdio::inherit())
+        .output()
+        .expect("cargo starts");
+    assert!(
+        output.status.success(),
+        "the image {name} does not build: is the target installed? `tests/run` does it"
+    );
+    let messages = String::from_utf8(output.stdout).expect("cargo writes UTF-8");
+    let executable = messages.lines().filter_map(executable).next_back();
+    executable.unwrap_or_else(|| panic!("cargo names no executable for {name}"))
+}
+
+/// The image `team_member`, built once.
+///
+/// # Panics
+/// As [`image`].
+pub fn team_member() -> &'static Path {
+    static IMAGE: OnceLock<PathBuf> = OnceLock::new();
+    IMAGE.get_or_init(|| image("team_member"))
+}
+
+/// The executable that a message of cargo announces.
+fn executable(message: &str) -> Option<PathBuf> {
+    let message: serde_json::Value = serde_json::from_str(message).ok()?;
+    message.get("executable")?.as_str().map(PathBuf::from)
+}
+
+/// One line of a robot's log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Line {
+    /// The level in lower case, such as `info`.
+    pub level: &'static str,
+    /// The text.
+    pub message: String,
+}
+
+/// A running image; dropping it ends QEMU.
+#[derive(Debug)]
+pub struct Robot {
+    qemu: Child,
+    link: UnixStream,
+    log: Receiver<Line>,
+    seen: Vec<Line>,
+    sockets: PathBuf,
+}
+
+impl Robot {
+    /// Starts an image. Wait for its first log line before sending: a byte that arrives before the image
+    /// listens is kept, but QEMU looks for it only once a second.
+    ///
+    /// # Panics
+    /// When QEMU is missing or does not start the image, or the file is no image with a defmt table.
+    #[must_use]
+    pub fn boot(image: &Path) -> Self {
+        let elf = std::fs::read(image).unwrap_or_else(|error| panic!("{}: {error}", image.display()));
+        let sockets = directory();
+        let log = listen(&sockets, "log");
+        let link = listen(&sockets, "link");
+        let mut qemu = start(image, &sockets);
+        let log = accept(&log, &mut qemu);
+        let link = accept(&link, &mut qemu);
+        link.set_read_timeout(Some(PATIENCE)).expect("the time-out is not zero");
+        Self { qemu, link, log: decode(elf, log), seen: Vec::new(), sockets }
+    }
+
+    /// Waits for a log line that contains `part`, passing over others.
+    ///
+    /// # Panics
+    /// When QEMU ends or the robot is silent before there is one.
+    pub fn wait_for(&mut self, part: &str) -> Line {
+        loop {
+            let Ok(line) = self.log.recv_timeout(PATIENCE) else {
+                panic!("the robot logged no {part:?}; it logged {:#?}", self.seen)
+            };
+            self.seen.push(line.clone());
+            if line.message.contains(part) {
+                return line;
+            }
+        }
+    }
+
+    /// The log lines so far, those passed over included.
+    #[must_use]
+    pub fn seen(&self) -> &[Line] {
+        &self.seen
+    }
+
+    /// Sends bytes over the link.
+    ///
+    /// # Panics
+    /// When QEMU has ended.
+    pub fn send(&mut self, bytes: &[u8]) {
+        self.link.write_all(bytes).expect("QEMU takes the bytes");
+    }
+
+    /// Waits for the next frame on the link: the bytes up to and with the next zero.
+    ///
+    /// # Panics
+    /// When QEMU ends or the robot is silent before the frame is whole.
+    pub fn receive(&mut self) -> Vec<u8> {
+        let mut frame = Vec::new();
+        while frame.last() != Some(&0) {
+            let mut byte = [0];
+            if let Err(error) = self.link.read_exact(&mut byte) {
+                panic!("no frame ({error}) after {frame:02x?}; the robot logged {:#?}", self.seen)
+            }
+            frame.extend(byte);
+        }
+        frame
+    }
+}
+
+impl Drop for Robot {
+    fn drop(&mut self) {
+        let _ = self.qemu.kill();
+        let _ = self.qemu.wait();
+        let _ = std::fs::remove_dir_all(&self.sockets);
+    }
+}
+
+/// A new directory for the sockets of one robot.
+fn directory() -> PathBuf {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let name = format!("iibt-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+    let path = std::env::temp_dir().join(name);
+    std::fs::create_dir_all(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    path
+}
+
+fn listen(directory: &Path, name: &str) -> UnixListener {
+    let path = directory.join(name);
+    let listener = UnixListener::bind(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    listener.set_nonblocking(true).expect("a socket can be made non-blocking");
+    listener
+}
+
+/// Starts QEMU as the client of both sockets, so that no byte of the log is lost.
+fn start(image: &Path, sockets: &Path) -> Child {
+    let socket = |name: &str| format!("socket,id={name},path={}", sockets.join(name).display());
+    let mut command = Command::new("qemu-system-arm");
+    command.args(["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-no-reboot"]);
+    for (name, serial) in [("log", "chardev:log"), ("link", "chardev:link")] {
+        command.args(["-chardev", &socket(name), "-serial", serial]);
+    }
+    command.arg("-kernel").arg(image).stdin(Stdio::null());
+    command.spawn().unwrap_or_else(|error| panic!("qemu-system-arm: {error}; `tests/run` installs it"))
+}
+
+fn accept(listener: &UnixListener, qemu: &mut Child) -> UnixStream {
+    let start = Instant::now();
+    loop {
+        if let Ok((stream, _)) = listener.accept() {
+            stream.set_nonblocking(false).expect("a socket can be made blocking");
+            return stream;
+        }
+        if let Ok(Some(status)) = qemu.try_wait() {
+            panic!("QEMU ended before it ran the image: {status}");
+        }
+        assert!(start.elapsed() < PATIENCE, "QEMU does not open its ports");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Decodes the log on a thread of its own, so that the robot never waits for the test.
+fn decode(elf: Vec<u8>, log: UnixStream) -> Receiver<Line> {
+    let (sender, receiver) = channel();
+    let table = Table::parse(&elf).expect("a defmt table").expect("an image that logs with defmt");
+    std::thread::spawn(move || pass_on(&table, log, &sender));
+    receiver
+}
+
+/// Runs until the robot or the test is gone.
+fn pass_on(table: &Table, mut log: UnixStream, lines: &Sender<Line>) {
+    let mut decoder = table.new_stream_decoder();
+    let mut bytes = [0; 4096];
+    while let Ok(count @ 1..) = log.read(&mut bytes) {
+        decoder.received(&bytes[..count]);
+        loop {
+            let line = match decoder.decode() {
+                Ok(frame) => Line {
+                    level: frame.level().map_or("print", |level| level.as_str()),
+                    message: frame.display_message().to_string(),
+                },
+                Err(DecodeError::UnexpectedEof) => break,
+                Err(DecodeError::Malformed) => Line { level: "error", message: "malformed log frame".into() },
+            };
+            if lines.send(line).is_err() {
+                return;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_go_to_the_image_and_back() {
+        let mut robot = Robot::boot(team_member());
+        assert_eq!(robot.wait_for("boot").level, "info");
+        for frame in [b"abc\0".as_slice(), &[0], &[&[7; 99], [0].as_slice()].concat()] {
+            robot.send(frame);
+            assert_eq!(robot.receive(), frame);
+            robot.wait_for(&format!("frame of {} bytes, echoed true, lost 0", frame.len()));
+        }
+    }
+
+    #[test]
+    fn a_robot_that_fails_says_why() {
+        let image = image("fault");
+        for (order, report) in [(b'p', "asked to"), (b'f', "fault at 0x08"), (b's', "stack overflow")] {
+            let mut robot = Robot::boot(&image);
+            robot.wait_for("boot");
+            robot.send(&[order]);
+            assert_eq!(robot.wait_for(report).level, "error");
+        }
+    }
+}

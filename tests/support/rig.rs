@@ -1,0 +1,132 @@
+//! A robot on a bench: a body whose senses and radio a test holds in its hands.
+
+use firmware::hardware::{Battery, Clock, Drive, Hardware, Link, Localiser, Scanner};
+use iibt_core::grid::{Cell, Map, Move};
+use iibt_core::team::Key;
+use iibt_core::time::Instant;
+use std::collections::VecDeque;
+
+/// The key of the image `team_member`.
+pub const DEMO_KEY: Key = Key::new(*b"section 5.1 demo");
+
+/// A body that does what it is told and reads where it stands.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// The truth about where it is.
+    pub cell: Cell,
+    /// The present.
+    pub now: Instant,
+    /// What the localiser reads instead of the truth, if it does.
+    pub reading: Option<Cell>,
+    /// An obstacle in view.
+    pub hazard: Option<Cell>,
+    /// The charge in percent.
+    pub charge: u8,
+    /// Bytes that have arrived.
+    pub inbox: VecDeque<u8>,
+    /// Frames that were sent.
+    pub outbox: Vec<Vec<u8>>,
+    /// The move that was asked for and not made yet.
+    pub asked: Option<Move>,
+}
+
+impl Body {
+    /// A body on a cell, at time zero, fully charged.
+    #[must_use]
+    pub fn on(cell: Cell) -> Self {
+        Self {
+            cell,
+            now: Instant(0),
+            reading: None,
+            hazard: None,
+            charge: 100,
+            inbox: VecDeque::new(),
+            outbox: vec![],
+            asked: None,
+        }
+    }
+
+    /// Makes the move that was asked for; returns the cell it came from.
+    pub fn carry_out<const W: usize>(&mut self, map: &Map<W>) -> Cell {
+        let before = self.cell;
+        if let Some(step) = self.asked.take() {
+            let next = map.neighbour(self.cell, step);
+            self.cell = if map.is_free(next) { next } else { self.cell };
+        }
+        before
+    }
+}
+
+impl Link for Body {
+    fn receive(&mut self) -> Option<u8> {
+        self.inbox.pop_front()
+    }
+    fn send(&mut self, frame: &[u8]) -> bool {
+        self.outbox.push(frame.to_vec());
+        true
+    }
+}
+
+impl Drive for Body {
+    fn go(&mut self, step: Move) {
+        self.asked = Some(step);
+    }
+    fn is_moving(&mut self) -> bool {
+        false
+    }
+    fn stop(&mut self) {
+        self.asked = None;
+    }
+}
+
+impl Localiser for Body {
+    fn locate(&mut self) -> Option<Cell> {
+        Some(self.reading.unwrap_or(self.cell))
+    }
+}
+
+impl Scanner for Body {
+    fn scan(&mut self) -> Option<Cell> {
+        self.hazard
+    }
+}
+
+impl Battery for Body {
+    fn charge(&mut self) -> u8 {
+        self.charge
+    }
+}
+
+impl Clock for Body {
+    fn now(&mut self) -> Instant {
+        self.now
+    }
+}
+
+impl Hardware for Body {
+    type Link = Self;
+    type Drive = Self;
+    type Localiser = Self;
+    type Scanner = Self;
+    type Battery = Self;
+    type Clock = Self;
+
+    fn link(&mut self) -> &mut Self {
+        self
+    }
+    fn drive(&mut self) -> &mut Self {
+        self
+    }
+    fn localiser(&mut self) -> &mut Self {
+        self
+    }
+    fn scanner(&mut self) -> &mut Self {
+        self
+    }
+    fn battery(&mut self) -> &mut Self {
+        self
+    }
+    fn clock(&mut self) -> &mut Self {
+        self
+    }
+}
