@@ -1,12 +1,13 @@
 //! Whatever the radio, the drive and the world do: no two robots ever share or swap a cell.
 
-use iibt_core::grid::{Cell, Map};
+use iibt_core::grid::{Cell, Map, Planner};
 use iibt_core::iibt::Mission;
 use tests::team::{Hardship, Outcome, Random, Team};
 
 const RUNS: u64 = 200;
 
-/// A random map with walls in a tenth of its cells, and a team of two to five robots with as many goals.
+/// A random map with walls in a tenth of its cells, and a team of two to five robots with as many goals, all
+/// within reach of each other.
 fn fly(seed: u64, hardship: Hardship) -> Outcome {
     let mut random = Random::new(seed);
     let mut map = Map::new(7, 7).expect("49 cells fit two words");
@@ -16,6 +17,9 @@ fn fly(seed: u64, hardship: Hardship) -> Outcome {
         }
     }
     let mut free: Vec<Cell> = (0..49).map(Cell).filter(|&cell| map.is_free(cell)).collect();
+    let mut planner = Planner::<49>::new();
+    let anchor = free[0];
+    free.retain(|&cell| planner.shortest(&map, anchor, cell).is_ok());
     let mut draw = || free.swap_remove(random.below(free.len() as u32) as usize);
     let size = 2 + (seed % 4) as usize;
     let starts: Vec<Cell> = (0..size).map(|_| draw()).collect();
@@ -38,30 +42,38 @@ fn campaign(name: &str, hardship: Hardship) -> usize {
 
 #[test]
 fn with_a_perfect_radio() {
-    assert!(campaign("perfect", Hardship::default()) >= 190);
+    assert!(campaign("perfect", Hardship::default()) >= 195);
 }
 
 #[test]
 fn with_a_third_of_the_frames_lost_late_or_twice() {
     let hardship = Hardship { loss: 0.3, delay: 3, duplicates: 0.2, ..Hardship::default() };
-    assert!(campaign("lossy", hardship) >= 190);
+    assert!(campaign("lossy", hardship) >= 195);
 }
 
 #[test]
 fn with_most_of_the_frames_lost() {
-    campaign("deaf", Hardship { loss: 0.7, delay: 5, duplicates: 0.5, ..Hardship::default() });
+    let hardship = Hardship { loss: 0.7, delay: 5, duplicates: 0.5, ..Hardship::default() };
+    assert!(campaign("deaf", hardship) >= 170);
 }
 
 #[test]
 fn with_moves_that_fail_and_obstacles_that_appear() {
     let hardship = Hardship { loss: 0.2, slip: 0.1, obstacle: 0.05, ..Hardship::default() };
-    campaign("rough ground", hardship);
+    assert!(campaign("rough ground", hardship) >= 185);
+}
+
+#[test]
+fn with_localisers_that_err_as_often_as_the_model_says() {
+    let hardship = Hardship { loss: 0.2, misreading: 0.0048, ..Hardship::default() };
+    assert!(campaign("misread", hardship) >= 190);
 }
 
 #[test]
 fn with_robots_that_restart_at_any_moment() {
     let hardship = Hardship { loss: 0.2, delay: 2, slip: 0.05, restart: 0.02, ..Hardship::default() };
-    campaign("restarts", hardship);
+    // A restart in every tenth tick leaves some teams no time.
+    assert!(campaign("restarts", hardship) >= 100);
 }
 
 #[test]

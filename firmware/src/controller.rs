@@ -146,12 +146,17 @@ impl<'m, H: Hardware, const S: usize, const W: usize, const P: usize> Controller
 
     fn sense(&mut self, now: Instant) {
         self.pilot.charge = self.hardware.battery().charge();
-        let percept = Percept {
+        let mut percept = Percept {
             now,
             reading: self.hardware.localiser().locate(),
-            hazard: self.hardware.scanner().scan(),
             moving: self.hardware.drive().is_moving(),
+            ..Percept::default()
         };
+        while !percept.hazards.is_full() {
+            let Some(hazard) = self.hardware.scanner().scan() else { break };
+            // There is room: the list is not full.
+            let _ = percept.hazards.push(hazard);
+        }
         self.pilot.navigation.perceive(percept);
     }
 

@@ -18,8 +18,8 @@ pub struct Body {
     pub now: Instant,
     /// What the localiser reads instead of the truth, if it does.
     pub reading: Option<Cell>,
-    /// An obstacle in view.
-    pub hazard: Option<Cell>,
+    /// Obstacles in view that were not scanned yet.
+    pub hazards: Vec<Cell>,
     /// The charge in percent.
     pub charge: u8,
     /// Bytes that have arrived.
@@ -38,7 +38,7 @@ impl Body {
             cell,
             now: Instant(0),
             reading: None,
-            hazard: None,
+            hazards: vec![],
             charge: 100,
             inbox: VecDeque::new(),
             outbox: vec![],
@@ -87,7 +87,7 @@ impl Localiser for Body {
 
 impl Scanner for Body {
     fn scan(&mut self) -> Option<Cell> {
-        self.hazard
+        self.hazards.pop()
     }
 }
 

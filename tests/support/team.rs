@@ -51,6 +51,8 @@ pub struct Hardship {
     pub slip: f64,
     /// The probability per robot and tick of a restart.
     pub restart: f64,
+    /// The probability that a localiser reads some cell at random.
+    pub misreading: f64,
     /// The probability per tick that a free cell becomes an obstacle, up to three times.
     pub obstacle: f64,
 }
@@ -82,6 +84,9 @@ pub struct Team<'m> {
     hardship: Hardship,
     now: u32,
     obstacles: u32,
+    statuses: Vec<Status>,
+    silent: Vec<bool>,
+    misreadings: Vec<Option<Cell>>,
     outcome: Outcome,
 }
 
@@ -104,6 +109,9 @@ impl<'m> Team<'m> {
             hardship,
             now: 0,
             obstacles: 0,
+            statuses: vec![Status::Running; mission.starts.len()],
+            silent: vec![false; mission.starts.len()],
+            misreadings: vec![None; mission.starts.len()],
             outcome: Outcome { arrived: None, collisions: 0, lost: 0 },
         }
     }
@@ -119,15 +127,17 @@ impl<'m> Team<'m> {
     /// One tick of every robot, then of the world.
     pub fn tick(&mut self) {
         self.deliver();
-        let mut arrived = 0;
-        for robot in &mut self.robots {
+        for (index, robot) in self.robots.iter_mut().enumerate() {
             let map = &self.map;
             let body = robot.hardware_mut();
             body.now = Instant((u32::MAX - 50).wrapping_add(self.now));
-            body.hazard = in_view(self.mission, map, body.cell);
-            arrived += u32::from(robot.tick() == Status::Success);
+            let misread = self.random.chance(self.hardship.misreading);
+            let random = misread.then(|| Cell(self.random.below(map.len() as u32) as u16));
+            body.reading = random.or(self.misreadings[index]);
+            body.hazards = in_view(self.mission, map, body.cell);
+            self.statuses[index] = robot.tick();
         }
-        if arrived as usize == self.robots.len() {
+        if self.statuses.iter().all(|&status| status == Status::Success) {
             self.outcome.arrived = Some(self.now);
         }
         self.send();
@@ -148,7 +158,9 @@ impl<'m> Team<'m> {
 
     fn send(&mut self) {
         for from in 0..self.robots.len() {
-            for frame in std::mem::take(&mut self.robots[from].hardware_mut().outbox) {
+            let frames = std::mem::take(&mut self.robots[from].hardware_mut().outbox);
+            let heard = if self.silent[from] { vec![] } else { frames };
+            for frame in heard {
                 for to in (0..self.robots.len()).filter(|&to| to != from) {
                     let copies = 1 + u32::from(self.random.chance(self.hardship.duplicates));
                     for _ in 0..copies {
@@ -201,6 +213,22 @@ impl<'m> Team<'m> {
         }
     }
 
+    /// What each robot's tree returned last.
+    #[must_use]
+    pub fn last_statuses(&self) -> Vec<Status> {
+        self.statuses.clone()
+    }
+
+    /// Takes a robot's voice away, or gives it back.
+    pub fn silence(&mut self, robot: usize, silent: bool) {
+        self.silent[robot] = silent;
+    }
+
+    /// Has a robot's localiser read this cell until told otherwise.
+    pub fn misread(&mut self, robot: usize, reading: Option<Cell>) {
+        self.misreadings[robot] = reading;
+    }
+
     /// Starts a robot again where it stands, without anything it knew.
     pub fn restart(&mut self, robot: usize) {
         self.epochs[robot] += 1;
@@ -214,12 +242,12 @@ fn boot<'m>(mission: &'m Mission<'m, 2>, robot: usize, here: Cell, epoch: u32) -
         .expect("a sound mission")
 }
 
-/// An obstacle next to `here`, corners included, that the mission's map does not show.
-fn in_view(mission: &Mission<'_, 2>, map: &Map<2>, here: Cell) -> Option<Cell> {
+/// The obstacles next to `here`, corners included, that the mission's map does not show.
+fn in_view(mission: &Mission<'_, 2>, map: &Map<2>, here: Cell) -> Vec<Cell> {
     let width = map.width();
     let near = |cell: &Cell| {
         (cell.0 % width).abs_diff(here.0 % width) <= 1 && (cell.0 / width).abs_diff(here.0 / width) <= 1
     };
     let unknown = |cell: &Cell| mission.map.is_free(*cell) && !map.is_free(*cell);
-    (0..map.len() as u16).map(Cell).filter(near).find(unknown)
+    (0..map.len() as u16).map(Cell).filter(near).filter(unknown).collect()
 }

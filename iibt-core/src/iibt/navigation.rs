@@ -21,7 +21,7 @@ mod tracking;
 pub use candidates::Candidate;
 pub use decision::Decision;
 pub use mission::{MAX_GOALS, Mission, MissionError};
-pub use plans::{ARRIVED, OBSTACLE, Plan, RULES};
+pub use plans::{ARRIVED, OBSTACLE, Plan, REACHABLE, RULES};
 
 use self::candidates::Generator;
 use super::Logic;
@@ -33,15 +33,15 @@ use crate::time::Instant;
 use heapless::Vec;
 
 /// What a robot senses in one tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Percept {
     /// The time.
     pub now: Instant,
     /// The localiser's reading, which may be wrong.
     pub reading: Option<Cell>,
-    /// A blocked cell in view.
-    pub hazard: Option<Cell>,
+    /// Blocked cells in view.
+    pub hazards: Vec<Cell, MAX_HAZARDS>,
     /// Whether the robot is between two cells.
     pub moving: bool,
 }
@@ -68,8 +68,10 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     /// What the drive was told at the last tick, and what it is told now.
     commanded: Option<Move>,
     command: Option<Move>,
-    /// How many rounds this robot has opened in vain since it last moved.
-    objections: u8,
+    /// Whether the last command was a wait that is not counted yet.
+    waited: bool,
+    /// How many rounds the team has begun since this robot last moved.
+    vain_rounds: u8,
     stopping: bool,
 }
 
@@ -117,7 +119,8 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             choice: None,
             commanded: None,
             command: None,
-            objections: 0,
+            waited: false,
+            vain_rounds: 0,
             stopping: false,
         })
     }
@@ -164,6 +167,12 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
     /// [`Impossible`] when the reading had probability zero; the belief was left as it was.
     pub const fn surprise(&self) -> Result<f32, Impossible> {
         self.surprise
+    }
+
+    /// C as it is now, temporary raises included.
+    #[must_use]
+    pub const fn preference(&self) -> &Preference<S> {
+        &self.preference
     }
 
     /// The last decision: its posterior and the candidates it was made among.
@@ -214,7 +223,8 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             Plan::Follow => self.meets_hazard(self.agreement.path(), self.agreement.step()),
             Plan::Stop | Plan::Wait => false,
         };
-        Logic::NONE.with(OBSTACLE, blocked).with(ARRIVED, self.has_arrived())
+        let reachable = plan != Plan::Follow || self.agreement.goal().is_some();
+        Logic::NONE.with(OBSTACLE, blocked).with(ARRIVED, self.has_arrived()).with(REACHABLE, reachable)
     }
 }
 

@@ -197,13 +197,20 @@ impl Agreement {
         (self.is_agreed() && self.all_of(&mut peers, free)).then_some(step)
     }
 
-    /// Counts the move that brought the robot from its last cell to `here`; a wait counts when `waited`.
-    pub fn advance<const W: usize>(&mut self, map: &Map<W>, here: Cell, waited: bool) {
-        let Some(step) = self.path.actions.get(self.step()).and_then(Move::from_code) else { return };
+    /// Counts the move that brought the robot from its last cell to `here`, or the wait when it `waited`;
+    /// returns whether there was one.
+    pub fn advance<const W: usize>(&mut self, map: &Map<W>, here: Cell, waited: bool) -> bool {
+        let Some(step) = self.path.actions.get(self.step()).and_then(Move::from_code) else { return false };
         let done = if step == Move::Wait { waited } else { here == self.path.cell_at(map, self.step() + 1) };
-        if self.is_agreed() && done {
-            self.step = self.step.saturating_add(1);
-        }
+        let counts = self.is_agreed() && done;
+        self.step = self.step.saturating_add(u8::from(counts));
+        counts
+    }
+
+    /// The cell in which the robot is, by its path and the moves that are done.
+    #[must_use]
+    pub fn place<const W: usize>(&self, map: &Map<W>) -> Cell {
+        self.path.cell_at(map, self.step())
     }
 
     /// Says that the robot is where it wanted to be.

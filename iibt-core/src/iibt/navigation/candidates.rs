@@ -48,19 +48,22 @@ impl<const S: usize, const W: usize> Generator<S, W> {
     }
 
     /// When the team could arrive together, for robots that stand in these cells: when the announced paths do,
-    /// or else at the earliest and a little later.
+    /// or else at the earliest and a little later. The more rounds were in vain, the later.
     pub(super) fn arrivals(
         &mut self,
         mission: &Mission<'_, W>,
         map: &Map<W>,
         cells: &[Cell],
         announced: &[Path],
+        vain_rounds: u8,
     ) -> Vec<usize, 2> {
         let fixed = announced.iter().map(Path::len).max().filter(|&moves| moves > 0);
         let earliest = match fixed {
             Some(_) => None,
             None => earliest_together(&self.moves(mission, map, cells), cells.len()).map(usize::from),
         };
+        // The first round of a new situation is not in vain yet.
+        let earliest = earliest.map(|moves| moves + usize::from(vain_rounds.saturating_sub(1)));
         let later = earliest.map(|moves| moves + LEEWAY);
         up_to([fixed, earliest, later].into_iter().flatten().filter(|&moves| moves <= HORIZON))
     }

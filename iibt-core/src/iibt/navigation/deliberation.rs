@@ -9,6 +9,10 @@ use crate::inference::Preference;
 use crate::team::{Intention, MAX_TEAM, Status};
 use heapless::Vec;
 
+/// How many rounds in vain, for each robot of the team, before a robot takes a path that does not bring all of
+/// them to goals together.
+const ROUNDS_PER_ROBOT: u8 = 3;
+
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     /// The map as the preferences make it: what is disliked is not entered.
     fn passable(&self) -> Map<W> {
@@ -33,7 +37,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         let map = self.passable();
         let starts = self.partners().map(|peer| peer.path.start);
         let cells: Vec<Cell, MAX_TEAM> = up_to(core::iter::once(here).chain(starts));
-        let arrivals = self.generator.arrivals(self.mission, &map, &cells, announced);
+        let arrivals = self.generator.arrivals(self.mission, &map, &cells, announced, self.vain_rounds);
         Situation { map, announced, arrivals }
     }
 
@@ -97,14 +101,15 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         }
     }
 
-    /// Announces the chosen path, or opens another round when it does not go with those announced before.
+    /// Announces the chosen path, or opens another round when it does not go with those announced before. A
+    /// robot that has tried often enough takes what it can get, which may be to stay where it is.
     pub(super) fn commit(&mut self, candidate: Candidate) {
         let announced = self.announced();
-        let fits = announced.iter().all(|other| self.goes_with(&candidate.path, other));
+        let fits =
+            candidate.goal.is_some() && announced.iter().all(|other| self.goes_with(&candidate.path, other));
         let clear = announced.iter().all(|other| self.is_clear(&candidate.path, other));
-        if !fits && self.objections < self.mission.team() {
-            self.objections += 1;
-            self.agreement.open(candidate.path.start);
+        if !fits && self.vain_rounds < ROUNDS_PER_ROBOT * self.mission.team() {
+            self.open_round(candidate.path.start);
         } else if clear {
             let probability = self.choice.map_or(0.0, |choice| choice.joint);
             self.agreement.announce(candidate.path, candidate.goal, probability);

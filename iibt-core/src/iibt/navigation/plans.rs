@@ -8,6 +8,9 @@ use crate::iibt::{Condition, Literal, Logic};
 pub const OBSTACLE: u8 = 0;
 /// IsArrived(goal): the path is done and the robot stands on a goal.
 pub const ARRIVED: u8 = 1;
+/// Exist(way): the path leads to a goal. No preference can make it true, so the node waits for the world or
+/// the teammates to change, and fails at its timeout.
+pub const REACHABLE: u8 = 2;
 
 /// What a robot can decide to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +34,7 @@ impl Plan {
             Self::Wait => Condition::ALWAYS,
             Self::Stop => Condition { all: Logic::of(&[ARRIVED]), none: Logic::NONE },
             Self::Take(_) | Self::Follow => {
-                Condition { all: Logic::NONE, none: Logic::of(&[OBSTACLE, ARRIVED]) }
+                Condition { all: Logic::of(&[REACHABLE]), none: Logic::of(&[OBSTACLE, ARRIVED]) }
             }
         }
     }

@@ -1,8 +1,8 @@
 //! Navigation as the task of the inference node: the lines of Algorithm 1.
 
-use super::{MAX_KNOWN_HAZARDS, Navigation, Plan, RULES, intentions};
+use super::{Candidate, MAX_KNOWN_HAZARDS, Navigation, Plan, RULES, intentions};
 use crate::bounded::up_to;
-use crate::grid::Cell;
+use crate::grid::{Cell, Path};
 use crate::iibt::rules::raise_for;
 use crate::iibt::{Literal, Task};
 use crate::team::{MAX_HAZARDS, MAX_TEAM, Status};
@@ -18,7 +18,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
     fn observe(&mut self) {
         let told = intentions(&self.roster).flat_map(|peer| peer.hazards.iter().copied());
         let seen: Vec<Cell, { MAX_TEAM * MAX_HAZARDS + 1 }> =
-            up_to(self.percept.hazard.into_iter().chain(told));
+            up_to(self.percept.hazards.iter().copied().chain(told));
         for &hazard in &seen {
             self.remember(hazard);
         }
@@ -40,6 +40,10 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
         let announced = self.announced();
         let situation = self.situation(here, &announced);
         self.generator.fill(self.mission, &situation, (self.robot.index(), here), &mut self.candidates);
+        if self.candidates.is_empty() {
+            // There is room: the list is empty.
+            let _ = self.candidates.push(Candidate { path: Path::at(here), goal: None });
+        }
     }
 
     fn intentions(&mut self) {
@@ -85,7 +89,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
         if self.choice.is_none()
             && let Some(here) = self.here()
         {
-            self.agreement.open(here);
+            self.open_round(here);
         }
     }
 
@@ -100,7 +104,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
                     self.commit(candidate);
                 }
             }
-            Plan::Follow if !self.percept.moving => {
+            Plan::Follow if self.here().is_some() => {
                 self.command = self.agreement.next_move(&self.mission.map, intentions(&self.roster));
                 self.commanded = self.command;
             }

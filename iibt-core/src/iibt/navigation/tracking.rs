@@ -39,9 +39,10 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             return;
         }
         let before = self.belief;
-        if let Some(step) = self.commanded {
+        if let Some(step) = self.commanded.take() {
             self.belief.predict(&self.tracking, step.code());
             self.belief.mix(&before, Self::SLIP);
+            self.waited = step == Move::Wait;
         }
         self.belief.mix(&self.mission.belief(), Self::DOUBT);
         if let Some(reading) = self.percept.reading {
@@ -51,21 +52,29 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
 
     /// Follows the team's agreement as far as the robot's place and the teammates' intentions carry it.
     pub(super) fn keep_up(&mut self) {
-        let waited = self.commanded == Some(Move::Wait);
         let Some(here) = self.here() else { return };
-        self.commanded = None;
-        let peers = intentions(&self.roster);
-        let before = self.agreement.step();
-        self.agreement.advance(&self.mission.map, here, waited);
-        if self.agreement.step() != before {
-            self.objections = 0;
+        let waited = core::mem::take(&mut self.waited);
+        if self.agreement.advance(&self.mission.map, here, waited) {
+            self.vain_rounds = 0;
         }
-        if self.agreement.join(here, peers.clone()) {
-            self.stopping = false;
+        if self.agreement.join(here, intentions(&self.roster)) {
+            self.count_round();
         }
-        self.agreement.agree(peers.clone());
-        if self.agreement.is_contradicted(peers) {
-            self.agreement.open(here);
+        self.agreement.agree(intentions(&self.roster));
+        let lost = self.agreement.place(&self.mission.map) != here;
+        if lost || self.agreement.is_contradicted(intentions(&self.roster)) {
+            self.open_round(here);
         }
+    }
+
+    /// Calls the team to another decision, in which this robot chooses first.
+    pub(super) fn open_round(&mut self, here: Cell) {
+        self.agreement.open(here);
+        self.count_round();
+    }
+
+    fn count_round(&mut self) {
+        self.stopping = false;
+        self.vain_rounds = self.vain_rounds.saturating_add(1);
     }
 }
