@@ -15,9 +15,9 @@ pub const S: usize = 49;
 /// One decision of the paper, seen from robot 1.
 pub struct Decision {
     /// The candidate paths of both robots.
-    pub paths: [Vec<Vec<u16>>; 2],
+    pub paths: [Vec<Path>; 2],
     /// Where an obstacle was found, if one was.
-    pub obstacle: Option<usize>,
+    pub obstacle: Option<Cell>,
     /// The longest path.
     pub horizon: usize,
     /// The recovered probabilities, a row for each path of robot 1.
@@ -25,20 +25,11 @@ pub struct Decision {
 }
 
 /// Section 5.1: the initial choice. Robot 2's paths in the order of the numbers: b, a, c, d.
+///
+/// # Panics
+/// When the scenario `two-goals` is not built in.
 #[must_use]
 pub fn section_5_1() -> Decision {
-    let first: [&[u16]; 4] = [
-        &[28, 29, 30, 31, 24],
-        &[28, 35, 36, 37, 38, 31, 24],
-        &[28, 29, 30, 31, 32, 33, 26],
-        &[28, 35, 36, 37, 38, 39, 40, 41, 34, 27, 26],
-    ];
-    let second: [&[u16]; 4] = [
-        &[2, 3, 10, 17, 24],
-        &[2, 1, 8, 15, 22, 23, 24],
-        &[2, 3, 4, 11, 18, 25, 26],
-        &[2, 3, 4, 5, 12, 19, 26],
-    ];
     #[rustfmt::skip]
     let published = [
         1.511_580_8e-8, 5.661_653e-7, 4.053_619_6e-8, 3.570_795_7e-8,
@@ -46,27 +37,28 @@ pub fn section_5_1() -> Decision {
         7.469_709e-8, 0.847_142_3, 1.331_203_8e-8, 1.172_637_1e-8,
         6.823_203e-8, 5.737_54e-7, 4.089_163_5e-8, 3.602_082e-8,
     ];
-    Decision { paths: lists([&first, &second]), obstacle: None, horizon: 10, published: published.into() }
+    Decision { paths: listed("two-goals"), obstacle: None, horizon: 10, published: published.into() }
 }
 
 /// Section 5.2: one step later, with an obstacle on 30. Columns Y1, Y3, Y2.
+///
+/// # Panics
+/// When the scenario `detour` is not built in.
 #[must_use]
 pub fn section_5_2() -> Decision {
-    let first: [&[u16]; 3] =
-        [&[29, 22, 15, 16, 17, 17, 24], &[29, 36, 37, 38, 31, 32, 33, 26], &[29, 30, 31, 32, 33, 26]];
-    let second: [&[u16]; 3] =
-        [&[1, 8, 9, 9, 10, 10, 17, 24], &[1, 8, 15, 22, 23, 24], &[1, 8, 9, 10, 11, 18, 19, 26]];
     #[rustfmt::skip]
     let published = [
         7.849_834_4e-7, 1.661_324_1e-7, 5.219_725e-8,
         0.999_998_8, 1.561_296_8e-7, 1.343_881_5e-8,
         8.982_09e-14, 2.568_905_3e-8, 5.546_443e-15,
     ];
-    Decision { paths: lists([&first, &second]), obstacle: Some(30), horizon: 7, published: published.into() }
+    Decision { paths: listed("detour"), obstacle: Some(Cell(30)), horizon: 7, published: published.into() }
 }
 
-fn lists(lists: [&[&[u16]]; 2]) -> [Vec<Vec<u16>>; 2] {
-    lists.map(|list| list.iter().map(|cells| cells.to_vec()).collect())
+/// The candidate paths of the two robots in a built-in scenario.
+fn listed(scenario: &str) -> [Vec<Path>; 2] {
+    let scenario = host_sim::library::find(scenario).expect("it is built in").expect("it is sound");
+    [0, 1].map(|robot| scenario.robots[robot].paths.clone())
 }
 
 /// Which arithmetic to use.
@@ -95,7 +87,7 @@ impl Decision {
         let scoring = if mode == Mode::Default { Scoring::DEFAULT } else { Scoring::AS_PUBLISHED };
         let preference = self.preference();
         let policies =
-            self.paths.each_ref().map(|paths| paths.iter().map(|cells| policy(cells)).collect::<Vec<_>>());
+            self.paths.each_ref().map(|paths| paths.iter().map(|path| path.actions).collect::<Vec<Policy>>());
         let transition = transition();
         let side = |robot: usize| Side {
             likelihood: &sensors[robot],
@@ -128,7 +120,7 @@ impl Decision {
         sensors: &[IdentityNoise<S>; 2],
         table: &OutcomeTable<S, 3, 3>,
     ) -> [Belief<S>; 2] {
-        let seen = [0, 1].map(|robot| usize::from(self.paths[robot][0][0]));
+        let seen = [0, 1].map(|robot| self.paths[robot][0].start.index());
         if mode == Mode::AsPublished {
             let evidence =
                 [0, 1].map(|robot| core::array::from_fn(|s| sensors[robot].probability(seen[robot], s)));
@@ -147,7 +139,7 @@ impl Decision {
         let mut preference = [0.0; S];
         (preference[24], preference[26]) = (1.0, 1.0);
         if let Some(obstacle) = self.obstacle {
-            preference[obstacle] = -1.0;
+            preference[obstacle.index()] = -1.0;
         }
         Preference::new(preference)
     }
@@ -157,11 +149,6 @@ impl Decision {
 #[must_use]
 pub fn map() -> Map<2> {
     Map::new(7, 7).expect("49 cells fit 64 bits")
-}
-
-fn policy(cells: &[u16]) -> Policy {
-    let cells: Vec<Cell> = cells.iter().copied().map(Cell).collect();
-    Path::through(&map(), &cells).expect("the paper's paths are legal").actions
 }
 
 fn transition() -> NextState<S, 5> {
