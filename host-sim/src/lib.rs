@@ -43,3 +43,8 @@ pub use referee::Collisions;
 pub use scenario::{
     Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Obstacle, Radio, Robot, Scenario, ScenarioError, When,
 };
+
+/// The code in the README is compiled and run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -94,6 +94,14 @@ impl Actions {
     }
 }
 
+impl core::fmt::Display for ActionError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "more than {HORIZON} actions, or an action code of {} or above", Actions::CODES)
+    }
+}
+
+impl core::error::Error for ActionError {}
+
 impl Default for Actions {
     fn default() -> Self {
         Self::EMPTY

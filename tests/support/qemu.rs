@@ -223,17 +223,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_go_to_the_image_and_back() {
-        let mut robot = Robot::boot(team_member());
-        assert_eq!(robot.wait_for("boot").level, "info");
-        for frame in [b"abc\0".as_slice(), &[0], &[&[7; 99], [0].as_slice()].concat()] {
-            robot.send(frame);
-            assert_eq!(robot.receive(), frame);
-            robot.wait_for(&format!("frame of {} bytes, echoed true, lost 0", frame.len()));
-        }
-    }
-
-    #[test]
     fn a_robot_that_fails_says_why() {
         let image = image("fault");
         for (order, report) in [(b'p', "asked to"), (b'f', "fault at 0x08"), (b's', "stack overflow")] {
