@@ -33,7 +33,7 @@ pub struct Controller<'m, H, const S: usize, const W: usize, const P: usize> {
 
 /// Why there is no such controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ControllerError {
     /// The mission does not fit.
     Mission(MissionError),

@@ -14,7 +14,7 @@
 extern crate std;
 
 pub mod adapters;
-#[cfg(target_os = "none")]
+#[cfg(all(feature = "stm32f405", target_os = "none"))]
 pub mod board;
 pub mod controller;
 pub mod hardware;

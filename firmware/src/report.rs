@@ -5,7 +5,7 @@ use iibt_core::team::{Counters, Round, Status};
 
 /// A robot's state after a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Report {
     /// What it is doing, as its teammates are told.
     pub status: Status,

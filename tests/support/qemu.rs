@@ -22,7 +22,8 @@ pub const PATIENCE: Duration = Duration::from_secs(60);
 #[must_use]
 pub fn image(name: &str) -> PathBuf {
     let output = Command::new(env!("CARGO"))
-        .args(["build", "-p", "firmware", "--profile", "firmware", "--target", "thumbv7em-none-eabihf"])
+        .args(["build", "-p", "firmware", "--profile", "firmware"])
+        .args(["--target", "thumbv7em-none-eabihf", "--features", "stm32f405"])
         .args(["--bin", name, "--message-format", "json-render-diagnostics"])
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
         .stderr(Stdio::inherit())

@@ -69,6 +69,7 @@ pub fn outcome_line(record: &Record) -> String {
 fn ending(record: &Record) -> String {
     let (team, ticks) = (record.robots.len(), record.ticks);
     match (record.outcome, record.spread()) {
+        (Outcome::Together, _) if team == 1 => format!("the robot arrived at tick {ticks}"),
         (Outcome::Together, 0) => format!("all {team} robots arrived together at tick {ticks}"),
         (Outcome::Together, spread) => {
             let apart = counted(spread, "tick");
@@ -138,5 +139,8 @@ mod tests {
         assert!(outcome_line(&record).contains("2 collisions (0 shared cells, 2 swaps, 0 bumps)"));
         record.outcome = Outcome::Apart;
         assert!(outcome_line(&record).contains("not together"));
+        record.outcome = Outcome::Together;
+        record.robots.truncate(1);
+        assert!(outcome_line(&record).contains("the robot arrived at tick"));
     }
 }
