@@ -1,0 +1,83 @@
+//! What the documents name is there: files, links and tests.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const DOCUMENTS: [&str; 5] =
+    ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs/paper.md", "host-sim/scenarios/README.md"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The text between each pair of back-ticks outside code blocks.
+fn quoted(document: &str) -> Vec<String> {
+    let prose = document.split("```").step_by(2).collect::<String>();
+    prose.split('`').skip(1).step_by(2).map(String::from).collect()
+}
+
+/// Where each link of a document leads, but for addresses on the network.
+fn links(document: &str) -> Vec<&str> {
+    let targets = document.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    targets.filter(|target| !target.starts_with("http")).collect()
+}
+
+/// Every source file of the workspace.
+fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a folder of the workspace").flatten() {
+        let (path, name) = (entry.path(), entry.file_name());
+        if path.is_dir() && name != "target" && name != ".git" {
+            sources(&path, files);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+}
+
+/// Whether a word is the name of a test, which is a sentence.
+fn is_sentence(word: &str) -> bool {
+    let is_name = word.chars().all(|sign| sign.is_ascii_lowercase() || sign.is_ascii_digit() || sign == '_');
+    is_name && word.matches('_').count() >= 3
+}
+
+#[test]
+fn links_lead_somewhere() {
+    for name in DOCUMENTS {
+        let path = root().join(name);
+        for link in links(&read(&path)) {
+            let target = path.with_file_name("").join(link.split('#').next().unwrap_or(link));
+            assert!(target.exists(), "{name} links to {link}");
+        }
+    }
+}
+
+#[test]
+fn files_that_are_named_exist() {
+    for name in DOCUMENTS {
+        for word in quoted(&read(&root().join(name))) {
+            let is_file = [".rs", ".toml", ".md", ".x"].iter().any(|ending| word.ends_with(ending));
+            if is_file && word.contains('/') && !word.contains(' ') {
+                assert!(root().join(&word).exists(), "{name} names {word}");
+            }
+        }
+    }
+}
+
+#[test]
+fn tests_that_are_named_exist() {
+    let mut files = vec![];
+    sources(&root(), &mut files);
+    let code: String = files.iter().map(|file| read(file)).collect();
+    let mut named = 0;
+    for name in DOCUMENTS {
+        for word in quoted(&read(&root().join(name))).iter().filter(|word| is_sentence(word)) {
+            assert!(code.contains(&format!("fn {word}(")), "{name} names the test {word}");
+            named += 1;
+        }
+    }
+    assert!(named >= 8, "only {named} tests are named: are they still found?");
+}
