@@ -1,39 +1,10 @@
 //! The image in QEMU against the host: the same decision with the same bits, and a mission flown together.
 
-use firmware::missions::{CANDIDATES, CELLS, SECTION_5_1, WORDS};
-use firmware::{Controller, Settings};
+use firmware::missions::{CANDIDATES, SECTION_5_1};
 use iibt_core::grid::Cell;
-use iibt_core::team::{Intention, RobotId, SipHash64, Status, decode};
-use iibt_core::time::Instant;
-use tests::qemu::{Line, Robot, team_member};
-use tests::rig::{Body, DEMO_KEY};
-
-type Bench = Controller<'static, Body, CELLS, WORDS, CANDIDATES>;
-
-/// One of the two robots, on the bench.
-fn robot(number: u8) -> Bench {
-    let start = SECTION_5_1.starts[usize::from(number)];
-    let settings = Settings::new(DEMO_KEY, 1);
-    Bench::new(&SECTION_5_1, RobotId(number), settings, Body::on(start)).expect("the mission is sound")
-}
-
-/// Ticks a robot on the bench once with what it has heard; returns the frames it sent.
-fn tick(robot: &mut Bench, heard: &[u8]) -> Vec<u8> {
-    let body = robot.hardware_mut();
-    body.now = Instant(body.now.0 + 1);
-    body.inbox.extend(heard);
-    robot.tick();
-    let body = robot.hardware_mut();
-    body.carry_out(&SECTION_5_1.map);
-    body.outbox.drain(..).flatten().collect()
-}
-
-/// The number after `before` in a log line.
-fn number(line: &str, before: &str) -> u32 {
-    let rest = line.split(before).nth(1).unwrap_or_else(|| panic!("{before:?} in {line:?}"));
-    let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();
-    digits.parse().unwrap_or_else(|_| panic!("a number after {before:?} in {line:?}"))
-}
+use iibt_core::team::{Intention, SipHash64, Status, decode};
+use tests::qemu::{Line, Robot, number, team_member};
+use tests::rig::{DEMO_KEY, robot, tick};
 
 /// The bits of one row of the posterior that the image logged.
 fn row(line: &Line) -> Vec<u32> {

@@ -62,6 +62,17 @@ pub struct Line {
     pub message: String,
 }
 
+/// The number that follows `before` in a log line.
+///
+/// # Panics
+/// When there is none.
+#[must_use]
+pub fn number(line: &str, before: &str) -> u32 {
+    let rest = line.split(before).nth(1).unwrap_or_else(|| panic!("{before:?} in {line:?}"));
+    let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();
+    digits.parse().unwrap_or_else(|_| panic!("a number after {before:?} in {line:?}"))
+}
+
 /// A running image; dropping it ends QEMU.
 #[derive(Debug)]
 pub struct Robot {
@@ -80,11 +91,25 @@ impl Robot {
     /// When QEMU is missing or does not start the image, or the file is no image with a defmt table.
     #[must_use]
     pub fn boot(image: &Path) -> Self {
+        Self::boot_with(image, &[])
+    }
+
+    /// Starts an image that takes a nanosecond of its own time for each instruction, so that its timers count
+    /// instructions.
+    ///
+    /// # Panics
+    /// As [`Robot::boot`].
+    #[must_use]
+    pub fn boot_counting(image: &Path) -> Self {
+        Self::boot_with(image, &["-icount", "shift=0"])
+    }
+
+    fn boot_with(image: &Path, options: &[&str]) -> Self {
         let elf = std::fs::read(image).unwrap_or_else(|error| panic!("{}: {error}", image.display()));
         let sockets = directory();
         let log = listen(&sockets, "log");
         let link = listen(&sockets, "link");
-        let mut qemu = start(image, &sockets);
+        let mut qemu = start(image, &sockets, options);
         let log = accept(&log, &mut qemu);
         let link = accept(&link, &mut qemu);
         link.set_read_timeout(Some(PATIENCE)).expect("the time-out is not zero");
@@ -163,14 +188,14 @@ fn listen(directory: &Path, name: &str) -> UnixListener {
 }
 
 /// Starts QEMU as the client of both sockets, so that no byte of the log is lost.
-fn start(image: &Path, sockets: &Path) -> Child {
+fn start(image: &Path, sockets: &Path, options: &[&str]) -> Child {
     let socket = |name: &str| format!("socket,id={name},path={}", sockets.join(name).display());
     let mut command = Command::new("qemu-system-arm");
     command.args(["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-no-reboot"]);
     for (name, serial) in [("log", "chardev:log"), ("link", "chardev:link")] {
         command.args(["-chardev", &socket(name), "-serial", serial]);
     }
-    command.arg("-kernel").arg(image).stdin(Stdio::null());
+    command.args(options).arg("-kernel").arg(image).stdin(Stdio::null());
     command.spawn().unwrap_or_else(|error| panic!("qemu-system-arm: {error}; `tests/run` installs it"))
 }
 

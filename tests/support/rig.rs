@@ -1,13 +1,40 @@
 //! A robot on a bench: a body whose senses and radio a test holds in its hands.
 
 use firmware::hardware::{Battery, Clock, Drive, Hardware, Link, Localiser, Scanner};
+use firmware::missions::{CANDIDATES, CELLS, SECTION_5_1, WORDS};
+use firmware::{Controller, Settings};
 use iibt_core::grid::{Cell, Map, Move};
-use iibt_core::team::Key;
+use iibt_core::team::{Key, RobotId};
 use iibt_core::time::Instant;
 use std::collections::VecDeque;
 
 /// The key of the image `team_member`.
 pub const DEMO_KEY: Key = Key::new(*b"section 5.1 demo");
+
+/// One of the robots of section 5.1 on the bench.
+pub type Bench = Controller<'static, Body, CELLS, WORDS, CANDIDATES>;
+
+/// A robot of section 5.1, by its number from zero.
+///
+/// # Panics
+/// When there is no such robot.
+#[must_use]
+pub fn robot(number: u8) -> Bench {
+    let start = SECTION_5_1.starts[usize::from(number)];
+    let settings = Settings::new(DEMO_KEY, 1);
+    Bench::new(&SECTION_5_1, RobotId(number), settings, Body::on(start)).expect("the mission is sound")
+}
+
+/// Ticks a robot on the bench once with what it has heard, and makes its move; returns what it sent.
+pub fn tick(robot: &mut Bench, heard: &[u8]) -> Vec<u8> {
+    let body = robot.hardware_mut();
+    body.now = Instant(body.now.0 + 1);
+    body.inbox.extend(heard);
+    robot.tick();
+    let body = robot.hardware_mut();
+    body.carry_out(&SECTION_5_1.map);
+    body.outbox.drain(..).flatten().collect()
+}
 
 /// A body that does what it is told and reads where it stands.
 #[derive(Clone, Debug)]

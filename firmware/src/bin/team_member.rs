@@ -74,16 +74,23 @@ mod image {
 
     fn run(robot: &'static mut Robot) -> ! {
         let mut due = robot.hardware_mut().clock.now();
-        let mut ticks: u32 = 0;
+        let (mut ticks, mut longest) = (0_u32, 0);
         let mut before = robot.report();
         loop {
             let now = robot.hardware_mut().clock.now();
             if now.has_reached(due) {
                 due = now.after(TICK);
                 ticks = ticks.wrapping_add(1);
+                let clock = robot.hardware_mut().clock;
+                let started = clock.cycles();
                 robot.tick();
+                let cycles = clock.cycles().wrapping_sub(started);
                 let report = robot.report();
                 tell(robot, ticks, &before, &report);
+                if cycles > longest || report.status != before.status {
+                    defmt::info!("tick {=u32}: took {=u32} cycles", ticks, cycles);
+                    longest = longest.max(cycles);
+                }
                 before = report;
             }
             board::sleep();

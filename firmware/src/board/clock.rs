@@ -14,16 +14,32 @@ static NOW: AtomicU32 = AtomicU32::new(0);
 /// QEMU 7.2 runs SysTick at the 168 MHz of the chip's PLL, whatever the program selects: there, seven to
 /// ten of these milliseconds pass in one.
 #[derive(Clone, Copy, Debug)]
-pub struct Milliseconds(());
+pub struct Milliseconds {
+    cycles_per_tick: u32,
+}
 
 impl Milliseconds {
     pub(super) fn start(mut timer: SYST, core: Hertz) -> Self {
+        let cycles_per_tick = core.to_kHz();
         timer.set_clock_source(SystClkSource::Core);
-        timer.set_reload(core.to_kHz() - 1);
+        timer.set_reload(cycles_per_tick - 1);
         timer.clear_current();
         timer.enable_counter();
         timer.enable_interrupt();
-        Self(())
+        Self { cycles_per_tick }
+    }
+
+    /// Cycles of the timer's clock since the start, modulo 2^32: the core's own on hardware. For differences
+    /// only.
+    #[must_use]
+    pub fn cycles(self) -> u32 {
+        loop {
+            let before = NOW.load(Ordering::Relaxed);
+            let counted = self.cycles_per_tick.wrapping_sub(SYST::get_current());
+            if NOW.load(Ordering::Relaxed) == before {
+                return before.wrapping_mul(self.cycles_per_tick).wrapping_add(counted);
+            }
+        }
     }
 }
 
