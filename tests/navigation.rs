@@ -215,3 +215,124 @@ fn a_robot_put_elsewhere_finds_out_and_the_team_decides_again() {
     assert_eq!(team.robots[0].report().path.start, team.robots[0].hardware().cell);
     fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
 }
+
+#[test]
+fn robots_that_stand_on_their_goals_stop_at_once() {
+    for count in 1..=3 {
+        let mission = Mission::new(paper::map(), &GOALS[..count], &GOALS);
+        let mut team = team(&mission);
+        fly_until(&mut team, "all stop", |team| stopped(team, count));
+        for _ in 0..5 {
+            team.tick();
+            assert!(stopped(&team, count), "they stay stopped");
+        }
+    }
+}
+
+fn stopped(team: &Team<'_>, count: usize) -> bool {
+    team.last_statuses() == vec![iibt_core::tree::Status::Success; count]
+}
+
+#[test]
+fn a_robot_that_restarts_on_its_goal_finds_out_that_it_has_arrived() {
+    let mission = factory();
+    let mut team = team(&mission);
+    fly_until(&mut team, "all stop", |team| stopped(team, 3));
+    let goals = cells(&team);
+    team.restart(1);
+    team.tick();
+    assert!(!stopped(&team, 3));
+    fly_until(&mut team, "all stop again", |team| stopped(team, 3));
+    assert_eq!(cells(&team), goals);
+}
+
+#[test]
+fn any_number_of_goals_serves_a_team() {
+    static FAR: [Cell; 4] = [Cell(24), Cell(26), Cell(32), Cell(0)];
+    for (robots, goals) in [(1, 1), (1, 4), (2, 4), (3, 4)] {
+        let mission = Mission::new(paper::map(), &STARTS[..robots], &FAR[..goals]);
+        let outcome = team(&mission).fly(200);
+        assert!(outcome.arrived.is_some() && outcome.collisions == 0, "{robots}, {goals}: {outcome:?}");
+    }
+}
+
+#[test]
+fn the_robot_that_is_left_without_a_goal_fails_and_the_others_arrive() {
+    let mission = Mission::new(paper::map(), &STARTS, &GOALS[..2]);
+    let mut team = team(&mission);
+    fly_until(&mut team, "two arrive", |team| {
+        statuses(team).iter().filter(|&&status| status == Status::Arrived).count() == 2
+    });
+    fly_until(&mut team, "the third fails", |team| {
+        team.last_statuses().contains(&iibt_core::tree::Status::Failure)
+    });
+}
+
+#[test]
+fn eight_robots_arrive_together() {
+    static STARTS: [Cell; 8] = [Cell(0), Cell(2), Cell(4), Cell(6), Cell(42), Cell(44), Cell(46), Cell(48)];
+    static GOALS: [Cell; 8] =
+        [Cell(15), Cell(16), Cell(17), Cell(18), Cell(29), Cell(30), Cell(31), Cell(32)];
+    let mission = Mission::new(Map::new(7, 7).expect("49 cells fit two words"), &STARTS, &GOALS);
+    let outcome = team(&mission).fly(400);
+    assert!(outcome.arrived.is_some() && outcome.collisions == 0, "{outcome:?}");
+}
+
+/// The localiser is silent just when a move fails: nothing says that the robot has moved.
+#[test]
+fn a_move_that_nothing_confirms_is_not_announced() {
+    let mission = factory();
+    let mut team = team(&mission);
+    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    let body = team.robots[0].hardware_mut();
+    (body.stuck, body.blind) = (true, true);
+    for _ in 0..10 {
+        team.tick();
+        assert_eq!(team.robots[0].report().step, 0);
+    }
+    team.robots[0].hardware_mut().stuck = false;
+    team.robots[0].hardware_mut().blind = false;
+    fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
+}
+
+/// A localiser that lags makes a move look as if it had failed; made once more it would lead off the path.
+#[test]
+fn one_late_reading_does_not_have_a_move_made_twice() {
+    let mission = factory();
+    let mut team = team(&mission);
+    let start = STARTS[0];
+    fly_until(&mut team, "robot 1 moves", |team| team.robots[0].hardware().cell != start);
+    let moved = team.robots[0].hardware().cell;
+    team.misread(0, Some(start));
+    team.tick();
+    team.misread(0, None);
+    assert_eq!(team.robots[0].hardware().cell, moved);
+    fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
+    assert_eq!(team.robots[0].report().round, Round(0), "no other plan was needed");
+}
+
+#[test]
+fn nobody_plans_with_a_teammate_that_speaks_of_another_map() {
+    let mission = factory();
+    let mut team = team(&mission);
+    team.silence(2, true);
+    for tick in 0..20 {
+        let mut odd = team.robots[2].navigation().intention();
+        (odd.epoch, odd.sequence, odd.path.start) = (9, tick, Cell(900));
+        team.overhear(&odd);
+        team.tick();
+    }
+    assert!(team.robots[0].report().received.accepted > 20, "it was heard");
+    assert!(all(&team, Status::Deciding));
+}
+
+#[test]
+fn a_robot_that_restarts_where_it_began_has_the_team_decide_again() {
+    let mission = factory();
+    let mut team = team(&mission);
+    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    assert_eq!(cells(&team)[2], STARTS[2].0);
+    team.restart(2);
+    fly_until(&mut team, "a new round", |team| team.robots[2].report().round > Round(0));
+    fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
+}

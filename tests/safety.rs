@@ -1,7 +1,11 @@
 //! Whatever the radio, the drive and the world do: no two robots ever share or swap a cell.
 
-use iibt_core::grid::{Cell, Map, Planner};
+use iibt_core::actions::HORIZON;
+use iibt_core::grid::{Cell, Map, Move, Path, Planner};
 use iibt_core::iibt::Mission;
+use iibt_core::team::{Intention, RobotId, Round, Status};
+use iibt_core::time::Instant;
+use tests::paper;
 use tests::team::{Hardship, Outcome, Random, Team};
 
 const RUNS: u64 = 200;
@@ -81,5 +85,51 @@ fn with_no_radio_at_all_nobody_moves() {
     for seed in 0..20 {
         let outcome = fly(seed, Hardship { loss: 1.1, ..Hardship::default() });
         assert_eq!((outcome.arrived, outcome.collisions), (None, 0));
+    }
+}
+
+/// An intention that says anything a frame can carry, mostly of a round that the team may be in.
+fn nonsense(random: &mut Random, sequence: u32) -> Intention {
+    let cell = |random: &mut Random| {
+        let cells = if random.chance(0.1) { 65536 } else { 49 };
+        Cell(random.below(cells) as u16)
+    };
+    let mut path = Path::at(cell(random));
+    for _ in 0..random.below(HORIZON as u32 + 1) {
+        path.push(Move::ALL[random.below(5) as usize]).expect("within the horizon");
+    }
+    let all = [Status::Deciding, Status::Announced, Status::Agreed, Status::Arrived, Status::Away];
+    Intention {
+        robot: RobotId(2),
+        epoch: 9,
+        sequence,
+        tick: Instant(random.bits()),
+        round: Round(sequence as u16 / 20 + random.below(2) as u16),
+        status: all[random.below(5) as usize],
+        plan: random.bits(),
+        goal: random.chance(0.5).then(|| cell(random)),
+        step: random.below(path.len() as u32 + 1) as u8,
+        path,
+        probability: random.bits() as f32 / u32::MAX as f32,
+        hazards: (0..random.below(5)).map(|_| cell(random)).collect(),
+    }
+}
+
+#[test]
+fn with_a_teammate_that_talks_nonsense_nobody_breaks() {
+    let (starts, goals) = ([Cell(28), Cell(2), Cell(45)], [Cell(24), Cell(26), Cell(32)]);
+    let mission = Mission::new(paper::map(), &starts, &goals);
+    for seed in 0..20 {
+        let mut random = Random::new(seed);
+        let mut team = Team::new(&mission, Hardship::default(), seed);
+        team.silence(2, true);
+        for sequence in 0..400 {
+            team.overhear(&nonsense(&mut random, sequence));
+            team.tick();
+            for robot in &team.robots {
+                let report = robot.report();
+                assert!(report.path.is_open(&mission.map) && (0.0..=1.0).contains(&report.probability));
+            }
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Whole missions in the simulator: they end well, repeat exactly, and bad input is refused with a reason.
 
+use host_sim::show::summary;
 use host_sim::{Conditions, Outcome, Record, Scenario, fly, library};
 use iibt_core::grid::Cell;
 use proptest::prelude::*;
@@ -74,11 +75,38 @@ mod missions {
         }
     }
 
+    /// R1's way to the goals is cut off before it has made a move.
+    const CUT_OFF: &str = "\
+title = 't'
+limit = 40
+map = '''
+#####.
+1...2G
+####.G
+'''
+[[event]]
+tick = 0
+block = 7
+";
+
     #[test]
-    fn a_goal_nobody_can_reach_ends_at_the_limit() {
-        let text = "title = 't'\nlimit = 40\nmap = '''\n1.#G\n2.#.\n..#G\n'''";
-        let record = flown(&Scenario::parse("walled", text).unwrap(), 0, 0.0);
-        assert_eq!((record.outcome, record.ticks, record.collisions.total()), (Outcome::Unfinished, 40, 0));
+    fn a_way_that_an_obstacle_cuts_off_ends_at_the_limit_and_says_who_has_none() {
+        let record = flown(&Scenario::parse("cut off", CUT_OFF).unwrap(), 0, 0.0);
+        assert_eq!((record.outcome, record.collisions.total()), (Outcome::Unfinished, 0));
+        assert_eq!((record.ticks, record.history.len()), (39, 41));
+        let summary = summary(&record, None);
+        assert!(summary.contains("NOT accomplished within 40 ticks"), "{summary}");
+        assert!(summary.contains("\n  R1 stands on 6: no way to a goal"), "{summary}");
+    }
+
+    #[test]
+    fn the_history_has_the_start_and_every_tick() {
+        for (name, loss) in [("factory", 0.0), ("factory", 0.3), ("detour", 0.1), ("two-goals", 1.0)] {
+            let record = flown(&built_in(name), 2, loss);
+            assert_eq!(record.history.len(), record.ticks as usize + 2, "{name}");
+            assert!(record.news.iter().all(|dated| dated.tick <= record.ticks), "{name}");
+            assert!(record.last_arrival() <= record.ticks || !record.outcome.is_success(), "{name}");
+        }
     }
 
     fn kind(news: &host_sim::News) -> &'static str {
@@ -174,6 +202,36 @@ mod json {
     }
 }
 
+mod readme {
+    use super::*;
+    use host_sim::News;
+    use serde_json::Value;
+
+    const README: &str = include_str!("../host-sim/scenarios/README.md");
+
+    /// The keys of a value, those inside it included.
+    fn keys(value: &Value) -> BTreeSet<String> {
+        match value {
+            Value::Object(members) => {
+                members.iter().flat_map(|(key, value)| keys(value).into_iter().chain([key.clone()])).collect()
+            }
+            Value::Array(values) => values.iter().flat_map(keys).collect(),
+            _ => BTreeSet::new(),
+        }
+    }
+
+    #[test]
+    fn every_member_of_the_record_is_explained() {
+        let record = flown(&built_in("factory"), 0, 0.0);
+        let mut names = keys(&serde_json::to_value(&record).unwrap());
+        names.extend(keys(&serde_json::to_value(News::Collided { times: 1 }).unwrap()));
+        names.extend(["appeared", "found", "chose", "agreed", "arrived", "collided"].map(String::from));
+        names.extend(["deciding", "announced", "away", "together", "apart", "unfinished"].map(String::from));
+        let missing: Vec<_> = names.iter().filter(|name| !README.contains(&format!("`{name}`"))).collect();
+        assert!(names.len() > 40 && missing.is_empty(), "of {}, missing {missing:?}", names.len());
+    }
+}
+
 mod refused {
     use super::*;
 
@@ -228,7 +286,7 @@ precision = 16.0
             (".#..", ".#1.", "10", "the map draws R1 as '1' already"),
             (".#..", ".#1.\n1...", "6", "row 2, column 0 of the map: robot 1 is drawn at 6 already"),
             (".#..", ".#G.", "8", "the map draws goals as 'G' already"),
-            ("[3, 11]", "[3]", "8", "1 goals for 2 robots"),
+            ("[3, 11]", "[3]", "8", "1 goal for 2 robots: each robot needs one of its own"),
             ("[3, 11]", "[3, 3]", "8", "goal 3 is listed twice"),
             ("[3, 11]", "[3,\n12]", "9", "goal 12 is outside the map, whose cells are 0 to 11"),
             ("[3, 11]", "[3, 11, 5]", "8", "goal 5 is blocked on the map"),
@@ -264,6 +322,25 @@ precision = 16.0
             assert!(refusal.starts_with(&format!("my.toml:{line}: ")), "{wrong}: {refusal}");
             assert!(refusal.contains(reason), "{wrong}: {refusal}");
         }
+    }
+
+    #[test]
+    fn when_a_robot_cannot_get_to_a_goal_of_its_own() {
+        let apart = SOUND.replacen("....\n.#..\n....", "..#.\n.##.\n..#.", 1).replace("paths", "# paths");
+        let refused = refusal("my.toml", &apart);
+        assert!(
+            refused.starts_with("my.toml:10: R1 on 0 can reach no goal: no way of at most 64"),
+            "{refused}"
+        );
+        let shared = "title = 't'\nmap = '''\n1.#G\n2.#.\nG.#.\n'''";
+        let refused = refusal("my.toml", shared);
+        assert!(refused.starts_with("my.toml:2: R2 on 4 can reach no goal of its own"), "{refused}");
+    }
+
+    #[test]
+    fn when_a_number_is_left_out() {
+        let refused = refusal("my.toml", "title = 't'\nmap = '''\n1.G\n3.G\n'''");
+        assert_eq!(refused, "my.toml:2: robot 2 is missing, but the map draws robot 3: leave no number out");
     }
 
     #[test]
@@ -334,7 +411,12 @@ mod accepted {
         #[test]
         fn can_be_flown_without_a_collision(map in drawing(), seed: u64) {
             let text = format!("title = 't'\nlimit = 60\nmap = '''\n{map}\n'''\n[radio]\nloss = 0.2");
-            let scenario = Scenario::parse("drawn", &text).unwrap();
+            let scenario = match Scenario::parse("drawn", &text) {
+                Err(error) if error.reason.contains("can reach no goal") => {
+                    return Err(TestCaseError::reject("walled off"));
+                }
+                scenario => scenario.unwrap(),
+            };
             let record = fly(&scenario, Conditions { seed, loss: None }, &mut ()).unwrap();
             prop_assert_eq!(record.collisions.total(), 0);
             prop_assert!(record.history.len() <= 61);

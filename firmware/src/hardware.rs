@@ -6,36 +6,48 @@
 use iibt_core::grid::{Cell, Move};
 use iibt_core::time::Instant;
 
-/// Bytes to and from the teammates; framing is the controller's business.
+/// Bytes to and from all teammates at once; framing is the controller's business.
+///
+/// What a robot sends may come back to it: it knows its own frames. On a shared wire or channel it is the
+/// link that waits for its turn, and it may drop frames: every frame is complete, so one that is lost costs
+/// time only.
 pub trait Link {
     /// The next byte that has arrived, if there is one.
     fn receive(&mut self) -> Option<u8>;
 
-    /// Takes one whole encoded frame for sending; returns whether the link could take it.
+    /// Takes one whole encoded frame, delimiter included, of at most
+    /// [`MAX_FRAME`](iibt_core::team::MAX_FRAME) bytes; returns whether the link could take it.
     fn send(&mut self, frame: &[u8]) -> bool;
 }
 
 /// Wheels, one cell at a time.
+///
+/// A move is made whole or not at all, and a robot that has begun one counts as in both cells until it is
+/// done. [`Move::Up`] leads to the row before, towards cell zero.
 pub trait Drive {
     /// Begins one move. [`Move::Wait`] holds the robot where it is.
     fn go(&mut self, step: Move);
 
-    /// Whether the last move is still going on.
+    /// Whether the last move is still going on: true from [`go`](Self::go) until the robot stands in the next
+    /// cell. Asked once a tick; what is sensed meanwhile is not used.
     fn is_moving(&mut self) -> bool;
 
-    /// Stops where it is.
+    /// Stops where it is, for whoever watches over the robot: the controller itself finishes its moves.
     fn stop(&mut self);
 }
 
 /// Where the robot stands.
 pub trait Localiser {
-    /// A reading of the robot's own cell, which may be missing or wrong.
+    /// A reading of the robot's own cell, which may be missing or wrong; asked once a tick.
     fn locate(&mut self) -> Option<Cell>;
 }
 
 /// What stands in the way.
 pub trait Scanner {
-    /// A cell in view that a robot cannot enter, one at a time; `None` when there is nothing new.
+    /// A cell in view that no robot can enter, one at a time; `None` when there is no more. Asked up to
+    /// [`MAX_HAZARDS`](iibt_core::team::MAX_HAZARDS) times a tick; to name one again does no harm.
+    ///
+    /// For what stays: the team keeps off such a cell from then on. A teammate is no obstacle.
     fn scan(&mut self) -> Option<Cell>;
 }
 

@@ -22,7 +22,10 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Settings for a controller that sends a frame at every tick.
+    /// Settings for a controller whose clock counts its own ticks: a frame at every tick.
+    ///
+    /// On a clock that counts milliseconds, set `beacon` to the period of the controller's ticks and `timeout` to
+    /// some seconds: with the values from here, a teammate would be stale after eight milliseconds.
     #[must_use]
     pub const fn new(key: Key, epoch: u32) -> Self {
         Self { key, epoch, beacon: Duration(1), timeout: Duration(100), low_battery: 20, charged: 90 }

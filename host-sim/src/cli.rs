@@ -26,6 +26,7 @@ Examples:
   host-sim list               see what else is built in
   host-sim run detour --loss 0.3 --seed 7
   host-sim run my-warehouse.toml --json > flight.json
+From a checkout, `host-sim run ...` is `cargo run --release -- run ...`.
 
 Exit status:
   0  all robots arrived together at different goals
@@ -38,6 +39,7 @@ Examples:
   host-sim run factory --loss 0.3   with a radio that loses three frames in ten
   host-sim run my-warehouse.toml    a scenario of your own
   host-sim run two-goals --json | jq '.robots[].path'
+From a checkout, `host-sim run ...` is `cargo run --release -- run ...`.
 
 A scenario of your own:
   title = \"Two robots in a corridor\"
@@ -56,12 +58,14 @@ Exit status:
 /// Fly teams of robots that decide together, in simulation.
 ///
 /// The robots run the firmware's own controller and talk through a radio that may lose frames. Without a
-/// verb, the three-robot factory mission is flown.
+/// verb, a scenario is flown: `run` may be left out.
 #[derive(Parser)]
-#[command(name = "host-sim", version, after_help = EXAMPLES)]
+#[command(name = "host-sim", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
 struct Cli {
     #[command(subcommand)]
     verb: Option<Verb>,
+    #[command(flatten)]
+    run: Run,
 }
 
 #[derive(Subcommand)]
@@ -74,7 +78,7 @@ enum Verb {
     Run(Run),
 }
 
-#[derive(Args)]
+#[derive(Args, Debug, PartialEq)]
 struct Run {
     /// A built-in scenario, or a scenario file
     #[arg(value_name = "NAME|FILE.toml", default_value = library::DEFAULT)]
@@ -111,14 +115,8 @@ impl Cli {
         match self.verb {
             Some(Verb::List) => list(),
             Some(Verb::Run(run)) => run.run(),
-            None => Run::default().run(),
+            None => self.run.run(),
         }
-    }
-}
-
-impl Default for Run {
-    fn default() -> Self {
-        Self { scenario: library::DEFAULT.to_owned(), seed: 0, loss: None, json: false, quiet: false }
     }
 }
 
@@ -244,11 +242,17 @@ mod tests {
     }
 
     #[test]
-    fn no_verb_flies_what_run_flies_by_default() {
-        let Some(Verb::Run(run)) = Cli::parse_from(["host-sim", "run"]).verb else { panic!("not a run") };
-        let usual = Run::default();
-        assert_eq!((run.scenario, run.seed, run.loss), (usual.scenario, usual.seed, usual.loss));
-        assert_eq!((run.json, run.quiet), (usual.json, usual.quiet));
+    fn run_may_be_left_out() {
+        for arguments in [&[][..], &["detour"], &["--loss", "0.3"], &["my.toml", "--json", "--seed", "7"]] {
+            let Some(Verb::Run(run)) = Cli::parse_from([&["host-sim", "run"], arguments].concat()).verb
+            else {
+                panic!("not a run: {arguments:?}")
+            };
+            let short = Cli::parse_from([&["host-sim"], arguments].concat());
+            assert!(short.verb.is_none(), "{arguments:?}");
+            assert_eq!(short.run, run, "{arguments:?}");
+        }
+        assert!(matches!(Cli::parse_from(["host-sim", "list"]).verb, Some(Verb::List)));
     }
 
     #[test]

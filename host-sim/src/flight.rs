@@ -214,7 +214,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             title: self.scenario.title.clone(),
             seed: self.seed,
             loss: self.terms.loss,
-            ticks: self.ticks(outcome, &robots),
+            ticks: self.tick.saturating_sub(1),
             outcome,
             collisions: self.collisions,
             frames: total(self.radio.traffic()),
@@ -230,14 +230,6 @@ impl<'f, 'm> Flight<'f, 'm> {
     fn outcome(&self, robots: &[RobotRecord]) -> Outcome {
         let paths: Vec<_> = robots.iter().map(|robot| robot.path.clone()).collect();
         record::outcome(&self.collisions, &self.scenario.goals, self.world.cells(), &paths)
-    }
-
-    /// A mission lasts until its last arrival, even if the robots go on to say so.
-    fn ticks(&self, outcome: Outcome, robots: &[RobotRecord]) -> u32 {
-        match outcome {
-            Outcome::Together | Outcome::Apart => robots.iter().map(|robot| robot.arrived).max().unwrap_or(0),
-            Outcome::Unfinished | Outcome::Collided => self.tick,
-        }
     }
 
     fn robot(&self, index: usize) -> RobotRecord {

@@ -33,6 +33,7 @@ mod referee;
 mod scenario;
 pub mod show;
 mod team;
+mod words;
 mod world;
 
 pub use flight::{Audience, Conditions, Scene, fly};

@@ -1,12 +1,13 @@
 //! News: what happens in a tick that is worth telling.
 
 use crate::scenario::{Floor, Scenario};
+use crate::words::route;
 use firmware::Report;
 use iibt_core::grid::Cell;
 use iibt_core::team::Status;
 use serde::Serialize;
 
-/// One thing that happened. Robots are named by their index in the scenario.
+/// One thing that happened. Robots are named by their index in the scenario, from zero.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum News {
@@ -26,7 +27,7 @@ pub enum News {
     Chose {
         /// Who.
         robot: usize,
-        /// In which joint decision.
+        /// In which round.
         round: u16,
         /// The goal it leads to.
         goal: Cell,
@@ -37,7 +38,7 @@ pub enum News {
     },
     /// All robots know each other's choices and will follow their own.
     Agreed {
-        /// In which joint decision.
+        /// In which round.
         round: u16,
     },
     /// A robot is where it wanted to be.
@@ -68,7 +69,7 @@ pub(crate) fn between(before: &[Report], after: &[Report], cells: &[Cell], floor
     news
 }
 
-/// A choice is news when it is another one, or belongs to another decision.
+/// A choice is news when it is another one, or belongs to another round.
 fn choice(robot: usize, old: &Report, new: &Report, floor: &Floor) -> Option<News> {
     let goal = new.goal.filter(|_| !matches!(new.status, Status::Deciding | Status::Away))?;
     if old.round == new.round && old.path == new.path && old.goal == new.goal {
@@ -78,7 +79,7 @@ fn choice(robot: usize, old: &Report, new: &Report, floor: &Floor) -> Option<New
     Some(News::Chose { robot, round: new.round.0, goal, path, probability: new.probability })
 }
 
-/// The decision that every robot has agreed to, if they all have.
+/// The round that every robot has agreed to, if they all have.
 fn agreed_round(reports: &[Report]) -> Option<u16> {
     let first = reports.first()?.round;
     let agrees =
@@ -100,14 +101,9 @@ impl News {
                 goal.0,
                 route(path)
             ),
-            Self::Agreed { round } => format!("all agree (decision {round})"),
+            Self::Agreed { round } => format!("all agree (round {round})"),
             Self::Arrived { robot, cell } => format!("{} has arrived at {}", name(*robot), cell.0),
             Self::Collided { times } => format!("COLLISION ({times})"),
         }
     }
-}
-
-/// Cells as their numbers, one after another.
-pub(crate) fn route(cells: &[Cell]) -> String {
-    cells.iter().map(|cell| cell.0.to_string()).collect::<Vec<_>>().join(" ")
 }

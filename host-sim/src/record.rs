@@ -22,7 +22,8 @@ pub struct Record {
     pub loss: f64,
     /// How it ended.
     pub outcome: Outcome,
-    /// The ticks flown: until the last robot stood at its goal, or the limit.
+    /// The number of the last tick, from zero: the one in which the last robot said that it had arrived, or the
+    /// last before the limit.
     pub ticks: u32,
     /// What the referee saw.
     pub collisions: Collisions,
@@ -38,7 +39,7 @@ pub struct Record {
     pub robots: Vec<RobotRecord>,
     /// What happened, in order.
     pub news: Vec<Dated>,
-    /// Where the robots stood: at first, then after every tick.
+    /// Where the robots stood: at first, then after every tick, so two entries more than the last tick's number.
     pub history: Vec<Vec<Cell>>,
 }
 
@@ -75,7 +76,7 @@ pub struct RobotRecord {
     pub status: &'static str,
     /// The moves it made, waits not counted.
     pub moves: u32,
-    /// The number of ticks after which it stood where it stands at the end.
+    /// The first tick in which it stood where it stands at the end.
     pub arrived: u32,
     /// What became of the frames it sent.
     pub frames: Traffic,
@@ -107,8 +108,13 @@ impl Record {
     /// The ticks between the first and the last arrival.
     #[must_use]
     pub fn spread(&self) -> u32 {
-        let arrived = || self.robots.iter().map(|robot| robot.arrived);
-        arrived().max().unwrap_or(0) - arrived().min().unwrap_or(0)
+        self.last_arrival() - self.robots.iter().map(|robot| robot.arrived).min().unwrap_or(0)
+    }
+
+    /// The first tick in which all robots stood where they stand at the end.
+    #[must_use]
+    pub fn last_arrival(&self) -> u32 {
+        self.robots.iter().map(|robot| robot.arrived).max().unwrap_or(0)
     }
 }
 

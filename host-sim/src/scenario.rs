@@ -1,12 +1,14 @@
 //! Scenarios: what a mission is flown in. Read from TOML with a drawn map, checked as a whole.
 //!
 //! The format is described for users in `scenarios/README.md`. A [`Scenario`] that exists is sound: every cell
-//! it names is on the map, every start is free and nobody else's, every number is in its range.
+//! it names is on the map, every start is free and nobody else's, every number is in its range,
+//! and by the map there is a way for every robot to a goal of its own.
 
 mod check;
 mod drawing;
 mod error;
 mod file;
+mod reach;
 mod team;
 mod values;
 
@@ -104,7 +106,7 @@ pub struct Inference {
     pub sensor: Option<f32>,
     /// The probability with which it takes a teammate's word on its cell to be right.
     pub peer_sensor: Option<f32>,
-    /// What each move of a policy costs in its prior.
+    /// What it costs in a policy's prior to arrive later than the team could, per move.
     pub haste: Option<f32>,
     /// The preference for a collision, at most zero.
     pub collision: Option<f32>,

@@ -3,6 +3,7 @@
 mod narrator;
 mod picture;
 mod screen;
+mod shortfall;
 mod summary;
 
 pub use narrator::Narrator;

@@ -1,4 +1,24 @@
-//! Robots that decide together on their own microcontrollers.
+//! Robots that decide together on their own microcontrollers: behavior trees, one kind of whose leaves chooses
+//! policies by minimising free energy over the robot's beliefs and its teammates' announced intentions.
+//!
+//! | to | begin with |
+//! |---|---|
+//! | use behavior trees alone | [`tree`] |
+//! | use active inference alone | [`inference`] |
+//! | have a team go to goals on a grid | [`iibt::Mission`], and `firmware::Controller` around it |
+//! | bring a task of your own | [`iibt::Task`], which [`iibt::Node`] runs as Algorithm 1 |
+//!
+//! The modules, each of which knows only those above it:
+//!
+//! | module | what lives there |
+//! |---|---|
+//! | [`math`], [`time`], [`actions`] | logarithms and softmax; ticks that may wrap; sequences of action codes |
+//! | [`grid`], [`tree`], [`inference`] | maps and planners; trees as tables; beliefs, free energies, policies |
+//! | [`team`] | intentions, authenticated frames, the roster of teammates, the agreement on one joint plan |
+//! | [`iibt`] | where trees and inference meet: the node, logic and preferences, the navigation task |
+//!
+//! No clock, no I/O, no heap, no `std`: time and bytes come in as arguments, and every table has its size in its
+//! type.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -55,6 +55,10 @@ pub struct Body {
     pub outbox: Vec<Vec<u8>>,
     /// The move that was asked for and not made yet.
     pub asked: Option<Move>,
+    /// Whether the localiser reads nothing.
+    pub blind: bool,
+    /// Whether moves fail and leave the body where it is.
+    pub stuck: bool,
 }
 
 impl Body {
@@ -70,6 +74,8 @@ impl Body {
             inbox: VecDeque::new(),
             outbox: vec![],
             asked: None,
+            blind: false,
+            stuck: false,
         }
     }
 
@@ -78,7 +84,7 @@ impl Body {
         let before = self.cell;
         if let Some(step) = self.asked.take() {
             let next = map.neighbour(self.cell, step);
-            self.cell = if map.is_free(next) { next } else { self.cell };
+            self.cell = if map.is_free(next) && !self.stuck { next } else { self.cell };
         }
         before
     }
@@ -108,7 +114,7 @@ impl Drive for Body {
 
 impl Localiser for Body {
     fn locate(&mut self) -> Option<Cell> {
-        Some(self.reading.unwrap_or(self.cell))
+        (!self.blind).then(|| self.reading.unwrap_or(self.cell))
     }
 }
 

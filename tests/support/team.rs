@@ -4,7 +4,7 @@ use crate::rig::{Body, DEMO_KEY};
 use firmware::{Controller, Settings};
 use iibt_core::grid::{Cell, Map};
 use iibt_core::iibt::Mission;
-use iibt_core::team::RobotId;
+use iibt_core::team::{Intention, MAX_FRAME, RobotId, SipHash64, encode};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 
@@ -227,6 +227,18 @@ impl<'m> Team<'m> {
     /// Has a robot's localiser read this cell until told otherwise.
     pub fn misread(&mut self, robot: usize, reading: Option<Cell>) {
         self.misreadings[robot] = reading;
+    }
+
+    /// Has every robot receive an intention, whoever it is from, with a valid tag.
+    ///
+    /// # Panics
+    /// When no frame carries such an intention.
+    pub fn overhear(&mut self, intention: &Intention) {
+        let mut buffer = [0; MAX_FRAME];
+        let frame = encode(intention, &SipHash64::new(DEMO_KEY), &mut buffer).expect("it fits a frame");
+        for robot in &mut self.robots {
+            robot.hardware_mut().inbox.extend(frame.iter());
+        }
     }
 
     /// Starts a robot again where it stands, without anything it knew.

@@ -16,7 +16,7 @@ mod image {
     use cortex_m::singleton;
     use firmware::adapters::{Absent, Chassis, Counted, DeadReckoning};
     use firmware::board::{self, Board, Milliseconds, Motors, TeamLink};
-    use firmware::hardware::{Clock, Hardware};
+    use firmware::hardware::{Clock, Drive, Hardware};
     use firmware::missions::{CANDIDATES, CELLS, SECTION_5_1, WORDS};
     use firmware::{Controller, Report, Settings};
     use heapless::Vec;
@@ -77,6 +77,8 @@ mod image {
         let (mut ticks, mut longest) = (0_u32, 0);
         let mut before = robot.report();
         loop {
+            // Asking the drive is what ends a turn or a move, so it is asked at every millisecond.
+            robot.hardware_mut().drive.is_moving();
             let now = robot.hardware_mut().clock.now();
             if now.has_reached(due) {
                 due = now.after(TICK);

@@ -4,9 +4,11 @@ use super::drawing::Drawing;
 use super::error::Fault;
 use super::file::{Event, File, Number};
 use super::values::{line_of_text, parameter, share, whole};
-use super::{Inference, MAX_TICKS, Obstacle, Radio, Robot, Scenario, When, file};
+use super::{Inference, MAX_TICKS, Obstacle, Radio, Robot, Scenario, When, file, reach};
+use crate::words::counted;
 use iibt_core::grid::Cell;
 use iibt_core::iibt::navigation::MAX_GOALS;
+use std::ops::Range;
 use toml::Spanned;
 
 const LONGEST_TITLE: usize = 120;
@@ -20,6 +22,8 @@ pub(super) fn check(name: &str, text: &str, file: &File) -> Result<Scenario, Fau
         Fault::new(span, reason)
     })?;
     let robots = drawing.team(file, &goals)?;
+    reach::goals_for_all(&drawing.map, &goals, &robots)
+        .map_err(|(robot, reason)| Fault::new(start_of(robot, file), reason))?;
     let obstacles = file.events.iter().map(|event| drawing.obstacle(event, &robots));
     Ok(Scenario {
         name: name.to_owned(),
@@ -96,9 +100,16 @@ fn enough(goals: usize, robots: usize) -> Result<(), String> {
         return Err(format!("{goals} goals, but a mission has at most {MAX_GOALS}"));
     }
     if goals < robots {
-        return Err(format!("{goals} goals for {robots} robots: each robot needs one of its own"));
+        let (goals, robots) = (counted(goals as u32, "goal"), counted(robots as u32, "robot"));
+        return Err(format!("{goals} for {robots}: each robot needs one of its own"));
     }
     Ok(())
+}
+
+/// Where the start of a robot is written: as a number, or else on the map.
+fn start_of(robot: usize, file: &File) -> Range<usize> {
+    let written = file.robots.get(robot).and_then(|robot| robot.get_ref().start.as_ref());
+    written.map_or(file.map.span(), Spanned::span)
 }
 
 fn named(name: &Spanned<String>, robots: &[Robot]) -> Result<usize, Fault> {

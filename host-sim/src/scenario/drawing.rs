@@ -2,6 +2,7 @@
 
 use super::error::Fault;
 use super::{Floor, MAX_CELLS};
+use crate::words::counted;
 use iibt_core::grid::Cell;
 use iibt_core::team::MAX_TEAM;
 use std::ops::Range;
@@ -41,7 +42,10 @@ impl Drawing {
     fn blank(rows: &[Row<'_>], span: Range<usize>) -> Result<Self, Fault> {
         let width = rows.first().map_or(0, Row::width);
         if let Some((number, row)) = rows.iter().enumerate().find(|(_, row)| row.width() != width) {
-            let reason = format!("row {number} of the map has {} cells, but row 0 has {width}", row.width());
+            let reason = format!(
+                "row {number} of the map has {}, but row 0 has {width}",
+                counted(row.width() as u32, "cell")
+            );
             return Err(Fault::new(row.span.clone(), reason));
         }
         let map = floor(width, rows.len()).ok_or_else(|| {

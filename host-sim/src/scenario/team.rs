@@ -20,13 +20,18 @@ impl Drawing {
             return Err(Fault::new(extra.span(), reason));
         }
         let drawn = self.starts.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
-        match drawn.max(file.robots.len()) {
-            0 => {
-                let reason = "no robots: add a [[robot]] with its start, or draw '1' on the map";
-                Err(Fault::new(file.map.span(), reason))
+        let missing = |&index: &usize| file.robots.get(index).is_none() && self.starts[index].is_none();
+        let reason = match (drawn.max(file.robots.len()), (0..drawn).find(missing)) {
+            (0, _) => "no robots: add a [[robot]] with its start, or draw '1' on the map".to_owned(),
+            (size, None) => return Ok(size),
+            (_, Some(index)) => {
+                format!(
+                    "robot {} is missing, but the map draws robot {drawn}: leave no number out",
+                    index + 1
+                )
             }
-            size => Ok(size),
-        }
+        };
+        Err(Fault::new(file.map.span(), reason))
     }
 
     /// The robots in the order of their numbers: those written, and those only drawn.

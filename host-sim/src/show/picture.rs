@@ -25,6 +25,9 @@ const ROBOTS: [AnsiColor; 8] = [
     AnsiColor::BrightYellow,
 ];
 
+/// What the signs are; narrower than the narrowest terminal that is drawn on.
+const LEGEND: &str = "  1 robot   G goal   ## wall   XX new obstacle   * way ahead";
+
 const WALL: Style = AnsiColor::BrightBlack.on_default();
 const OBSTACLE: Style = AnsiColor::Red.on_default().bold();
 const GOAL: Style = AnsiColor::Green.on_default().bold();
@@ -52,7 +55,7 @@ pub fn picture(scene: &Scene<'_>, palette: Palette) -> Vec<String> {
         let drawn: String = cells.map(|cell| square(scene, cell, palette)).collect();
         lines.push(format!("  {}", drawn.trim_end()));
     }
-    lines.push(String::new());
+    lines.extend([String::new(), palette.paint(FLOOR, LEGEND)]);
     lines.extend((0..scene.cells.len()).map(|robot| robot_line(scene, robot, palette)));
     lines
 }
@@ -137,9 +140,9 @@ mod tests {
     #[test]
     fn shows_plans_and_says_who_has_one() {
         let (early, late) = (photograph(0, Palette::Plain), photograph(4, Palette::Plain));
-        assert!(early[6].contains("R1") && early[6].contains("has not chosen"), "{early:?}");
+        assert!(early[7].contains("R1") && early[7].contains("has not chosen"), "{early:?}");
         assert_eq!(late[2], "  1 * * G");
-        assert!(late[6].contains("to 3, step 0 of 3"), "{late:?}");
+        assert!(late[7].contains("to 3, step 0 of 3"), "{late:?}");
     }
 
     #[test]

@@ -31,7 +31,7 @@ impl<W: Write> Screen<W> {
     /// The lines a scenario takes on the screen.
     #[must_use]
     pub fn height(scenario: &crate::Scenario) -> usize {
-        usize::from(scenario.map.height()) + scenario.robots.len() + NEWS + 5
+        usize::from(scenario.map.height()) + scenario.robots.len() + NEWS + 6
     }
 
     fn draw(&mut self, scene: &Scene<'_>) -> io::Result<()> {

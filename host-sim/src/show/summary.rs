@@ -1,7 +1,8 @@
 //! The end of a flight in a table and a line.
 
-use crate::news::route;
+use super::shortfall::shortfall;
 use crate::record::{Outcome, Record, RobotRecord};
+use crate::words::{counted, route};
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle};
 
 /// A line below the header and nothing else.
@@ -12,10 +13,11 @@ const NARROWEST: u16 = 72;
 
 const HEADER: [&str; 9] =
     ["robot", "goal", "chosen path", "prob.", "moves", "sent", "lost", "rejected", "arrived"];
+const LEGEND: &str = "path: the last; prob.: of its joint policy among all weighed; lost: of deliveries";
 const PATH: usize = 2;
 const TEXTS: [usize; 3] = [0, PATH, 8];
 
-/// A table of the robots, and the outcome below it. In a terminal of so many `columns`, paths are wrapped.
+/// A table of the robots, the outcome below it, and what the robots lack if the mission failed. In a terminal of so many `columns`, paths are wrapped.
 #[must_use]
 pub fn summary(record: &Record, columns: Option<u16>) -> String {
     let mut table = Table::new();
@@ -32,7 +34,8 @@ pub fn summary(record: &Record, columns: Option<u16>) -> String {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
-    format!("{}\n\n{}", table.trim_fmt(), outcome_line(record))
+    let lacking: String = shortfall(record).into_iter().map(|line| format!("\n  {line}")).collect();
+    format!("{}\n\n{LEGEND}\n{}{lacking}", table.trim_fmt(), outcome_line(record))
 }
 
 fn row(robot: &RobotRecord) -> [String; 9] {
@@ -67,17 +70,25 @@ pub fn outcome_line(record: &Record) -> String {
 }
 
 fn ending(record: &Record) -> String {
-    let (team, ticks) = (record.robots.len(), record.ticks);
+    let (team, arrival, flown) = (team(record), record.last_arrival(), counted(record.ticks + 1, "tick"));
     match (record.outcome, record.spread()) {
-        (Outcome::Together, _) if team == 1 => format!("the robot arrived at tick {ticks}"),
-        (Outcome::Together, 0) => format!("all {team} robots arrived together at tick {ticks}"),
+        (Outcome::Together, _) if record.robots.len() == 1 => format!("{team} arrived at tick {arrival}"),
+        (Outcome::Together, 0) => format!("{team} arrived together at tick {arrival}"),
         (Outcome::Together, spread) => {
             let apart = counted(spread, "tick");
-            format!("all {team} robots arrived with the same step, at most {apart} apart, at tick {ticks}")
+            format!("{team} arrived with the same step, at most {apart} apart, at tick {arrival}")
         }
-        (Outcome::Apart, _) => format!("all {team} robots arrived, but not together, by tick {ticks}"),
-        (Outcome::Unfinished, _) => format!("NOT accomplished within {ticks} ticks"),
-        (Outcome::Collided, _) => format!("FAILED by a collision, {ticks} ticks flown"),
+        (Outcome::Apart, _) => format!("{team} arrived, but not together, by tick {arrival}"),
+        (Outcome::Unfinished, _) => format!("NOT accomplished within {flown}"),
+        (Outcome::Collided, _) => format!("FAILED by a collision, {flown} flown"),
+    }
+}
+
+fn team(record: &Record) -> String {
+    match record.robots.len() {
+        1 => "the robot".to_owned(),
+        2 => "both robots".to_owned(),
+        size => format!("all {size} robots"),
     }
 }
 
@@ -95,10 +106,6 @@ fn collisions(record: &Record) -> String {
     }
 }
 
-fn counted(number: u32, thing: &str) -> String {
-    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,11 +121,12 @@ mod tests {
         let text = summary(&flown(0.0), None);
         let lines: Vec<_> = text.lines().collect();
         let words = |line: usize| lines[line].split_whitespace().take(9).collect::<Vec<_>>().join(" ");
-        assert_eq!(lines.len(), 6, "{text}");
+        assert_eq!(lines.len(), 7, "{text}");
         assert_eq!(words(0), "robot goal chosen path prob. moves sent lost rejected");
         assert_eq!(words(2), "R1 26 28 29 30 31 32 33 26");
         assert_eq!(words(3), "R2 24 2 1 8 15 22 23 24");
-        assert!(lines[5].starts_with("two-goals: all 2 robots arrived together at tick"), "{text}");
+        assert!(lines[5].contains("prob.: of its joint policy"), "{text}");
+        assert!(lines[6].starts_with("two-goals: both robots arrived together at tick"), "{text}");
     }
 
     #[test]
@@ -126,7 +134,14 @@ mod tests {
         let text = summary(&flown(0.0), Some(80));
         let mut table = text.lines().take_while(|line| !line.is_empty());
         assert!(table.all(|line| line.chars().count() <= 80), "{text}");
-        assert!(text.lines().count() > 6, "paths are wrapped:\n{text}");
+        assert!(text.lines().count() > 7, "paths are wrapped:\n{text}");
+    }
+
+    #[test]
+    fn ends_with_what_the_robots_lack() {
+        let text = summary(&flown(1.0), None);
+        let last: Vec<_> = text.lines().rev().take(2).collect();
+        assert!(last[1].starts_with("  R1 ") && last[0].starts_with("  R2 "), "{text}");
     }
 
     #[test]

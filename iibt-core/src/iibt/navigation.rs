@@ -79,8 +79,9 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
 pub const MAX_KNOWN_HAZARDS: usize = 16;
 
 impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P> {
-    /// The least probability of the cell a robot takes itself to be in, for it to act on that.
-    pub const CONFIDENCE: f32 = 0.9;
+    /// The least probability of the cell a robot takes itself to be in, for it to act on that: more than a move
+    /// has without a reading that confirms it.
+    pub const CONFIDENCE: f32 = 0.99;
 
     /// How likely a move is taken to fail, when the robot works out where it is.
     const SLIP: f32 = 0.05;
@@ -105,7 +106,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             robot,
             agreement: Agreement::new(robot, mission.team(), epoch, start),
             roster,
-            sensor: IdentityNoise::clamped(mission.sensor),
+            sensor: IdentityNoise::among(mission.sensor, mission.map.len()),
             tracking: mission.transition(),
             belief: mission.belief(),
             surprise: Ok(0.0),

@@ -76,12 +76,14 @@ impl<const S: usize, const O: usize> Likelihood<S, O> for Dense<S, O> {
 
 /// A sensor that reads the state itself, and errs evenly: A = off + (correct - off) I.
 ///
-/// Eight bytes whatever the number of states, and every method costs `S` at the most.
+/// Three numbers whatever the number of states, and every method costs `S` at the most. The noise is spread over
+/// the first `states` states; the others, which a table of fixed size may have left over, read themselves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct IdentityNoise<const S: usize> {
     correct: f32,
     off: f32,
+    states: usize,
 }
 
 impl<const S: usize> IdentityNoise<S> {
@@ -93,15 +95,18 @@ impl<const S: usize> IdentityNoise<S> {
     pub const fn new(correct: f32) -> Self {
         assert!(S > 1, "A, the likelihood of an identity with noise, needs two states");
         assert!(correct >= 0.0 && correct <= 1.0, "A, the likelihood: `correct` is no probability");
-        Self { correct, off: (1.0 - correct) / (S - 1) as f32 }
+        Self::among(correct, S)
     }
 
-    /// The same for a number that is only known at run time, held to 0..=1; NaN is a sensor that knows nothing.
+    /// The same with numbers that are only known at run time: `correct` is held to 0..=1, where NaN is a sensor
+    /// that knows nothing, and `states` to 2..=S.
     #[must_use]
-    pub const fn clamped(correct: f32) -> Self {
+    pub const fn among(correct: f32, states: usize) -> Self {
         const { assert!(S > 1, "A, the likelihood of an identity with noise, needs two states") }
-        let correct = if correct.is_nan() { 1.0 / S as f32 } else { correct.clamp(0.0, 1.0) };
-        Self { correct, off: (1.0 - correct) / (S - 1) as f32 }
+        let states = if states > S { S } else { states };
+        let states = if states < 2 { 2 } else { states };
+        let correct = if correct.is_nan() { 1.0 / states as f32 } else { correct.clamp(0.0, 1.0) };
+        Self { correct, off: (1.0 - correct) / (states - 1) as f32, states }
     }
 
     /// The probability of the right reading.
@@ -116,37 +121,57 @@ impl<const S: usize> IdentityNoise<S> {
         self.off
     }
 
-    /// The entropy of every column.
+    /// The entropy of every column with noise.
     fn column_entropy(&self) -> f32 {
-        -math::p_ln_p(self.correct) - (S - 1) as f32 * math::p_ln_p(self.off)
+        -math::p_ln_p(self.correct) - (self.states - 1) as f32 * math::p_ln_p(self.off)
     }
 }
 
 impl<const S: usize> Likelihood<S, S> for IdentityNoise<S> {
     fn probability(&self, outcome: usize, state: usize) -> f32 {
-        match outcome {
+        let noisy = outcome < self.states && state < self.states;
+        match outcome == state {
             _ if outcome >= S || state >= S => 0.0,
-            _ if outcome == state => self.correct,
-            _ => self.off,
+            true => {
+                if noisy {
+                    self.correct
+                } else {
+                    1.0
+                }
+            }
+            false => {
+                if noisy {
+                    self.off
+                } else {
+                    0.0
+                }
+            }
         }
     }
 
     fn predict(&self, belief: &[f32; S]) -> [f32; S] {
-        let background = self.off * belief.iter().sum::<f32>();
+        let background = self.off * belief.iter().take(self.states).sum::<f32>();
         let signal = self.correct - self.off;
-        belief.map(|q| background + signal * q)
+        let mut outcomes = *belief;
+        for q in outcomes.iter_mut().take(self.states) {
+            *q = background + signal * *q;
+        }
+        outcomes
     }
 
     fn weigh(&self, outcome: usize, belief: &mut [f32; S]) {
-        let right = belief.get(outcome).copied();
-        belief.iter_mut().for_each(|q| *q *= if right.is_some() { self.off } else { 0.0 });
+        let right = belief.get(outcome).map(|q| q * self.probability(outcome, outcome));
+        let wrong = if outcome < self.states { self.off } else { 0.0 };
+        let (noisy, exact) = belief.split_at_mut_checked(self.states).unwrap_or_default();
+        noisy.iter_mut().for_each(|q| *q *= wrong);
+        exact.fill(0.0);
         if let (Some(q), Some(right)) = (belief.get_mut(outcome), right) {
-            *q = right * self.correct;
+            *q = right;
         }
     }
 
     fn ambiguity(&self, belief: &[f32; S]) -> f32 {
-        self.column_entropy() * belief.iter().sum::<f32>()
+        self.column_entropy() * belief.iter().take(self.states).sum::<f32>()
     }
 }
 
@@ -275,25 +300,44 @@ mod tests {
         (a - b).abs() < 1e-6
     }
 
+    /// Every method of the structured form against the table.
+    fn assert_same(structured: &IdentityNoise<4>, dense: &Dense<4, 4>) {
+        let pairs = structured.predict(&BELIEF).into_iter().zip(dense.predict(&BELIEF));
+        assert!(pairs.into_iter().all(|(a, b)| close(a, b)));
+        assert!(close(structured.ambiguity(&BELIEF), dense.ambiguity(&BELIEF)));
+        for outcome in 0..6 {
+            let (mut ours, mut theirs) = (BELIEF, BELIEF);
+            structured.weigh(outcome, &mut ours);
+            dense.weigh(outcome, &mut theirs);
+            assert!(ours.iter().zip(theirs).all(|(&a, b)| close(a, b)), "outcome {outcome}");
+        }
+    }
+
     #[test]
     fn an_identity_with_noise_equals_its_table() {
-        let pairs = NOISE.predict(&BELIEF).into_iter().zip(TABLE.predict(&BELIEF));
-        assert!(pairs.into_iter().all(|(a, b)| close(a, b)));
-        assert!(close(NOISE.ambiguity(&BELIEF), TABLE.ambiguity(&BELIEF)));
-        for outcome in 0..6 {
-            let (mut structured, mut dense) = (BELIEF, BELIEF);
-            NOISE.weigh(outcome, &mut structured);
-            TABLE.weigh(outcome, &mut dense);
-            assert!(structured.iter().zip(dense).all(|(&a, b)| close(a, b)), "outcome {outcome}");
-        }
+        assert_same(&NOISE, &TABLE);
     }
 
     #[test]
     fn a_sensor_known_at_run_time_is_held_to_the_range() {
         let cases = [(0.7, 0.7), (1.5, 1.0), (-1.0, 0.0), (f32::NAN, 0.25), (f32::INFINITY, 1.0)];
         for (given, expected) in cases {
-            assert_eq!(IdentityNoise::<4>::clamped(given), IdentityNoise::new(expected), "{given}");
+            assert_eq!(IdentityNoise::<4>::among(given, 4), IdentityNoise::new(expected), "{given}");
         }
+        assert_eq!(IdentityNoise::<4>::among(0.7, 99), NOISE);
+        assert_eq!(IdentityNoise::<4>::among(0.7, 0), IdentityNoise::among(0.7, 2));
+    }
+
+    #[test]
+    fn states_left_over_take_no_noise() {
+        let few = IdentityNoise::<4>::among(0.7, 3);
+        let table = Dense::<4, 4>::new([
+            [0.7, 0.15, 0.15, 0.0],
+            [0.15, 0.7, 0.15, 0.0],
+            [0.15, 0.15, 0.7, 0.0],
+            [0.0, 0.0, 0.0, 1.0],
+        ]);
+        assert_same(&few, &table);
     }
 
     #[test]

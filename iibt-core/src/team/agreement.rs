@@ -52,8 +52,8 @@ impl Round {
     /// How many robots decide before this one in this round.
     #[must_use]
     pub const fn rank(self, robot: RobotId, size: u8) -> u8 {
-        let size = if size == 0 { 1 } else { size };
-        (robot.0 % size + size - self.opener(size).0) % size
+        let size = if size == 0 { 1 } else { size as u16 };
+        ((robot.0 as u16 + size - self.0 % size) % size) as u8
     }
 }
 
@@ -140,7 +140,8 @@ impl Agreement {
         newest.is_some()
     }
 
-    /// Opens a new round, standing still `here`. Does nothing when the round numbers are used up.
+    /// Opens a new round, standing still `here`. Does nothing when the round numbers are used up: the team can
+    /// then only follow the last plan to its end.
     pub fn open(&mut self, here: Cell) {
         if let Some(round) = self.round.next_of(self.robot, self.size) {
             self.anchor(round, here);
@@ -183,18 +184,20 @@ impl Agreement {
         self.is_agreed() && (restarted || peers.any(other))
     }
 
-    /// The next move of the path, when it is safe to make it now; `None` to stand still.
+    /// The next move of the path, when it is safe to make it from `here` now; `None` to stand still.
     #[must_use]
     pub fn next_move<'a, const W: usize>(
         &self,
         map: &Map<W>,
+        here: Cell,
         mut peers: impl Iterator<Item = &'a Intention>,
     ) -> Option<Move> {
         let target = self.path.cell_at(map, self.step() + 1);
         let step = self.path.actions.get(self.step()).and_then(Move::from_code)?;
         let free =
             |peer: &Intention| self.keeps_pace(peer) && (step == Move::Wait || !may_be_in(map, peer, target));
-        (self.is_agreed() && self.all_of(&mut peers, free)).then_some(step)
+        let ready = self.is_agreed() && here == self.place(map);
+        (ready && self.all_of(&mut peers, free)).then_some(step)
     }
 
     /// Counts the move that brought the robot from its last cell to `here`, or the wait when it `waited`;
@@ -243,7 +246,8 @@ impl Agreement {
         peer.round == self.round && peer.plan == self.plan && far_enough
     }
 
-    /// A number that is the same for two robots exactly when they know the same paths of the same round.
+    /// A number that is the same for two robots when they know the same paths of the same round, and differs
+    /// otherwise but once in 2^32 times.
     fn digest<'a>(&self, peers: impl Iterator<Item = &'a Intention> + Clone) -> u32 {
         let mut hasher = SipHasher24::new();
         for robot in 0..self.size {
@@ -276,4 +280,261 @@ const fn has_chosen(peer: &Intention) -> bool {
 fn may_be_in<const W: usize>(map: &Map<W>, peer: &Intention, cell: Cell) -> bool {
     let step = usize::from(peer.step);
     peer.path.cells(map).skip(step).take(2).any(|occupied| occupied == cell)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::Instant;
+    use heapless::Vec;
+
+    /// A corridor of eight cells.
+    fn corridor() -> Map<1> {
+        Map::new(8, 1).unwrap()
+    }
+
+    fn path(cells: &[u16]) -> Path {
+        let cells: Vec<Cell, 8> = cells.iter().copied().map(Cell).collect();
+        Path::through(&corridor(), &cells).unwrap()
+    }
+
+    /// What a robot says.
+    fn said(agreement: &Agreement) -> Intention {
+        Intention {
+            robot: agreement.robot,
+            epoch: agreement.epoch,
+            sequence: 0,
+            tick: Instant(0),
+            round: agreement.round,
+            status: agreement.status,
+            plan: agreement.plan,
+            goal: agreement.goal,
+            path: agreement.path,
+            step: agreement.step,
+            probability: agreement.probability,
+            hazards: Vec::new(),
+        }
+    }
+
+    fn announcing(robot: u8, size: u8, cells: &[u16]) -> Agreement {
+        let path = path(cells);
+        let mut agreement = Agreement::new(RobotId(robot), size, 1, path.start);
+        agreement.announce(path, None, 1.0);
+        agreement
+    }
+
+    /// Two robots that have agreed to follow these paths.
+    fn agreed(first: &[u16], second: &[u16]) -> (Agreement, Agreement) {
+        let (mut one, mut other) = (announcing(0, 2, first), announcing(1, 2, second));
+        one.agree([&said(&other)].into_iter());
+        other.agree([&said(&one)].into_iter());
+        assert!(one.is_agreed() && one.plan() == other.plan());
+        (one, other)
+    }
+
+    fn step_of(robot: &Agreement, peer: &Intention) -> Option<Move> {
+        robot.next_move(&corridor(), robot.place(&corridor()), [peer].into_iter())
+    }
+
+    #[test]
+    fn rounds_are_shared_out_among_the_robots() {
+        for size in 1..=8 {
+            let mut openers = [0; 8];
+            for round in 0..64 {
+                for robot in 0..size {
+                    let next = Round(round).next_of(RobotId(robot), size).unwrap();
+                    assert!(next > Round(round) && next <= Round(round + u16::from(size)));
+                    assert_eq!(next.opener(size), RobotId(robot));
+                }
+                openers[Round(round).opener(size).index()] += 1;
+                let ranks: Vec<u8, 8> =
+                    (0..size).map(|robot| Round(round).rank(RobotId(robot), size)).collect();
+                assert_eq!(ranks[Round(round).opener(size).index()], 0);
+                assert!((0..size).all(|rank| ranks.contains(&rank)), "{ranks:?}");
+            }
+        }
+        assert_eq!(Round(u16::MAX).next_of(RobotId(0), 2), None);
+        assert_eq!(Round(u16::MAX - 1).next_of(RobotId(1), 2), Some(Round(u16::MAX)));
+        assert_eq!(Round(1).rank(RobotId(254), 255), 253);
+        assert_eq!((Round(7).opener(0), Round(7).rank(RobotId(3), 0)), (RobotId(0), 0));
+    }
+
+    #[test]
+    fn whose_turn_it_is() {
+        let mut waiting = Agreement::new(RobotId(1), 3, 1, Cell(4));
+        waiting.round = Round(1); // opened by this robot, then come robots 2 and 0
+        let peer = |robot, round, status| {
+            let mut agreement = Agreement::new(RobotId(robot), 3, 1, Cell(0));
+            (agreement.round, agreement.status) = (Round(round), status);
+            said(&agreement)
+        };
+        let turn = |agreement: &Agreement, peers: &[Intention]| agreement.is_my_turn(peers.iter());
+        let (zero, two) = (peer(0, 1, Status::Deciding), peer(2, 1, Status::Deciding));
+        assert!(turn(&waiting, &[zero.clone(), two.clone()]), "it chooses first");
+        assert!(!turn(&waiting, core::slice::from_ref(&zero)), "a teammate is unheard");
+        assert!(!turn(&waiting, &[zero.clone(), peer(2, 0, Status::Announced)]), "one is in another round");
+        waiting.announce(Path::at(Cell(4)), None, 1.0);
+        assert!(!turn(&waiting, &[zero, two]), "it has chosen");
+
+        let mut last = Agreement::new(RobotId(0), 3, 1, Cell(4));
+        last.round = Round(1);
+        let after = |first, second| turn(&last, &[peer(1, 1, first), peer(2, 1, second)]);
+        assert!(after(Status::Announced, Status::Announced) && after(Status::Agreed, Status::Arrived));
+        assert!(!after(Status::Announced, Status::Deciding) && !after(Status::Deciding, Status::Announced));
+        assert!(!after(Status::Announced, Status::Away));
+    }
+
+    #[test]
+    fn a_path_is_kept_for_the_round_and_begins_where_the_robot_stands() {
+        let mut robot = Agreement::new(RobotId(0), 2, 1, Cell(3));
+        robot.announce(path(&[2, 3]), None, 1.0);
+        assert_eq!(robot.status(), Status::Deciding, "it does not stand on 2");
+        robot.announce(path(&[3, 4]), Some(Cell(4)), 0.5);
+        robot.announce(path(&[3, 2]), None, 1.0);
+        let said = (robot.status(), *robot.path(), robot.goal(), robot.probability());
+        assert_eq!(said, (Status::Announced, path(&[3, 4]), Some(Cell(4)), 0.5));
+    }
+
+    #[test]
+    fn agrees_when_it_knows_every_path_of_its_round() {
+        let peer = said(&announcing(1, 2, &[5, 6]));
+        let plan = |peer: &[Intention]| {
+            let mut robot = announcing(0, 2, &[1, 2]);
+            robot.agree(peer.iter());
+            robot.plan()
+        };
+        assert_ne!(plan(core::slice::from_ref(&peer)), 0);
+        assert_eq!(plan(&[]), 0);
+        assert_eq!(plan(&[Intention { round: Round(1), ..peer.clone() }]), 0);
+        assert_eq!(plan(&[Intention { status: Status::Deciding, ..peer.clone() }]), 0);
+        let mut deciding = Agreement::new(RobotId(0), 2, 1, Cell(1));
+        deciding.agree([&peer].into_iter());
+        assert!(!deciding.is_agreed(), "it has not chosen itself");
+        let mut alone = announcing(0, 1, &[1, 2]);
+        alone.agree([].into_iter());
+        assert!(alone.is_agreed(), "a team of one");
+    }
+
+    #[test]
+    fn plans_are_equal_only_where_all_that_counts_is() {
+        let peer = said(&announcing(1, 2, &[5, 6]));
+        let plan = |own: &[u16], peer: &Intention| announcing(0, 2, own).digest([peer].into_iter());
+        let usual = plan(&[1, 2], &peer);
+        let same = Intention { step: 1, sequence: 9, tick: Instant(7), ..peer.clone() };
+        assert_eq!(plan(&[1, 2], &same), usual);
+        assert_eq!(announcing(1, 2, &[5, 6]).digest([&said(&announcing(0, 2, &[1, 2]))].into_iter()), usual);
+        let others = [
+            plan(&[2, 3], &peer),
+            plan(&[1, 2, 3], &peer),
+            plan(&[1, 0], &peer),
+            plan(&[1, 2], &Intention { epoch: 2, ..peer.clone() }),
+            plan(&[1, 2], &Intention { round: Round(2), ..peer.clone() }),
+            plan(&[1, 2], &Intention { path: path(&[6, 7]), ..peer.clone() }),
+            plan(&[1, 2], &Intention { path: path(&[5, 6, 6]), ..peer.clone() }),
+        ];
+        assert!(others.iter().all(|&other| other != usual && other != 0));
+        let mut again = announcing(0, 2, &[1, 2]);
+        again.epoch = 2;
+        assert_ne!(again.digest([&peer].into_iter()), usual, "its own restart counts too");
+    }
+
+    #[test]
+    fn another_plan_of_the_same_round_contradicts() {
+        let (one, other) = agreed(&[1, 2], &[5, 6]);
+        let contradicts = |peer: Intention| one.is_contradicted([&peer].into_iter());
+        assert!(!contradicts(said(&other)));
+        assert!(!contradicts(Intention { plan: 0, ..said(&other) }), "it has not agreed yet");
+        assert!(contradicts(Intention { plan: one.plan() ^ 1, ..said(&other) }));
+        assert!(contradicts(Intention { epoch: 2, ..said(&other) }), "it has started anew");
+        let undecided = announcing(0, 2, &[1, 2]);
+        assert!(!undecided.is_contradicted([&said(&other)].into_iter()));
+    }
+
+    #[test]
+    fn moves_only_with_everybody_in_the_plan_and_in_step() {
+        let (one, other) = agreed(&[1, 2, 3], &[5, 6, 7]);
+        let peer = said(&other);
+        assert_eq!(step_of(&one, &peer), Some(Move::Right));
+        assert_eq!(step_of(&one, &Intention { step: 1, ..peer.clone() }), Some(Move::Right));
+        assert_eq!(step_of(&one, &Intention { plan: 0, ..peer.clone() }), None);
+        assert_eq!(step_of(&one, &Intention { plan: peer.plan ^ 1, ..peer.clone() }), None);
+        assert_eq!(step_of(&one, &Intention { round: Round(2), ..peer.clone() }), None);
+        assert_eq!(one.next_move(&corridor(), Cell(1), [].into_iter()), None, "a teammate is unheard");
+        assert_eq!(one.next_move(&corridor(), Cell(2), [&peer].into_iter()), None, "it is off its path");
+        assert_eq!(step_of(&announcing(0, 2, &[1, 2, 3]), &peer), None, "it has not agreed");
+        let undecided = said(&announcing(1, 2, &[5, 6, 7]));
+        assert_eq!(step_of(&announcing(0, 2, &[1, 2, 3]), &undecided), None, "nobody has agreed");
+
+        let ahead = Agreement { step: 1, ..one };
+        assert_eq!(step_of(&ahead, &peer), None, "the teammate is a move behind");
+        assert_eq!(step_of(&ahead, &Intention { step: 1, ..peer.clone() }), Some(Move::Right));
+        let done = Agreement { step: 2, ..ahead };
+        assert_eq!(step_of(&done, &Intention { step: 2, ..peer }), None);
+        let (one, other) = agreed(&[1, 2, 3], &[5, 6]);
+        let arrived = Intention { step: 1, ..said(&other) };
+        assert_eq!(
+            step_of(&Agreement { step: 1, ..one }, &arrived),
+            Some(Move::Right),
+            "it waits for nobody"
+        );
+    }
+
+    /// A robot's path, a teammate's, how many moves that has done, and what the robot may do.
+    type Case = (&'static [u16], &'static [u16], u8, Option<Move>);
+
+    #[test]
+    fn keeps_out_of_where_a_teammate_can_be() {
+        let cases: [Case; 9] = [
+            (&[1, 2], &[3, 4], 0, Some(Move::Right)),
+            (&[1, 2], &[3, 2], 0, None),                 // both want it
+            (&[1, 2], &[2, 1], 0, None),                 // they would swap
+            (&[1, 2], &[2, 3], 0, None),                 // the other may still be there
+            (&[1, 2], &[2, 3], 1, Some(Move::Right)),    // it has left
+            (&[1, 2], &[2], 0, None),                    // it stays there
+            (&[1, 2], &[4, 3, 2], 0, Some(Move::Right)), // it comes there later
+            (&[1, 2], &[4, 3, 2], 1, None),              // it may be on its way
+            (&[1, 1], &[2, 1], 0, Some(Move::Wait)),     // waiting enters nothing
+        ];
+        for (own, theirs, done, expected) in cases {
+            let (one, other) = agreed(own, theirs);
+            let peer = Intention { step: done, ..said(&other) };
+            assert_eq!(step_of(&one, &peer), expected, "{own:?} {theirs:?} {done}");
+        }
+    }
+
+    #[test]
+    fn counts_the_moves_that_were_made() {
+        let (map, (mut robot, _)) = (corridor(), agreed(&[1, 2, 2, 3], &[6, 7]));
+        let mut undecided = announcing(0, 2, &[1, 2, 2, 3]);
+        assert!(!undecided.advance(&map, Cell(2), false), "nothing is agreed");
+        // Where the robot is, whether it waited, and how many moves are done then.
+        let ticks = [(1, false, 0), (1, true, 0), (2, false, 1), (2, false, 1), (2, true, 2), (3, false, 3)];
+        for (here, waited, done) in ticks {
+            let before = robot.step();
+            assert_eq!(robot.advance(&map, Cell(here), waited), done != before);
+            assert_eq!(robot.step(), done, "on {here}, waited: {waited}");
+            robot.arrive();
+            assert_eq!(robot.status() == Status::Arrived, done == 3);
+        }
+        assert!(robot.is_complete() && robot.place(&map) == Cell(3));
+        assert!(!robot.advance(&map, Cell(3), true), "there is nothing left");
+    }
+
+    #[test]
+    fn a_new_round_begins_where_the_robot_stands_and_forgets_the_last() {
+        let (mut one, other) = agreed(&[1, 2], &[5, 6]);
+        let mut peer = said(&other);
+        assert!(!one.join(Cell(1), [&peer].into_iter()), "the same round");
+        peer.round = Round(3);
+        assert!(one.join(Cell(2), [&peer].into_iter()));
+        let fresh = Agreement { round: Round(3), ..Agreement::new(RobotId(0), 2, 1, Cell(2)) };
+        assert_eq!(one, fresh);
+        peer.round = Round(2);
+        assert!(!one.join(Cell(2), [&peer].into_iter()), "an older round");
+        one.open(Cell(4));
+        assert_eq!(one, Agreement { round: Round(4), ..Agreement::new(RobotId(0), 2, 1, Cell(4)) });
+        one.round = Round(u16::MAX);
+        one.open(Cell(5));
+        assert_eq!((one.round(), one.path().start), (Round(u16::MAX), Cell(4)), "no numbers are left");
+    }
 }

@@ -40,11 +40,20 @@ pub(super) struct Party<'a, const S: usize> {
     pub(super) candidates: &'a [Candidate],
 }
 
+/// The steps of a decision.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Timing {
+    /// How many are looked at.
+    pub(super) horizon: usize,
+    /// After how many the team could arrive together at the earliest.
+    pub(super) earliest: usize,
+}
+
 impl<const S: usize, const P: usize> Decision<S, P> {
     pub(super) fn new<const W: usize>(mission: &Mission<'_, W>) -> Self {
         Self {
-            sensor: IdentityNoise::clamped(mission.sensor),
-            peer_sensor: IdentityNoise::clamped(mission.peer_sensor),
+            sensor: IdentityNoise::among(mission.sensor, mission.map.len()),
+            peer_sensor: IdentityNoise::among(mission.peer_sensor, mission.map.len()),
             transition: mission.transition(),
             outcomes: mission.outcomes(),
             scoring: mission.scoring,
@@ -70,38 +79,50 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         (own, peer)
     }
 
-    /// Begins a decision among the robot's own candidates over `horizon` steps.
-    pub(super) fn begin(&mut self, own: Party<'_, S>, horizon: usize) {
+    /// Forgets the last decision, so that another can begin.
+    pub(super) fn clear(&mut self) {
+        self.counts = (0, 0);
+    }
+
+    /// Decides without teammates.
+    pub(super) fn decide_alone(&mut self, own: Party<'_, S>, timing: Timing) {
         let policies = policies::<P>(own.candidates);
         let side = side(&self.sensor, &self.transition, own, &policies);
-        self.workspace.evaluate_alone(&side, &self.scoring, horizon);
+        self.workspace.evaluate_alone(&side, &self.scoring, timing.horizon);
+        self.begin(own, timing);
+    }
+
+    /// Begins a decision with the values of the robot's own candidates, which are in the workspace.
+    fn begin(&mut self, own: Party<'_, S>, timing: Timing) {
         self.own = [f32::NEG_INFINITY; P];
-        for ((score, terms), candidate) in
-            self.own.iter_mut().zip(self.workspace.first_terms()).zip(own.candidates)
-        {
-            *score = score_of(&self.scoring, self.haste, terms, candidate);
+        let parts = self.workspace.first_terms().iter().zip(own.candidates);
+        for (score, (terms, candidate)) in self.own.iter_mut().zip(parts) {
+            *score = score_of(&self.scoring, ln_prior(self.haste, candidate, timing), terms);
         }
         self.star = Star::new(self.own.iter().copied().take(own.candidates.len().min(P)));
         self.counts = (own.candidates.len().min(P), 0);
     }
 
     /// Adds a teammate with all the policies it may have.
-    pub(super) fn join(&mut self, own: Party<'_, S>, peer: Party<'_, S>, horizon: usize) {
+    pub(super) fn join(&mut self, own: Party<'_, S>, peer: Party<'_, S>, timing: Timing) {
         let (ours, theirs) = (policies::<P>(own.candidates), policies::<P>(peer.candidates));
-        let first = side(&self.sensor, &self.transition, own, &ours);
-        let second = side(&self.peer_sensor, &self.transition, peer, &theirs);
+        let own_side = side(&self.sensor, &self.transition, own, &ours);
+        let peer_side = side(&self.peer_sensor, &self.transition, peer, &theirs);
         let interaction = Interaction {
             outcomes: &self.outcomes,
             preference: &Mission::<0>::OUTCOME_PREFERENCE,
             collision: self.collision,
         };
-        self.workspace.evaluate(&first, &second, &interaction, &self.scoring, horizon);
+        self.workspace.evaluate(&own_side, &peer_side, &interaction, &self.scoring, timing.horizon);
+        if self.counts.0 == 0 {
+            self.begin(own, timing);
+        }
         self.counts.1 = peer.candidates.len().min(P);
         for (row, pairs) in self.rows.iter_mut().zip(self.workspace.pairs()) {
             let parts = pairs.iter().zip(self.workspace.second_terms()).zip(peer.candidates);
             for (score, ((pair, terms), candidate)) in row.iter_mut().zip(parts) {
-                *score =
-                    self.scoring.precision * pair + score_of(&self.scoring, self.haste, terms, candidate);
+                let ln_prior = ln_prior(self.haste, candidate, timing);
+                *score = self.scoring.precision * pair + score_of(&self.scoring, ln_prior, terms);
             }
         }
         let count = self.counts.1;
@@ -151,8 +172,12 @@ fn policies<const P: usize>(candidates: &[Candidate]) -> Vec<Policy, P> {
     up_to(candidates.iter().map(|candidate| candidate.path.actions))
 }
 
+/// ln E: arriving later than the team could costs.
+fn ln_prior(haste: f32, candidate: &Candidate, timing: Timing) -> f32 {
+    -haste * candidate.path.len().saturating_sub(timing.earliest) as f32
+}
+
 /// ln E - F - γ G of one candidate by itself. F is the same for all candidates of a decision and cancels.
-fn score_of(scoring: &Scoring, haste: f32, terms: &Terms, candidate: &Candidate) -> f32 {
-    let ln_prior = -haste * candidate.path.len() as f32;
+fn score_of(scoring: &Scoring, ln_prior: f32, terms: &Terms) -> f32 {
     scoring.score(ln_prior, 0.0, -terms.expected_free_energy(scoring.convention))
 }

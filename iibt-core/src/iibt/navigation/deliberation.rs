@@ -1,7 +1,7 @@
 //! How the robot chooses when it is its turn, and what it does about a choice that does not fit.
 
 use super::candidates::Situation;
-use super::decision::Party;
+use super::decision::{Party, Timing};
 use super::{Candidate, Navigation, intentions};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Map, Path, first_conflict};
@@ -55,11 +55,12 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         wanted
     }
 
-    /// The longest policy in this decision.
-    fn horizon(&self, situation: &Situation<'_, W>) -> usize {
+    /// The longest policy in this decision, and the earliest arrival.
+    fn timing(&self, situation: &Situation<'_, W>) -> Timing {
         let ours = self.candidates.iter().map(|candidate| candidate.path.len());
         let listed = (0..self.mission.starts.len()).flat_map(|robot| self.mission.listed_lengths(robot));
-        ours.chain(listed).chain(situation.arrivals.iter().copied()).max().unwrap_or(0)
+        let horizon = ours.chain(listed).chain(situation.arrivals.iter().copied()).max().unwrap_or(0);
+        Timing { horizon, earliest: situation.arrivals.first().copied().unwrap_or(0) }
     }
 
     /// Joint candidates: the robot's own, with those of each teammate, which are the path it announced or
@@ -67,7 +68,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     pub(super) fn deliberate(&mut self, here: Cell) {
         let announced = self.announced();
         let situation = self.situation(here, &announced);
-        let horizon = self.horizon(&situation);
+        let timing = self.timing(&situation);
         let wanted = self.wanted();
         let known = |peer: &Intention| (peer.robot.index(), peer.path, peer.status != Status::Deciding);
         let partners: Vec<(usize, Path, bool), MAX_TEAM> = up_to(self.partners().map(known));
@@ -75,16 +76,17 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         for (_, path, _) in &partners {
             own = self.decision.beliefs(&own, here, path.start).0;
         }
-        self.decision
-            .begin(Party { belief: &own, preference: &wanted, candidates: &self.candidates }, horizon);
+        self.decision.clear();
         for &(robot, path, chosen) in &partners {
             let (_, belief) = self.decision.beliefs(&self.belief, here, path.start);
             self.propose(&situation, robot, path, chosen);
-            self.decision.join(
-                Party { belief: &own, preference: &wanted, candidates: &self.candidates },
-                Party { belief: &belief, preference: &wanted, candidates: &self.teammates },
-                horizon,
-            );
+            let ours = Party { belief: &own, preference: &wanted, candidates: &self.candidates };
+            let theirs = Party { belief: &belief, preference: &wanted, candidates: &self.teammates };
+            self.decision.join(ours, theirs, timing);
+        }
+        if partners.is_empty() {
+            let ours = Party { belief: &own, preference: &wanted, candidates: &self.candidates };
+            self.decision.decide_alone(ours, timing);
         }
     }
 

@@ -1,6 +1,5 @@
 //! What a team is to do: the map, the starts, the goals, and the numbers of the generative model.
 
-use crate::actions::HORIZON;
 use crate::grid::{Cell, Map, Move, Path};
 use crate::inference::{Belief, NextState, OutcomeTable, Preference, Scoring};
 use crate::team::MAX_TEAM;
@@ -37,7 +36,7 @@ pub struct Mission<'m, const W: usize> {
     pub scoring: Scoring,
     /// The preference, on the log scale of C, for being in one cell with a teammate or changing places with it.
     pub collision: f32,
-    /// What each move of a policy costs in its prior: ln E = -haste * moves.
+    /// What it costs in a policy's prior to arrive later than the team could: ln E = -haste * moves too many.
     pub haste: f32,
 }
 
@@ -75,7 +74,7 @@ impl<'m, const W: usize> Mission<'m, W> {
             peer_sensor: 0.904,
             scoring: Scoring::DEFAULT,
             collision: -4.0,
-            haste: 0.5,
+            haste: 2.0,
         }
     }
 
@@ -145,11 +144,11 @@ impl<'m, const W: usize> Mission<'m, W> {
     /// C for the team's outcome.
     pub(super) const OUTCOME_PREFERENCE: Preference<OUTCOMES> = Preference::new([0.0, 1.0, 0.0]);
 
-    /// The paths given by hand for a robot that stands at `from`.
-    pub(super) fn listed(&self, robot: usize, from: Cell) -> impl Iterator<Item = Path> + 'm {
+    /// The paths given by hand for a robot that stands at `from`; none through walls.
+    pub(super) fn listed(&self, robot: usize, from: Cell) -> impl Iterator<Item = Path> + '_ {
         let lists = self.candidates.unwrap_or(&[]);
         let list: &'m [Path] = lists.get(robot).copied().unwrap_or(&[]);
-        list.iter().copied().filter(move |path| path.start == from && path.len() <= HORIZON)
+        list.iter().copied().filter(move |path| path.start == from && path.is_open(&self.map))
     }
 
     /// How long the paths given by hand for a robot are.
@@ -195,3 +194,22 @@ impl core::fmt::Display for MissionError {
 }
 
 impl core::error::Error for MissionError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::Map;
+
+    #[test]
+    fn paths_given_by_hand_are_used_where_they_begin_and_only_if_they_are_open() {
+        let mut map = Map::<1>::new(5, 1).unwrap();
+        let through = |cells: [u16; 3]| Path::through(&map, &cells.map(Cell)).unwrap();
+        let (right, left, wall) = (through([1, 2, 2]), through([1, 0, 0]), through([1, 2, 3]));
+        map.block(Cell(3));
+        let paths: [&[Path]; 1] = [&[right, wall, left]];
+        let mission = Mission { candidates: Some(&paths), ..Mission::new(map, &[Cell(1)], &[Cell(0)]) };
+        assert!(mission.listed(0, Cell(1)).eq([right, left]));
+        assert_eq!(mission.listed(0, Cell(2)).count(), 0);
+        assert_eq!(mission.listed(1, Cell(1)).count(), 0);
+    }
+}

@@ -5,7 +5,7 @@ use crate::bounded::up_to;
 use crate::grid::{Cell, Path};
 use crate::iibt::rules::raise_for;
 use crate::iibt::{Literal, Task};
-use crate::team::{MAX_HAZARDS, MAX_TEAM, Status};
+use crate::team::{Intention, MAX_HAZARDS, MAX_TEAM, Status};
 use heapless::Vec;
 
 impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, W, P> {
@@ -16,10 +16,12 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
     }
 
     fn observe(&mut self) {
-        let told = intentions(&self.roster).flat_map(|peer| peer.hazards.iter().copied());
-        let seen: Vec<Cell, { MAX_TEAM * MAX_HAZARDS + 1 }> =
-            up_to(self.percept.hazards.iter().copied().chain(told));
-        for &hazard in &seen {
+        for hazard in self.percept.hazards.clone() {
+            self.see(hazard);
+        }
+        let told: Vec<Cell, { MAX_TEAM * MAX_HAZARDS }> =
+            up_to(intentions(&self.roster).flat_map(|peer| peer.hazards.iter().copied()));
+        for &hazard in &told {
             self.remember(hazard);
         }
     }
@@ -94,7 +96,10 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
     }
 
     fn connected(&self) -> bool {
-        self.roster.all_connected(self.percept.now)
+        let map = &self.mission.map;
+        let sound = |peer: &Intention| peer.fits(map.len()) && peer.path.is_open(map);
+        // A teammate that speaks of another map cannot be planned with.
+        self.roster.all_connected(self.percept.now) && intentions(&self.roster).all(sound)
     }
 
     fn execute(&mut self, plan: Plan) {
@@ -104,11 +109,14 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
                     self.commit(candidate);
                 }
             }
-            Plan::Follow if self.here().is_some() => {
-                self.command = self.agreement.next_move(&self.mission.map, intentions(&self.roster));
-                self.commanded = self.command;
+            Plan::Follow => {
+                if let Some(here) = self.here() {
+                    let peers = intentions(&self.roster);
+                    self.command = self.agreement.next_move(&self.mission.map, here, peers);
+                    self.commanded = self.command;
+                }
             }
-            _ => {}
+            Plan::Stop | Plan::Wait => {}
         }
     }
 
@@ -122,7 +130,9 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
 
     fn reaches_stop(&self, plan: Plan) -> bool {
         let done = self.agreement.step() + usize::from(self.command.is_some());
-        plan == Plan::Follow && self.agreement.is_agreed() && done == self.agreement.path().len()
+        // A path without moves is done when it is announced.
+        let chosen = plan != Plan::Wait && self.agreement.status() != Status::Deciding;
+        chosen && done == self.agreement.path().len()
     }
 
     fn promote_stop(&mut self) {

@@ -2,6 +2,7 @@
 //! plan.
 
 use super::{Navigation, intentions};
+use crate::bounded::up_to;
 use crate::grid::{Cell, Move, Path};
 
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
@@ -25,12 +26,25 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         path.cells(&self.mission.map).skip(done + 1).filter(|cell| self.hazards.contains(cell))
     }
 
+    /// Takes an obstacle in view into mind, if need be in the place of the oldest.
+    pub(super) fn see(&mut self, hazard: Cell) {
+        if self.is_news(hazard) && self.hazards.is_full() {
+            self.hazards = up_to(self.hazards.iter().skip(1).copied());
+        }
+        self.remember(hazard);
+    }
+
+    /// Takes an obstacle that a teammate found into mind, while there is room.
     pub(super) fn remember(&mut self, hazard: Cell) {
-        let new = self.mission.map.is_free(hazard) && !self.hazards.contains(&hazard);
-        if new && self.position().0 != hazard {
-            // Beyond what it can keep in mind, the robot learns of an obstacle again when it sees it.
+        if self.is_news(hazard) {
+            // What there is no room for it learns again when it comes into view.
             let _ = self.hazards.push(hazard);
         }
+    }
+
+    fn is_news(&self, hazard: Cell) -> bool {
+        let new = self.mission.map.is_free(hazard) && !self.hazards.contains(&hazard);
+        new && self.position().0 != hazard
     }
 
     /// q(s) after the last command and the new reading.
@@ -39,13 +53,16 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             return;
         }
         let before = self.belief;
+        let mut left = None;
         if let Some(step) = self.commanded.take() {
+            left = Some(self.position().0).filter(|_| step != Move::Wait);
             self.belief.predict(&self.tracking, step.code());
             self.belief.mix(&before, Self::SLIP);
             self.waited = step == Move::Wait;
         }
         self.belief.mix(&self.mission.belief(), Self::DOUBT);
-        if let Some(reading) = self.percept.reading {
+        // The first reading after a move may be from before it: whether the move failed, the next one tells.
+        if let Some(reading) = self.percept.reading.filter(|&reading| left != Some(reading)) {
             self.surprise = self.belief.update(&self.sensor, reading.index());
         }
     }
@@ -76,5 +93,57 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     fn count_round(&mut self) {
         self.stopping = false;
         self.vain_rounds = self.vain_rounds.saturating_add(1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{MAX_KNOWN_HAZARDS, Mission, Percept};
+    use super::*;
+    use crate::grid::Map;
+    use crate::iibt::Task;
+    use crate::team::{Intention, Limits, RobotId, Roster};
+    use crate::time::Duration;
+    use std::vec::Vec;
+
+    #[test]
+    fn what_is_in_view_replaces_the_oldest_obstacle_and_what_is_told_does_not() {
+        let starts = [Cell(0), Cell(48)];
+        let mission = Mission::new(Map::<2>::new(7, 7).unwrap(), &starts, &[Cell(24), Cell(26)]);
+        let roster = Roster::new(RobotId(0), 2, Limits::for_beacons(Duration(1)).unwrap()).unwrap();
+        let mut robot = Navigation::<49, 2, 4>::new(&mission, RobotId(0), 1, roster.clone()).unwrap();
+        let teammate = Navigation::<49, 2, 4>::new(&mission, RobotId(1), 1, roster).unwrap();
+        let last = MAX_KNOWN_HAZARDS as u16 + 4;
+        for cell in (1..=last).map(Cell) {
+            robot.perceive(Percept { hazards: [cell].into_iter().collect(), ..Percept::default() });
+            robot.observe();
+        }
+        let in_mind: Vec<Cell> = (5..=last).map(Cell).collect();
+        assert_eq!(robot.hazards(), in_mind);
+
+        let told = Intention { hazards: [Cell(40)].into_iter().collect(), ..teammate.intention() };
+        robot.roster_mut().hear(told, Default::default()).unwrap();
+        robot.observe();
+        assert_eq!(robot.hazards(), in_mind);
+    }
+
+    #[test]
+    fn between_two_cells_a_robot_is_nowhere_and_keeps_its_move_in_mind() {
+        let starts = [Cell(0)];
+        let mission = Mission::new(Map::<2>::new(7, 7).unwrap(), &starts, &[Cell(24)]);
+        let roster = Roster::new(RobotId(0), 1, Limits::for_beacons(Duration(1)).unwrap()).unwrap();
+        let mut robot = Navigation::<49, 2, 4>::new(&mission, RobotId(0), 1, roster).unwrap();
+        let sense = |robot: &mut Navigation<'_, 49, 2, 4>, moving, cell| {
+            robot.perceive(Percept { moving, reading: Some(Cell(cell)), ..Percept::default() });
+            robot.track();
+            robot.here()
+        };
+        assert_eq!(sense(&mut robot, false, 0), Some(Cell(0)));
+        robot.see(Cell(0));
+        assert_eq!(robot.hazards(), [], "where it stands itself is no obstacle");
+        robot.commanded = Some(Move::Right);
+        assert_eq!(sense(&mut robot, true, 48), None);
+        assert_eq!(sense(&mut robot, true, 48), None);
+        assert_eq!(sense(&mut robot, false, 1), Some(Cell(1)));
     }
 }

@@ -1,0 +1,98 @@
+//! Whether the robots can get to where they are wanted: by the drawn map, each to a goal of its own.
+//!
+//! Goals are given out by augmenting paths (Kuhn 1955): a robot takes a goal that is free, or whose owner can
+//! take another one.
+
+use super::{Floor, MAX_CELLS, Robot};
+use iibt_core::actions::HORIZON;
+use iibt_core::grid::{Cell, Planner};
+
+/// A robot without a goal, by its index, and the reason.
+pub(super) type Stranded = (usize, String);
+
+/// Gives every robot a goal of its own, or names the first for whom none is left.
+pub(super) fn goals_for_all(map: &Floor, goals: &[Cell], robots: &[Robot]) -> Result<(), Stranded> {
+    let reachable: Vec<_> = robots.iter().map(|robot| reachable(map, goals, robot.start)).collect();
+    let mut owners = vec![None; goals.len()];
+    for (index, robot) in robots.iter().enumerate() {
+        if !takes_a_goal(index, &reachable, &mut vec![false; goals.len()], &mut owners) {
+            return Err((index, reason(robot, goals, &reachable[index])));
+        }
+    }
+    Ok(())
+}
+
+/// The goals, by their index, that a plan from `start` can lead to.
+fn reachable(map: &Floor, goals: &[Cell], start: Cell) -> Vec<usize> {
+    let mut planner = Planner::<MAX_CELLS>::new();
+    let Ok(distances) = planner.distances(map, start) else { return Vec::new() };
+    let is_near = |goal| distances.to(goal).is_some_and(|moves| usize::from(moves) <= HORIZON);
+    (0..goals.len()).filter(|&index| is_near(goals[index])).collect()
+}
+
+/// Whether `robot` gets a goal, if need be by moving others to goals that are not `asked` for yet.
+fn takes_a_goal(
+    robot: usize,
+    reachable: &[Vec<usize>],
+    asked: &mut [bool],
+    owners: &mut [Option<usize>],
+) -> bool {
+    reachable[robot].iter().any(|&goal| {
+        let is_new = !std::mem::replace(&mut asked[goal], true);
+        let is_free =
+            is_new && owners[goal].is_none_or(|owner| takes_a_goal(owner, reachable, asked, owners));
+        if is_free {
+            owners[goal] = Some(robot);
+        }
+        is_free
+    })
+}
+
+fn reason(robot: &Robot, goals: &[Cell], reachable: &[usize]) -> String {
+    let (name, start) = (&robot.name, robot.start.0);
+    if reachable.is_empty() {
+        return format!(
+            "{name} on {start} can reach no goal: no way of at most {HORIZON} moves leads to one"
+        );
+    }
+    let within: Vec<_> = reachable.iter().map(|&index| goals[index].0.to_string()).collect();
+    let within = within.join(", ");
+    format!("{name} on {start} can reach no goal of its own: other robots need those it can reach ({within})")
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Scenario;
+
+    fn verdict(map: &str) -> String {
+        let text = format!("title = 't'\nmap = '''\n{}\n'''", map.replace(' ', "\n"));
+        Scenario::parse("drawn", &text).map_or_else(|error| error.reason, |_| "sound".to_owned())
+    }
+
+    #[test]
+    fn every_robot_needs_a_way_to_a_goal() {
+        assert_eq!(
+            verdict("1.#G 2.#. G.#."),
+            "R2 on 4 can reach no goal of its own: other robots need those it can reach (8)"
+        );
+        assert_eq!(
+            verdict("1#G 2#. .#G"),
+            "R1 on 0 can reach no goal: no way of at most 64 moves leads to one"
+        );
+        assert_eq!(verdict("1.G 2.. ..G"), "sound");
+    }
+
+    #[test]
+    fn the_way_is_no_longer_than_a_plan() {
+        let corridor = |moves: usize| verdict(&format!("1{}G", ".".repeat(moves - 1)));
+        assert_eq!(corridor(64), "sound");
+        assert!(corridor(65).contains("at most 64 moves"));
+    }
+
+    #[test]
+    fn a_robot_gives_way_to_one_that_has_no_other_goal() {
+        // R1 can have either goal, R2 the left one only, and R1 is asked first.
+        let split = format!("G1{}G", ".".repeat(62));
+        assert_eq!(verdict(&format!("2{split}")), "sound");
+    }
+}

@@ -1,0 +1,61 @@
+//! What a team settles on: the paths it agrees on, whoever it is compiled for.
+
+use firmware::{Controller, Settings};
+use iibt_core::grid::{Cell, Map, Path};
+use iibt_core::iibt::Mission;
+use iibt_core::team::{RobotId, Status};
+use iibt_core::time::Instant;
+use tests::rig::{Body, DEMO_KEY};
+
+/// The paths on which a team agrees, for controllers compiled for `S` cells.
+fn settled<const S: usize, const W: usize>(drawn: &str, starts: &[u16], goals: &[u16]) -> Vec<Path> {
+    let (starts, goals) = (
+        starts.iter().copied().map(Cell).collect::<Vec<_>>(),
+        goals.iter().copied().map(Cell).collect::<Vec<_>>(),
+    );
+    let mission = Mission::new(Map::<W>::drawn(drawn).expect("a drawn map"), &starts, &goals);
+    let mut robots: Vec<Controller<'_, Body, S, W, 16>> = (0..starts.len())
+        .map(|robot| {
+            let settings = Settings::new(DEMO_KEY, 1);
+            Controller::new(&mission, RobotId(robot as u8), settings, Body::on(starts[robot]))
+                .expect("a sound mission")
+        })
+        .collect();
+    for now in 0..20 {
+        robots.iter_mut().for_each(|robot| {
+            robot.hardware_mut().now = Instant(now);
+            robot.tick();
+        });
+        let sent: Vec<Vec<u8>> = robots
+            .iter_mut()
+            .map(|robot| std::mem::take(&mut robot.hardware_mut().outbox).concat())
+            .collect();
+        for (index, robot) in robots.iter_mut().enumerate() {
+            let heard =
+                sent.iter().enumerate().filter(|(sender, _)| *sender != index).flat_map(|(_, frames)| frames);
+            robot.hardware_mut().inbox.extend(heard);
+        }
+        if robots.iter().all(|robot| robot.report().status == Status::Agreed) {
+            return robots.iter().map(|robot| robot.report().path).collect();
+        }
+    }
+    panic!("no agreement on {drawn}");
+}
+
+#[test]
+fn an_empty_floor_is_crossed_in_the_fewest_moves() {
+    let floor = ".......\n.......\n.......\n.......\n.......\n.......\n.......";
+    for (starts, goals, moves) in [([0, 42], [6, 48], 6), ([28, 2], [24, 26], 6), ([0, 48], [3, 45], 3)] {
+        let lengths: Vec<usize> = settled::<49, 2>(floor, &starts, &goals).iter().map(Path::len).collect();
+        assert_eq!(lengths, [moves, moves], "{starts:?} to {goals:?}");
+    }
+}
+
+#[test]
+fn the_choice_does_not_depend_on_the_size_that_a_controller_is_compiled_for() {
+    let drawn = "1..G\n2..G".replace(['1', '2', 'G'], ".");
+    let exact = settled::<8, 1>(&drawn, &[0, 4], &[3, 7]);
+    assert_eq!(settled::<16, 1>(&drawn, &[0, 4], &[3, 7]), exact);
+    assert_eq!(settled::<49, 2>(&drawn, &[0, 4], &[3, 7]), exact);
+    assert_eq!(settled::<256, 8>(&drawn, &[0, 4], &[3, 7]), exact);
+}
