@@ -3,7 +3,7 @@
 //!
 //! | to | begin with |
 //! |---|---|
-//! | use behavior trees alone | [`tree`] |
+//! | use behavior trees alone | [`mod@tree`] |
 //! | use active inference alone | [`inference`] |
 //! | have a team go to goals on a grid | [`iibt::Mission`], and `firmware::Controller` around it |
 //! | bring a task of your own | [`iibt::Task`], which [`iibt::Node`] runs as Algorithm 1 |
@@ -13,7 +13,7 @@
 //! | module | what lives there |
 //! |---|---|
 //! | [`math`], [`time`], [`actions`] | logarithms and softmax; ticks that may wrap; sequences of action codes |
-//! | [`grid`], [`tree`], [`inference`] | maps and planners; trees as tables; beliefs, free energies, policies |
+//! | [`grid`], [`mod@tree`], [`inference`] | maps and planners; trees as tables; beliefs, free energies, policies |
 //! | [`team`] | intentions, authenticated frames, the roster of teammates, the agreement on one joint plan |
 //! | [`iibt`] | where trees and inference meet: the node, logic and preferences, the navigation task |
 //!
