@@ -17,6 +17,12 @@ use iibt_core::tree::{Memory, Status};
 const BYTES_PER_TICK: usize = 2 * MAX_TEAM * MAX_FRAME;
 
 /// A robot of a team on hardware `H`, for maps of up to `S` cells in `W` words, weighing up to `P` candidates.
+///
+/// `W` is [`words`](iibt_core::grid::words) of the map's width and height. A decision takes memory for `P * S`
+/// predicted probabilities twice over and time for `P * P` pairs with each teammate; 16 candidates serve three or
+/// four goals. Robots with the same `P` choose alike, whatever their `S`. Call [`tick`](Self::tick) at a
+/// fixed period, on the real time of [`Settings`]. The smallest hardware there is stands in
+/// `tests/support/rig.rs`.
 #[derive(Clone, Debug)]
 pub struct Controller<'m, H, const S: usize, const W: usize, const P: usize> {
     hardware: H,

@@ -13,7 +13,8 @@ pub struct Report {
     pub round: Round,
     /// The goal it has chosen.
     pub goal: Option<Cell>,
-    /// The path it has chosen, from where it stood when the round began.
+    /// The path it has chosen, from where it stood when the round began; its
+    /// [`cells`](iibt_core::grid::Path::cells) need the map.
     pub path: Path,
     /// How many moves of the path are done.
     pub step: usize,

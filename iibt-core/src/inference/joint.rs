@@ -73,7 +73,8 @@ impl<const S: usize, const P: usize> Workspace<S, P> {
         }
     }
 
-    /// Evaluates both robots' candidates and every pair of them over `horizon` steps.
+    /// Evaluates both robots' candidates and every pair of them over `horizon` steps, which is the length of the
+    /// longest policy at least.
     ///
     /// Costs `2 P` predictions and `P * P` coupled outcomes a step. Candidates beyond `P` are left out.
     pub fn evaluate<A, B, const L: usize, const K: usize>(
@@ -114,7 +115,11 @@ impl<const S: usize, const P: usize> Workspace<S, P> {
         &self.second.terms
     }
 
-    /// -G of the coupled part, per pair: a row for each candidate of the first robot.
+    /// -G of the coupled part, per pair: a row for each candidate of the first robot. Like the terms, it is not
+    /// multiplied with the precision yet.
+    ///
+    /// The log posterior of a pair is, up to a constant, the [`score`](Scoring::score) of either robot's own -G
+    /// plus the precision times this: what [`Star::join`](super::Star::join) takes, row by row.
     #[must_use]
     pub fn pairs(&self) -> &[[f32; P]; P] {
         &self.pairs
