@@ -23,11 +23,11 @@ pub use decision::Decision;
 pub use mission::{MAX_GOALS, Mission, MissionError};
 pub use plans::{ARRIVED, OBSTACLE, Plan, REACHABLE, RULES};
 
-use self::candidates::Generator;
+use self::candidates::{Generator, Situation};
 use super::Logic;
 use crate::bounded::up_to;
 use crate::grid::{Cell, Move};
-use crate::inference::{Belief, Choice, IdentityNoise, Impossible, NextState, Preference};
+use crate::inference::{Belief, Choice, Impossible, Preference};
 use crate::team::{Agreement, Intention, MAX_HAZARDS, Peer, RobotId, Roster};
 use crate::time::Instant;
 use heapless::Vec;
@@ -53,13 +53,12 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     robot: RobotId,
     roster: Roster,
     agreement: Agreement,
-    sensor: IdentityNoise<S>,
-    tracking: NextState<S, 5>,
     belief: Belief<S>,
     surprise: Result<f32, Impossible>,
     preference: Preference<S>,
     hazards: Vec<Cell, MAX_KNOWN_HAZARDS>,
     percept: Percept,
+    situation: Option<Situation<W>>,
     candidates: Vec<Candidate, P>,
     teammates: Vec<Candidate, P>,
     generator: Generator<S, W>,
@@ -100,23 +99,23 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
         roster: Roster,
     ) -> Result<Self, MissionError> {
         mission.check::<S>()?;
+        let decision = Decision::new(mission);
         let start = mission.starts.get(robot.index()).copied().ok_or(MissionError::NoSuchRobot)?;
         Ok(Self {
             mission,
             robot,
             agreement: Agreement::new(robot, mission.team(), epoch, start),
             roster,
-            sensor: IdentityNoise::among(mission.sensor, mission.map.len()),
-            tracking: mission.transition(),
-            belief: mission.belief(),
+            belief: decision.model().initial(),
             surprise: Ok(0.0),
-            preference: mission.preference(),
+            preference: decision.model().preference(),
             hazards: Vec::new(),
             percept: Percept::default(),
+            situation: None,
             candidates: Vec::new(),
             teammates: Vec::new(),
             generator: Generator::new(),
-            decision: Decision::new(mission),
+            decision,
             choice: None,
             commanded: None,
             command: None,

@@ -89,17 +89,23 @@ impl<const S: usize, const P: usize> Workspace<S, P> {
         B: Transition<S>,
     {
         let likes = (Likes::new(first.preference), Likes::new(second.preference));
+        let team_likes = interaction.preference.ln_probabilities();
+        let collisions = interaction.collision != 0.0;
         self.pairs = [[0.0; P]; P];
         self.first.begin(first);
         self.second.begin(second);
         for step in 0..horizon {
-            self.cross(first, second, interaction, scoring, step);
+            if collisions {
+                self.cross(first, second, interaction, scoring, step);
+            }
             self.first.advance(first, scoring, step);
             self.second.advance(second, scoring, step);
             self.first.observe(first, scoring, &likes.0, step, horizon);
             self.second.observe(second, scoring, &likes.1, step, horizon);
-            self.collide(first, second, interaction);
-            self.meet(first, second, interaction, scoring, (step, horizon));
+            if collisions {
+                self.collide(first, second, interaction);
+            }
+            self.meet(first, second, interaction, &team_likes, scoring, (step, horizon));
         }
     }
 
@@ -136,9 +142,6 @@ impl<const S: usize, const P: usize> Workspace<S, P> {
     ) where
         B: Transition<S>,
     {
-        if interaction.collision == 0.0 {
-            return;
-        }
         for ((row, policy), from) in self.pairs.iter_mut().zip(first.policies).zip(&self.first.beliefs) {
             let Some(action) = scoring.padding.action(policy, step) else { continue };
             let ways = |state: usize| first.transition.successor(action, state);
@@ -157,9 +160,6 @@ impl<const S: usize, const P: usize> Workspace<S, P> {
         second: &Side<'_, A, B, S>,
         interaction: &Interaction<'_, S, L, K>,
     ) {
-        if interaction.collision == 0.0 {
-            return;
-        }
         for ((row, _), belief) in self.pairs.iter_mut().zip(first.policies).zip(&self.first.beliefs) {
             for ((value, _), other) in row.iter_mut().zip(second.policies).zip(&self.second.beliefs) {
                 *value += interaction.collision * math::expectation(belief, other);
@@ -173,12 +173,12 @@ impl<const S: usize, const P: usize> Workspace<S, P> {
         first: &Side<'_, A, B, S>,
         second: &Side<'_, A, B, S>,
         interaction: &Interaction<'_, S, L, K>,
+        likes: &[f32; K],
         scoring: &Scoring,
         (step, horizon): (usize, usize),
     ) where
         A: Likelihood<S, S>,
     {
-        let likes = interaction.preference.ln_probabilities();
         let second_labels =
             self.second.beliefs.each_ref().map(|belief| interaction.outcomes.label_masses(belief));
         for ((row, policy), belief) in self.pairs.iter_mut().zip(first.policies).zip(&self.first.beliefs) {
@@ -190,7 +190,7 @@ impl<const S: usize, const P: usize> Workspace<S, P> {
                     continue;
                 }
                 let outcomes = interaction.outcomes.predict(&labels, other_labels);
-                *value += math::expectation(&outcomes, &likes);
+                *value += math::expectation(&outcomes, likes);
                 *value += match scoring.gain {
                     Gain::PerModality => math::entropy(&outcomes),
                     Gain::Joint => joint_gain(

@@ -45,8 +45,8 @@ pub struct Model<A, B, const S: usize, const O: usize> {
     pub likelihood: A,
     /// B = P(s' | s, u).
     pub transition: B,
-    preference: [f32; O],
-    prior: [f32; S],
+    preference: Preference<O>,
+    prior: Belief<S>,
 }
 
 impl<A, B, const S: usize, const O: usize> Model<A, B, S, O> {
@@ -63,25 +63,35 @@ impl<A, B, const S: usize, const O: usize> Model<A, B, S, O> {
     {
         assert!(S > 0, "D, the prior, has no states");
         assert!(math::is_distribution(&prior), "D, the prior, is no distribution");
-        let _ = Preference::new(preference);
+        let (preference, prior) = (Preference::new(preference), Belief::from_distribution(prior));
+        Self { likelihood, transition, preference, prior }
+    }
+
+    /// A model from parts that are sound by their types, for numbers that are only known at run time.
+    #[must_use]
+    pub const fn from_parts(likelihood: A, transition: B, preference: Preference<O>, prior: Belief<S>) -> Self
+    where
+        A: Copy,
+        B: Copy,
+    {
         Self { likelihood, transition, preference, prior }
     }
 
     /// D, the belief before the first observation.
     #[must_use]
     pub const fn prior(&self) -> &[f32; S] {
-        &self.prior
+        self.prior.probabilities()
     }
 
     /// The belief to begin with: D.
     #[must_use]
-    pub fn initial(&self) -> Belief<S> {
-        Belief::from_distribution(self.prior)
+    pub const fn initial(&self) -> Belief<S> {
+        self.prior
     }
 
     /// The preference to begin with: C.
     #[must_use]
     pub const fn preference(&self) -> Preference<O> {
-        Preference::new(self.preference)
+        self.preference
     }
 }

@@ -18,13 +18,15 @@ pub struct Candidate {
     pub goal: Option<Cell>,
 }
 
-/// What candidates are built for.
+/// What a robot whose turn it is finds, and candidates are built for.
 #[derive(Clone, Debug)]
-pub(super) struct Situation<'a, const W: usize> {
+pub(super) struct Situation<const W: usize> {
+    /// Where the robot stands.
+    pub(super) here: Cell,
     /// The map, with what is to be avoided blocked.
     pub(super) map: Map<W>,
     /// The paths of the teammates that have announced theirs.
-    pub(super) announced: &'a [Path],
+    pub(super) announced: Vec<Path, MAX_TEAM>,
     /// The numbers of moves after which to arrive, most wanted first.
     pub(super) arrivals: Vec<usize, 2>,
 }
@@ -72,7 +74,7 @@ impl<const S: usize, const W: usize> Generator<S, W> {
     pub(super) fn fill<const P: usize>(
         &mut self,
         mission: &Mission<'_, W>,
-        situation: &Situation<'_, W>,
+        situation: &Situation<W>,
         (robot, from): (usize, Cell),
         candidates: &mut Vec<Candidate, P>,
     ) {
@@ -90,11 +92,11 @@ impl<const S: usize, const W: usize> Generator<S, W> {
     fn plan<const P: usize>(
         &mut self,
         mission: &Mission<'_, W>,
-        situation: &Situation<'_, W>,
+        situation: &Situation<W>,
         from: Cell,
         candidates: &mut Vec<Candidate, P>,
     ) {
-        let sweep = self.timed.sweep(&situation.map, from, situation.announced);
+        let sweep = self.timed.sweep(&situation.map, from, &situation.announced);
         for &arrival in &situation.arrivals {
             for &goal in mission.goals {
                 if let Some(path) = sweep.path_to(goal, arrival) {
@@ -114,7 +116,7 @@ impl<const S: usize, const W: usize> Generator<S, W> {
     fn vary<const P: usize>(
         &mut self,
         mission: &Mission<'_, W>,
-        situation: &Situation<'_, W>,
+        situation: &Situation<W>,
         from: Cell,
         candidates: &mut Vec<Candidate, P>,
     ) {

@@ -6,8 +6,8 @@ use crate::bounded::up_to;
 use crate::grid::Cell;
 use crate::inference::belief::update_pair;
 use crate::inference::{
-    Belief, Choice, IdentityNoise, Interaction, NextState, OutcomeTable, Policy, Preference, Scoring, Side,
-    Star, Terms, Workspace,
+    Belief, Choice, IdentityNoise, Interaction, Model, NextState, OutcomeTable, Policy, Preference, Scoring,
+    Side, Star, Terms, Workspace,
 };
 use crate::math;
 use heapless::Vec;
@@ -15,14 +15,12 @@ use heapless::Vec;
 /// The model that joint policies are judged by, and the last judgement.
 #[derive(Clone, Debug)]
 pub struct Decision<const S: usize, const P: usize> {
-    sensor: IdentityNoise<S>,
+    model: Model<IdentityNoise<S>, NextState<S, 5>, S, S>,
     peer_sensor: IdentityNoise<S>,
-    transition: NextState<S, 5>,
     outcomes: OutcomeTable<S, LABELS, OUTCOMES>,
     scoring: Scoring,
     collision: f32,
     haste: f32,
-    prior: Belief<S>,
     workspace: Workspace<S, P>,
     star: Star<P>,
     /// ln E - F - γ G of the robot's own policies.
@@ -52,14 +50,12 @@ pub(super) struct Timing {
 impl<const S: usize, const P: usize> Decision<S, P> {
     pub(super) fn new<const W: usize>(mission: &Mission<'_, W>) -> Self {
         Self {
-            sensor: IdentityNoise::among(mission.sensor, mission.map.len()),
+            model: mission.model(),
             peer_sensor: IdentityNoise::among(mission.peer_sensor, mission.map.len()),
-            transition: mission.transition(),
             outcomes: mission.outcomes(),
             scoring: mission.scoring,
             collision: mission.collision,
             haste: mission.haste,
-            prior: mission.belief(),
             workspace: Workspace::new(),
             star: Star::new([]),
             own: [f32::NEG_INFINITY; P],
@@ -68,10 +64,15 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         }
     }
 
+    /// The robot's own generative model, by which its teammates are judged too.
+    pub(super) const fn model(&self) -> &Model<IdentityNoise<S>, NextState<S, 5>, S, S> {
+        &self.model
+    }
+
     /// What is believed of a teammate that announced to stand at `cell`, and what that says about this robot,
     /// which takes itself to be at `here`: both beliefs given what the two cells mean for the team.
     pub(super) fn beliefs(&self, own: &Belief<S>, here: Cell, cell: Cell) -> (Belief<S>, Belief<S>) {
-        let (mut own, mut peer) = (*own, self.prior);
+        let (mut own, mut peer) = (*own, self.model.initial());
         let outcome = self.outcomes.outcome(here.index(), cell.index());
         // An impossible announcement leaves the prior, which is what is then known of the teammate.
         let _ = peer.update(&self.peer_sensor, cell.index());
@@ -87,7 +88,7 @@ impl<const S: usize, const P: usize> Decision<S, P> {
     /// Decides without teammates.
     pub(super) fn decide_alone(&mut self, own: Party<'_, S>, timing: Timing) {
         let policies = policies::<P>(own.candidates);
-        let side = side(&self.sensor, &self.transition, own, &policies);
+        let side = side(&self.model.likelihood, &self.model.transition, own, &policies);
         self.workspace.evaluate_alone(&side, &self.scoring, timing.horizon);
         self.begin(own, timing);
     }
@@ -106,8 +107,8 @@ impl<const S: usize, const P: usize> Decision<S, P> {
     /// Adds a teammate with all the policies it may have.
     pub(super) fn join(&mut self, own: Party<'_, S>, peer: Party<'_, S>, timing: Timing) {
         let (ours, theirs) = (policies::<P>(own.candidates), policies::<P>(peer.candidates));
-        let own_side = side(&self.sensor, &self.transition, own, &ours);
-        let peer_side = side(&self.peer_sensor, &self.transition, peer, &theirs);
+        let own_side = side(&self.model.likelihood, &self.model.transition, own, &ours);
+        let peer_side = side(&self.peer_sensor, &self.model.transition, peer, &theirs);
         let interaction = Interaction {
             outcomes: &self.outcomes,
             preference: &Mission::<0>::OUTCOME_PREFERENCE,

@@ -23,7 +23,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// The paths that teammates have announced in this round.
-    pub(super) fn announced(&self) -> Vec<Path, MAX_TEAM> {
+    fn announced(&self) -> Vec<Path, MAX_TEAM> {
         up_to(self.partners().filter(|peer| peer.status != Status::Deciding).map(|peer| peer.path))
     }
 
@@ -33,16 +33,18 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         intentions(&self.roster).filter(move |peer| peer.round == round)
     }
 
-    pub(super) fn situation<'a>(&mut self, here: Cell, announced: &'a [Path]) -> Situation<'a, W> {
-        let map = self.passable();
+    /// What there is to decide on; `None` while it is not this robot's turn.
+    pub(super) fn find_situation(&mut self) -> Option<Situation<W>> {
+        let here = self.turn()?;
+        let (map, announced) = (self.passable(), self.announced());
         let starts = self.partners().map(|peer| peer.path.start);
         let cells: Vec<Cell, MAX_TEAM> = up_to(core::iter::once(here).chain(starts));
-        let arrivals = self.generator.arrivals(self.mission, &map, &cells, announced, self.vain_rounds);
-        Situation { map, announced, arrivals }
+        let arrivals = self.generator.arrivals(self.mission, &map, &cells, &announced, self.vain_rounds);
+        Some(Situation { here, map, announced, arrivals })
     }
 
     /// Whether it is this robot's turn to choose, and where it stands.
-    pub(super) fn turn(&self) -> Option<Cell> {
+    fn turn(&self) -> Option<Cell> {
         self.here().filter(|_| self.agreement.is_my_turn(intentions(&self.roster)))
     }
 
@@ -56,7 +58,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// The longest policy in this decision, and the earliest arrival.
-    fn timing(&self, situation: &Situation<'_, W>) -> Timing {
+    fn timing(&self, situation: &Situation<W>) -> Timing {
         let ours = self.candidates.iter().map(|candidate| candidate.path.len());
         let listed = (0..self.mission.starts.len()).flat_map(|robot| self.mission.listed_lengths(robot));
         let horizon = ours.chain(listed).chain(situation.arrivals.iter().copied()).max().unwrap_or(0);
@@ -65,10 +67,8 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
 
     /// Joint candidates: the robot's own, with those of each teammate, which are the path it announced or
     /// else all that it might choose.
-    pub(super) fn deliberate(&mut self, here: Cell) {
-        let announced = self.announced();
-        let situation = self.situation(here, &announced);
-        let timing = self.timing(&situation);
+    pub(super) fn deliberate(&mut self, situation: &Situation<W>) {
+        let (here, timing) = (situation.here, self.timing(situation));
         let wanted = self.wanted();
         let known = |peer: &Intention| (peer.robot.index(), peer.path, peer.status != Status::Deciding);
         let partners: Vec<(usize, Path, bool), MAX_TEAM> = up_to(self.partners().map(known));
@@ -79,7 +79,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         self.decision.clear();
         for &(robot, path, chosen) in &partners {
             let (_, belief) = self.decision.beliefs(&self.belief, here, path.start);
-            self.propose(&situation, robot, path, chosen);
+            self.propose(situation, robot, path, chosen);
             let ours = Party { belief: &own, preference: &wanted, candidates: &self.candidates };
             let theirs = Party { belief: &belief, preference: &wanted, candidates: &self.teammates };
             self.decision.join(ours, theirs, timing);
@@ -91,7 +91,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// What a teammate may do: what it announced, or whatever this robot would consider in its place.
-    fn propose(&mut self, situation: &Situation<'_, W>, robot: usize, path: Path, chosen: bool) {
+    fn propose(&mut self, situation: &Situation<W>, robot: usize, path: Path, chosen: bool) {
         if chosen {
             self.teammates.clear();
         } else {

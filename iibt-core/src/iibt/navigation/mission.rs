@@ -1,7 +1,7 @@
 //! What a team is to do: the map, the starts, the goals, and the numbers of the generative model.
 
 use crate::grid::{Cell, Map, Move, Path};
-use crate::inference::{Belief, NextState, OutcomeTable, Preference, Scoring};
+use crate::inference::{Belief, IdentityNoise, Model, NextState, OutcomeTable, Preference, Scoring};
 use crate::team::MAX_TEAM;
 
 /// The most goals of one mission.
@@ -114,13 +114,19 @@ impl<'m, const W: usize> Mission<'m, W> {
         }
     }
 
+    /// One robot's generative model: a localiser that errs evenly over the cells of the map, and the parts below.
+    pub(super) fn model<const S: usize>(&self) -> Model<IdentityNoise<S>, NextState<S, 5>, S, S> {
+        let sensor = IdentityNoise::among(self.sensor, self.map.len());
+        Model::from_parts(sensor, self.transition(), self.preference(), self.belief())
+    }
+
     /// C: every goal is worth one.
-    pub(super) fn preference<const S: usize>(&self) -> Preference<S> {
+    fn preference<const S: usize>(&self) -> Preference<S> {
         Preference::from_fn(|state| if self.goals.contains(&Cell(state as u16)) { 1.0 } else { 0.0 })
     }
 
     /// B: each move leads to the neighbour, or nowhere at a wall or border.
-    pub(super) fn transition<const S: usize>(&self) -> NextState<S, 5> {
+    fn transition<const S: usize>(&self) -> NextState<S, 5> {
         NextState::from_fn(|action, state| {
             let step = Move::from_code(action).unwrap_or(Move::Wait);
             let next = self.map.neighbour(Cell(state as u16), step);
@@ -129,7 +135,7 @@ impl<'m, const W: usize> Mission<'m, W> {
     }
 
     /// D: every free cell is equally likely.
-    pub(super) fn belief<const S: usize>(&self) -> Belief<S> {
+    fn belief<const S: usize>(&self) -> Belief<S> {
         let free = |state| f32::from(u8::from(self.map.is_free(Cell(state as u16))));
         Belief::from_weights(core::array::from_fn(free)).unwrap_or(const { Belief::uniform() })
     }

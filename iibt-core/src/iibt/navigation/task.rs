@@ -12,7 +12,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
     type Policy = Plan;
 
     fn prepare(&mut self) {
-        self.preference = self.mission.preference();
+        self.preference = self.decision.model().preference();
     }
 
     fn observe(&mut self) {
@@ -35,24 +35,23 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
     }
 
     fn candidates(&mut self) {
-        let Some(here) = self.turn() else {
-            self.candidates.clear();
-            return;
-        };
-        let announced = self.announced();
-        let situation = self.situation(here, &announced);
-        self.generator.fill(self.mission, &situation, (self.robot.index(), here), &mut self.candidates);
+        self.situation = self.find_situation();
+        self.candidates.clear();
+        let Some(situation) = &self.situation else { return };
+        let place = (self.robot.index(), situation.here);
+        self.generator.fill(self.mission, situation, place, &mut self.candidates);
         if self.candidates.is_empty() {
             // There is room: the list is empty.
-            let _ = self.candidates.push(Candidate { path: Path::at(here), goal: None });
+            let _ = self.candidates.push(Candidate { path: Path::at(situation.here), goal: None });
         }
     }
 
     fn intentions(&mut self) {
         self.choice = None;
-        if let Some(here) = self.turn().filter(|_| !self.candidates.is_empty()) {
-            self.deliberate(here);
+        if let Some(situation) = self.situation.take() {
+            self.deliberate(&situation);
             self.choice = self.decision.choose();
+            self.situation = Some(situation);
         }
     }
 
@@ -63,7 +62,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
         if self.agreement.status() != Status::Deciding {
             return Some(Plan::Follow);
         }
-        if self.turn().is_none() {
+        if self.situation.is_none() {
             return Some(Plan::Wait);
         }
         self.choice.map(|choice| Plan::Take(choice.policy))

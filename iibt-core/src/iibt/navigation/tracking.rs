@@ -52,18 +52,18 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         if self.percept.moving {
             return;
         }
-        let before = self.belief;
+        let (before, model) = (self.belief, self.decision.model());
         let mut left = None;
         if let Some(step) = self.commanded.take() {
-            left = Some(self.position().0).filter(|_| step != Move::Wait);
-            self.belief.predict(&self.tracking, step.code());
+            left = Some(Cell(before.most_likely().0 as u16)).filter(|_| step != Move::Wait);
+            self.belief.predict(&model.transition, step.code());
             self.belief.mix(&before, Self::SLIP);
             self.waited = step == Move::Wait;
         }
-        self.belief.mix(&self.mission.belief(), Self::DOUBT);
+        self.belief.mix(&model.initial(), Self::DOUBT);
         // The first reading after a move may be from before it: whether the move failed, the next one tells.
         if let Some(reading) = self.percept.reading.filter(|&reading| left != Some(reading)) {
-            self.surprise = self.belief.update(&self.sensor, reading.index());
+            self.surprise = self.belief.update(&model.likelihood, reading.index());
         }
     }
 
