@@ -3,32 +3,43 @@
 //! | symbol | here | shape |
 //! |---|---|---|
 //! | A = P(o \| s) | [`Likelihood`]: [`Dense`](likelihood::Dense), [`IdentityNoise`], [`OutcomeTable`] | outcomes x states |
-//! | B = P(s' \| s, u) | [`Transition`]: [`Dense`](transition::Dense), [`NextState`] | states x states per action |
-//! | C, ln P(o) up to a constant | [`Preference`] | outcomes |
-//! | D = P(s) at the start | [`Model::prior`] | states |
-//! | E = P(π) | the `ln_prior` of each candidate | policies |
-//! | q(s) | [`Belief`] | states |
+//! | B = P(s' \| s, u) | [`Transition`]: [`Dense`](transition::Dense), [`NextState`], [`Blocks`] | states x states per action |
+//! | C, ln P(o) up to a constant | a slice in each [`Modality`], or a [`Preference`] | outcomes |
+//! | D = P(s) at the start | a slice in each [`Factor`] | states |
+//! | E = P(π) | [`Habits`] | policies |
+//! | q(s) | [`Beliefs`] | states |
 //! | G | [`Terms`] | by policy |
 //! | γ | [`Scoring::precision`] | |
 //!
-//! A [`Model`] never changes after it is built; beliefs and preferences are state. Data flows
-//! model → belief → free energy → posterior → choice, and the room knows neither trees nor robots.
+//! A [`Model`] never changes after it is built; beliefs, preferences and counts are state. Data flows
+//! model → beliefs → problem → evaluation → choice, and the room knows neither trees nor robots.
 
-pub mod belief;
-pub mod free_energy;
-pub mod joint;
+mod belief;
+mod candidates;
+mod estimation;
+mod evaluation;
+mod evidence;
+mod free_energy;
+mod gain;
 pub mod likelihood;
-pub mod model;
+mod model;
 pub mod policy;
-pub mod preference;
-pub mod published;
+mod preference;
+mod problem;
+mod shape;
+mod table;
 pub mod transition;
 
-pub use belief::{Belief, Impossible};
+pub use belief::Beliefs;
+pub use candidates::{Candidates, Combinations, Habits};
+pub use estimation::{EXACT_LIMIT, Impossible, MAX_SWEEPS, Update};
+pub use evaluation::{Evaluation, MAX_GROUPS};
+pub use evidence::Evidence;
 pub use free_energy::{Convention, Credit, Gain, Padding, Scoring, Terms};
-pub use joint::{Interaction, Side, Workspace};
-pub use likelihood::{IdentityNoise, Likelihood, OutcomeTable};
-pub use model::Model;
+pub use likelihood::{IdentityNoise, Likelihood, OutcomeTable, TableError};
+pub use model::{Control, Factor, MAX_FACTORS, MAX_MODALITIES, Modality, Model, ModelError};
 pub use policy::{Choice, Policy, Star};
 pub use preference::Preference;
-pub use transition::{NextState, Transition};
+pub use problem::{Encounter, Problem};
+pub use shape::{MAX_CONDITIONS, Shape};
+pub use transition::{Blocks, NextState, Transition};

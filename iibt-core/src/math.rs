@@ -1,12 +1,43 @@
 //! Logarithms, exponentials and what is built from them: the only room that calls a transcendental function.
 //!
-//! Everything is `f32`. `libm`'s `logf` and `expf` are accurate to one unit in the last place, use `f32`
-//! operations only, and so return the same bits on every target. Sums run in index order.
+//! Everything is `f32` and returns the same bits on every target: no fused operations, no reordering by the
+//! compiler. Sums of long lists run in four lanes, element `i` in lane `i % 4`, so that a vector unit can
+//! carry them out and the order is still fixed.
 
-/// The natural logarithm; minus infinity at zero, NaN below.
+/// The natural logarithm; minus infinity at zero, NaN below. Accurate to one unit in the last place.
 #[must_use]
-pub fn ln(x: f32) -> f32 {
-    libm::logf(x)
+pub const fn ln(x: f32) -> f32 {
+    match x {
+        f32::INFINITY => x,
+        _ if x >= f32::MIN_POSITIVE => ln_normal(x),
+        _ if x > 0.0 => ln_normal(x * TWO_25) - 25.0 * core::f32::consts::LN_2,
+        _ if x == 0.0 => f32::NEG_INFINITY,
+        _ => f32::NAN,
+    }
+}
+
+const TWO_25: f32 = 33_554_432.0;
+
+/// The logarithm of a positive normal number, without a branch; finite and meaningless for anything else.
+///
+/// x = 2^k (1 + f) with 1 + f between sqrt(1/2) and sqrt(2), and ln(1 + f) = f - f²/2 + s (f²/2 + R(s²)) with
+/// s = f / (2 + f), where R is the polynomial of Sun's fdlibm.
+const fn ln_normal(x: f32) -> f32 {
+    const SQRT_HALF: u32 = 0x3f35_04f3;
+    const ONE: u32 = 0x3f80_0000;
+    const LN_2_HIGH: f32 = 6.931_381_2e-1;
+    const LN_2_LOW: f32 = 9.058_001e-6;
+    const R: [f32; 4] = [0.666_666_6, 0.400_009_72, 0.284_987_87, 0.242_790_79];
+
+    let bits = x.to_bits().wrapping_add(ONE - SQRT_HALF);
+    let k = ((bits >> 23) as i32 - 127) as f32;
+    let f = f32::from_bits((bits & 0x007f_ffff) + SQRT_HALF) - 1.0;
+    let s = f / (2.0 + f);
+    let z = s * s;
+    let w = z * z;
+    let r = w * (R[1] + w * R[3]) + z * (R[0] + w * R[2]);
+    let half = 0.5 * f * f;
+    s * (half + r) + k * LN_2_LOW - half + f + k * LN_2_HIGH
 }
 
 /// The exponential function.
@@ -17,14 +48,103 @@ pub fn exp(x: f32) -> f32 {
 
 /// `p ln p`, with the limit 0 at `p = 0`.
 #[must_use]
-pub fn p_ln_p(p: f32) -> f32 {
-    if p > 0.0 { p * ln(p) } else { 0.0 }
+pub const fn p_ln_p(p: f32) -> f32 {
+    // Zero times a finite number; below the normal numbers the error is beyond the last place of any sum.
+    p * ln_normal(p)
 }
 
 /// The Shannon entropy `H = -Σ p ln p` of a distribution, in nats.
 #[must_use]
-pub fn entropy(distribution: &[f32]) -> f32 {
-    -distribution.iter().map(|&p| p_ln_p(p)).sum::<f32>()
+pub const fn entropy(distribution: &[f32]) -> f32 {
+    let mut sum = 0.0;
+    let mut index = 0;
+    while index < distribution.len() {
+        sum += p_ln_p(distribution[index]);
+        index += 1;
+    }
+    -sum
+}
+
+/// Copies as many values as both lists have.
+pub fn assign(to: &mut [f32], from: &[f32]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+}
+
+/// The sum of a list, in four lanes.
+#[inline]
+#[must_use]
+pub fn sum(values: &[f32]) -> f32 {
+    let (blocks, rest) = values.as_chunks::<LANES>();
+    let mut lanes = [0.0; LANES];
+    for block in blocks {
+        lanes.iter_mut().zip(block).for_each(|(lane, value)| *lane += value);
+    }
+    lanes.iter_mut().zip(rest).for_each(|(lane, value)| *lane += value);
+    let [a, b, c, d] = lanes;
+    (a + b) + (c + d)
+}
+
+/// What a predicted distribution of outcomes is worth, gathered outcome by outcome: its entropy and the
+/// expectation of the preferences under it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outlook {
+    entropy: [f32; LANES],
+    utility: [f32; LANES],
+}
+
+/// The lanes that sums of long lists run in.
+const LANES: usize = 4;
+
+impl Outlook {
+    /// Nothing predicted yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { entropy: [0.0; LANES], utility: [0.0; LANES] }
+    }
+
+    /// Of outcomes whose probabilities `probability` makes from `values`, with the preference for each.
+    #[inline]
+    #[must_use]
+    pub fn of(values: &[f32], preferences: &[f32], probability: impl Fn(f32) -> f32) -> Self {
+        let mut outlook = Self::new();
+        let (values, values_left) = values.as_chunks::<LANES>();
+        let (preferences, preferences_left) = preferences.as_chunks::<LANES>();
+        for (values, preferences) in values.iter().zip(preferences) {
+            outlook.add(&values.map(&probability), preferences);
+        }
+        outlook.add_some(values_left.iter().map(|&value| probability(value)), preferences_left);
+        outlook
+    }
+
+    /// Adds the next four outcomes.
+    #[inline]
+    pub fn add(&mut self, probabilities: &[f32; LANES], preferences: &[f32; LANES]) {
+        self.add_some(probabilities.iter().copied(), preferences);
+    }
+
+    /// Adds the last outcomes, of which there are no more than four.
+    #[inline]
+    pub fn add_some(&mut self, probabilities: impl Iterator<Item = f32>, preferences: &[f32]) {
+        let lanes = self.entropy.iter_mut().zip(&mut self.utility);
+        for ((entropy, utility), (p, preference)) in lanes.zip(probabilities.zip(preferences)) {
+            *entropy -= p_ln_p(p);
+            *utility += p * preference;
+        }
+    }
+
+    /// The entropy, in nats.
+    #[must_use]
+    pub const fn entropy(&self) -> f32 {
+        let [a, b, c, d] = self.entropy;
+        (a + b) + (c + d)
+    }
+
+    /// The expected preference.
+    #[must_use]
+    pub const fn utility(&self) -> f32 {
+        let [a, b, c, d] = self.utility;
+        (a + b) + (c + d)
+    }
 }
 
 /// The expectation `Σ p x` of `values` under a distribution.

@@ -1,28 +1,11 @@
-//! Variational and expected free energy, in named terms.
+//! Expected free energy, in named terms, and the conventions by which it is scored.
 
-use super::Likelihood;
+use super::likelihood::Expected;
 use crate::actions::Action;
-use crate::math;
-
-/// F = KL[q(s) || P(s)] - E_q ln P(o | s), complexity less accuracy (the paper's equation 5), in nats.
-///
-/// At the exact posterior this is the surprise -ln P(o); for any other belief it is more.
-#[must_use]
-pub fn variational<const S: usize, const O: usize>(
-    belief: &[f32; S],
-    prior: &[f32; S],
-    likelihood: &impl Likelihood<S, O>,
-    outcome: usize,
-) -> f32 {
-    let surprise = |(state, &q): (usize, &f32)| -> f32 {
-        if q > 0.0 { -q * math::ln(likelihood.probability(outcome, state)) } else { 0.0 }
-    };
-    math::kl(belief, prior) + belief.iter().enumerate().map(surprise).sum::<f32>()
-}
 
 /// What a policy is expected to bring, in nats, summed over modalities and steps.
 ///
-/// G = risk + ambiguity = -(utility + information gain), because the entropy of the predicted outcomes is
+/// Without novelty, G = risk + ambiguity = -(utility + information gain), because the entropy of the predicted outcomes is
 /// information gain plus ambiguity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -33,9 +16,25 @@ pub struct Terms {
     pub information_gain: f32,
     /// Σ_s q(s) H[P(o | s)]: how noisy the outcomes will be even when the state is known.
     pub ambiguity: f32,
+    /// How much the outcomes and moves will tell about the model's own tables, while those are being learned.
+    pub novelty: f32,
 }
 
 impl Terms {
+    /// Nothing yet.
+    pub const ZERO: Self = Self { utility: 0.0, information_gain: 0.0, ambiguity: 0.0, novelty: 0.0 };
+
+    /// The terms of one modality at one step, where `normaliser` is ln Σ exp C.
+    #[must_use]
+    pub fn of(expected: &Expected, normaliser: f32) -> Self {
+        Self {
+            utility: expected.utility - normaliser,
+            information_gain: expected.entropy - expected.ambiguity,
+            ambiguity: expected.ambiguity,
+            novelty: 0.0,
+        }
+    }
+
     /// KL[q(o) || P(o)]: how far the predicted outcomes are from the preferred ones.
     #[must_use]
     pub fn risk(&self) -> f32 {
@@ -46,24 +45,8 @@ impl Terms {
     #[must_use]
     pub fn expected_free_energy(&self, convention: Convention) -> f32 {
         match convention {
-            Convention::Standard => -self.utility - self.information_gain,
-            Convention::AsPrinted => self.risk() - self.ambiguity,
-        }
-    }
-
-    /// The terms of one modality at one step, from the predicted belief and ln P(o).
-    #[must_use]
-    pub fn of_modality<const S: usize, const O: usize>(
-        belief: &[f32; S],
-        likelihood: &impl Likelihood<S, O>,
-        ln_preference: &[f32; O],
-    ) -> Self {
-        let outcomes = likelihood.predict(belief);
-        let ambiguity = likelihood.ambiguity(belief);
-        Self {
-            utility: math::expectation(&outcomes, ln_preference),
-            information_gain: math::entropy(&outcomes) - ambiguity,
-            ambiguity,
+            Convention::Standard => -self.utility - self.information_gain - self.novelty,
+            Convention::AsPrinted => self.risk() - self.ambiguity - self.novelty,
         }
     }
 }
@@ -73,6 +56,7 @@ impl core::ops::AddAssign for Terms {
         self.utility += other.utility;
         self.information_gain += other.information_gain;
         self.ambiguity += other.ambiguity;
+        self.novelty += other.novelty;
     }
 }
 
@@ -147,6 +131,16 @@ impl Scoring {
         padding: Padding::Stay,
     };
 
+    /// The field's: every preference counts at every step, and the gain is the sum of each modality's own, as in JAX
+    /// pymdp, cpp-AIF and tira.
+    pub const JAX_PYMDP: Self = Self { credit: Credit::EveryStep, ..Self::DEFAULT };
+
+    /// The same with the joint gain, as in numpy pymdp, SPM and ActiveInference.jl.
+    pub const NUMPY_PYMDP: Self = Self { gain: Gain::Joint, ..Self::JAX_PYMDP };
+
+    /// The same as [`JAX_PYMDP`](Self::JAX_PYMDP) with the sign of the ambiguity that the paper prints.
+    pub const AS_PRINTED: Self = Self { convention: Convention::AsPrinted, ..Self::JAX_PYMDP };
+
     /// The paper's own arithmetic with its artefact: policies shorter than the horizon go on with action
     /// zero, which is "up", so that a robot that has arrived walks off again.
     pub const AS_PUBLISHED: Self = Self {
@@ -170,37 +164,3 @@ impl Default for Scoring {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::super::{Belief, IdentityNoise, Preference};
-    use super::*;
-
-    const SENSOR: IdentityNoise<4> = IdentityNoise::new(0.8);
-
-    #[test]
-    fn free_energy_is_least_at_the_exact_posterior() {
-        let prior = [0.4, 0.3, 0.2, 0.1];
-        let mut posterior = Belief::from_weights(prior).unwrap();
-        let surprise = posterior.update(&SENSOR, 1).unwrap();
-        let at = |belief: &[f32; 4]| variational(belief, &prior, &SENSOR, 1);
-        assert!((at(posterior.probabilities()) - surprise).abs() < 1e-6);
-        for other in [prior, [0.25; 4], [0.0, 1.0, 0.0, 0.0]] {
-            assert!(at(&other) > surprise + 1e-3);
-        }
-    }
-
-    #[test]
-    fn the_two_readings_of_g_agree() {
-        let belief = [0.1, 0.6, 0.3, 0.0];
-        let preference = Preference::new([0.0, 2.0, -1.0, 0.5]).ln_probabilities();
-        let terms = Terms::of_modality(&belief, &SENSOR, &preference);
-        let outcomes = SENSOR.predict(&belief);
-        let risk = math::kl(&outcomes, &preference.map(math::exp));
-        assert!((terms.risk() - risk).abs() < 1e-5);
-        let standard = terms.expected_free_energy(Convention::Standard);
-        assert!((standard - (risk + terms.ambiguity)).abs() < 1e-5);
-        let printed = terms.expected_free_energy(Convention::AsPrinted);
-        assert!((printed - (risk - terms.ambiguity)).abs() < 1e-5);
-        assert!(terms.information_gain > 0.0);
-    }
-}

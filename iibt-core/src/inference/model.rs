@@ -1,97 +1,532 @@
-//! The generative model of one robot: A, B, C and D together.
+//! The generative model: hidden factors, how they change, and what can be observed of them.
 
-use super::{Belief, Preference};
+use super::likelihood::Likelihood;
+use super::shape::{MAX_CONDITIONS, Shape};
+use super::transition::Transition;
+use crate::actions::Action;
 use crate::math;
 
-/// P(o, s | π) = D(s_1) Π A(o_τ | s_τ) Π B_π(s_τ | s_τ-1), with the preferences C (the paper's equation 1).
+/// The most hidden factors of one model.
+pub const MAX_FACTORS: usize = 16;
+
+/// The most modalities of one model.
+pub const MAX_MODALITIES: usize = 40;
+
+/// A hidden factor: its transition B, its prior D, and what acts on it.
+#[derive(Clone, Copy)]
+pub struct Factor<'a> {
+    transition: &'a dyn Transition,
+    shape: Shape,
+    coupled_to: &'a [usize],
+    control: Control,
+    prior: &'a [f32],
+}
+
+/// Which of a joint policy's action sequences moves a factor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Control {
+    /// The one with the factor's own number.
+    Own,
+    /// The one with this number, which may move other factors as well.
+    Shared(u8),
+    /// None: the factor changes by itself, by action zero, in every step.
+    None,
+}
+
+impl<'a> Factor<'a> {
+    /// A factor that changes by itself and by its own action: `shape` is the transition's.
+    ///
+    /// # Panics
+    /// When `prior` is no distribution over the factor's states; in a `const` or `static` this fails the build.
+    #[must_use]
+    pub const fn new(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Self {
+        assert!(prior.len() == shape.values(), "D, the prior, does not have an entry per state");
+        assert!(math::is_distribution(prior), "D, the prior, is no distribution");
+        Self { transition, shape, coupled_to: &[], control: Control::Own, prior }
+    }
+
+    /// The same factor, its transition conditioned on other factors as well, in the order of the shape's further
+    /// conditions: the blocks B^ij.
+    #[must_use]
+    pub const fn coupled_to(mut self, factors: &'a [usize]) -> Self {
+        self.coupled_to = factors;
+        self
+    }
+
+    /// The same factor, moved by another action sequence or by none.
+    #[must_use]
+    pub const fn controlled_by(mut self, control: Control) -> Self {
+        self.control = control;
+        self
+    }
+
+    /// How many states it has.
+    #[must_use]
+    pub const fn states(&self) -> usize {
+        self.shape.values()
+    }
+}
+
+/// A modality: its likelihood A, the factors that it depends on, and the preference C over its outcomes.
+#[derive(Clone, Copy)]
+pub struct Modality<'a> {
+    likelihood: &'a dyn Likelihood,
+    shape: Shape,
+    factors: &'a [usize],
+    preference: &'a [f32],
+}
+
+impl<'a> Modality<'a> {
+    /// A modality that depends on `factors`, one for each condition of `shape`, which is the likelihood's. `preference` is C
+    /// on a log scale: P(o) = softmax(C).
+    ///
+    /// # Panics
+    /// When the numbers of factors or preferences do not fit the shape, or a preference is not finite; in a `const` or
+    /// `static` this fails the build.
+    #[must_use]
+    pub const fn new(
+        likelihood: &'a dyn Likelihood,
+        shape: Shape,
+        factors: &'a [usize],
+        preference: &'a [f32],
+    ) -> Self {
+        assert!(factors.len() == shape.conditions(), "A, the likelihood, needs a factor for each condition");
+        assert!(preference.len() == shape.values(), "C, the preference, does not have an entry per outcome");
+        let mut outcome = 0;
+        while outcome < preference.len() {
+            assert!(preference[outcome].is_finite(), "C, the preference, has a value that is not finite");
+            outcome += 1;
+        }
+        Self { likelihood, shape, factors, preference }
+    }
+
+    /// A: how the outcomes depend on the states.
+    #[must_use]
+    pub const fn likelihood(&self) -> &'a dyn Likelihood {
+        self.likelihood
+    }
+
+    /// Outcomes and states.
+    #[must_use]
+    pub const fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// The factors that it depends on.
+    #[must_use]
+    pub const fn factors(&self) -> &'a [usize] {
+        self.factors
+    }
+
+    /// C to begin with.
+    #[must_use]
+    pub const fn preference(&self) -> &'a [f32] {
+        self.preference
+    }
+}
+
+/// P(o, s | π) = Π_f D_f(s_1) Π_τ Π_m A_m(o_τ | s_τ) Π_f B_f(s_τ | s_τ-1, π), with the preferences C (the paper's equation 1,
+/// its blocks written as factors and modalities).
 ///
-/// `A` is a [`Likelihood`](super::Likelihood) over `S` states and `O` outcomes, `B` a
-/// [`Transition`](super::Transition) over `S` states. A model never changes after it is built: put it in a
-/// `static` and it stays in flash.
+/// A model never changes after it is built: put it in a `static` and it stays in flash, checked by the compiler.
 ///
 /// ```
-/// use iibt_core::inference::{IdentityNoise, Model, NextState};
+/// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, NextState};
 ///
 /// // A corridor of three cells, a sensor that is right nine times in ten, two moves, a goal on the right.
-/// static CORRIDOR: Model<IdentityNoise<3>, NextState<3, 2>, 3, 3> = Model::new(
-///     IdentityNoise::new(0.9),
-///     NextState::new([[0, 0, 1], [1, 2, 2]]),
-///     [0.0, 0.0, 1.0],
-///     [0.8, 0.1, 0.1],
-/// );
+/// static MOTION: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
+/// static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 3);
+/// static FACTORS: [Factor; 1] = [Factor::new(&MOTION, MOTION.shape(), &[0.8, 0.1, 0.1])];
+/// static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 1.0])];
+/// static CORRIDOR: Model = Model::new(&FACTORS, &MODALITIES);
 ///
-/// let mut belief = CORRIDOR.initial();
-/// let free_energy = belief.update(&CORRIDOR.likelihood, 1)?;
-/// assert!(free_energy > 0.0 && belief.most_likely().0 == 1);
+/// let mut beliefs = Beliefs::<3>::prior(&CORRIDOR);
+/// let update = beliefs.update(&CORRIDOR, &[Evidence::Outcome(1)])?;
+/// assert!(update.free_energy > 0.0 && beliefs.most_likely(&CORRIDOR, 0).0 == 1);
 /// # Ok::<(), iibt_core::inference::Impossible>(())
 /// ```
 ///
 /// A prior that is no distribution fails the build:
 ///
 /// ```compile_fail,E0080
-/// use iibt_core::inference::{IdentityNoise, Model, NextState};
+/// use iibt_core::inference::{Factor, NextState};
 ///
-/// static CORRIDOR: Model<IdentityNoise<3>, NextState<3, 2>, 3, 3> = Model::new(
-///     IdentityNoise::new(0.9),
-///     NextState::new([[0, 0, 1], [1, 2, 2]]),
-///     [0.0, 0.0, 1.0],
-///     [0.8, 0.1, 0.2],
-/// );
-/// # let _ = &CORRIDOR;
+/// static MOTION: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
+/// static FACTORS: [Factor; 1] = [Factor::new(&MOTION, MOTION.shape(), &[0.8, 0.1, 0.2])];
+/// # let _ = &FACTORS;
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Model<A, B, const S: usize, const O: usize> {
-    /// A = P(o | s).
-    pub likelihood: A,
-    /// B = P(s' | s, u).
-    pub transition: B,
-    preference: Preference<O>,
-    prior: Belief<S>,
+#[derive(Clone, Copy)]
+pub struct Model<'a> {
+    factors: &'a [Factor<'a>],
+    modalities: &'a [Modality<'a>],
+    /// Where each factor's states begin in a flat list.
+    offsets: [u16; MAX_FACTORS + 1],
+    /// The group of each factor: factors that move together.
+    groups: [u8; MAX_FACTORS],
+    group_count: u8,
+    controls: u8,
 }
 
-impl<A, B, const S: usize, const O: usize> Model<A, B, S, O> {
-    /// A model from its parts: C on a log scale, D a distribution.
+/// What does not fit together in a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ModelError {
+    /// This many factors: none, or more than [`MAX_FACTORS`], or more than 65,535 states in all.
+    Factors(usize),
+    /// This many modalities: none, or more than [`MAX_MODALITIES`].
+    Modalities(usize),
+    /// This modality names a factor that does not exist, or one twice.
+    Dependency(usize),
+    /// This modality's likelihood has another number of states than a factor that it depends on.
+    Likelihood(usize),
+    /// This factor's transition is coupled to a factor that does not exist, or does not have the states of those it
+    /// is coupled to.
+    Transition(usize),
+}
+
+impl<'a> Model<'a> {
+    /// A model from its factors and modalities.
     ///
     /// # Panics
-    /// When a dimension is empty, a preference is not finite, or the prior is no distribution; in a `const`
-    /// or `static` this fails the build.
+    /// When they do not fit together, see [`ModelError`]; in a `const` or `static` this fails the build.
     #[must_use]
-    pub const fn new(likelihood: A, transition: B, preference: [f32; O], prior: [f32; S]) -> Self
-    where
-        A: Copy,
-        B: Copy,
-    {
-        assert!(S > 0, "D, the prior, has no states");
-        assert!(math::is_distribution(&prior), "D, the prior, is no distribution");
-        let (preference, prior) = (Preference::new(preference), Belief::from_distribution(prior));
-        Self { likelihood, transition, preference, prior }
+    pub const fn new(factors: &'a [Factor<'a>], modalities: &'a [Modality<'a>]) -> Self {
+        match Self::try_new(factors, modalities) {
+            Ok(model) => model,
+            Err(ModelError::Factors(_)) => panic!("a model has no factors, or too many"),
+            Err(ModelError::Modalities(_)) => panic!("a model has no modalities, or too many"),
+            Err(ModelError::Dependency(_)) => panic!("a modality depends on a factor that does not exist, or on one twice"),
+            Err(ModelError::Likelihood(_)) => panic!("A, the likelihood, does not have the states of its factors"),
+            Err(ModelError::Transition(_)) => panic!("B, the transition, does not have the states of its factors"),
+        }
     }
 
-    /// A model from parts that are sound by their types, for numbers that are only known at run time.
-    #[must_use]
-    pub const fn from_parts(likelihood: A, transition: B, preference: Preference<O>, prior: Belief<S>) -> Self
-    where
-        A: Copy,
-        B: Copy,
-    {
-        Self { likelihood, transition, preference, prior }
+    /// The same for parts that are only known at run time.
+    ///
+    /// # Errors
+    /// The first [`ModelError`] found.
+    pub const fn try_new(factors: &'a [Factor<'a>], modalities: &'a [Modality<'a>]) -> Result<Self, ModelError> {
+        if factors.is_empty() || factors.len() > MAX_FACTORS {
+            return Err(ModelError::Factors(factors.len()));
+        }
+        if modalities.is_empty() || modalities.len() > MAX_MODALITIES {
+            return Err(ModelError::Modalities(modalities.len()));
+        }
+        let mut modality = 0;
+        while modality < modalities.len() {
+            if let Err(error) = modalities[modality].check(modality, factors) {
+                return Err(error);
+            }
+            modality += 1;
+        }
+        let mut model = Self {
+            factors,
+            modalities,
+            offsets: [0; MAX_FACTORS + 1],
+            groups: [0; MAX_FACTORS],
+            group_count: 0,
+            controls: 0,
+        };
+        let (mut factor, mut total) = (0, 0);
+        while factor < factors.len() {
+            if !factors[factor].fits(factors) {
+                return Err(ModelError::Transition(factor));
+            }
+            total += factors[factor].states();
+            if total > u16::MAX as usize {
+                return Err(ModelError::Factors(factors.len()));
+            }
+            factor += 1;
+            model.offsets[factor] = total as u16;
+        }
+        model.find_groups();
+        Ok(model)
     }
 
-    /// D, the belief before the first observation.
-    #[must_use]
-    pub const fn prior(&self) -> &[f32; S] {
-        self.prior.probabilities()
+    /// Numbers the groups: factors that are coupled in motion, or moved by the same actions, are in one.
+    const fn find_groups(&mut self) {
+        let mut factor = 0;
+        while factor < self.factors.len() {
+            self.groups[factor] = factor as u8;
+            if let Some(control) = self.control(factor)
+                && control >= self.controls as usize
+            {
+                self.controls = control as u8 + 1;
+            }
+            factor += 1;
+        }
+        let mut first = 0;
+        while first < self.factors.len() {
+            let mut second = 0;
+            while second < self.factors.len() {
+                if self.move_together(first, second) {
+                    self.merge(first, second);
+                }
+                second += 1;
+            }
+            first += 1;
+        }
+        self.number_groups();
     }
 
-    /// The belief to begin with: D.
-    #[must_use]
-    pub const fn initial(&self) -> Belief<S> {
-        self.prior
+    const fn move_together(&self, first: usize, second: usize) -> bool {
+        let shared = match (self.control(first), self.control(second)) {
+            (Some(one), Some(other)) => one == other,
+            _ => false,
+        };
+        shared || contains(self.factors[first].coupled_to, second)
     }
 
-    /// The preference to begin with: C.
+    const fn merge(&mut self, first: usize, second: usize) {
+        let (from, to) = (self.groups[second], self.groups[first]);
+        let mut factor = 0;
+        while factor < self.factors.len() {
+            if self.groups[factor] == from {
+                self.groups[factor] = to;
+            }
+            factor += 1;
+        }
+    }
+
+    /// Makes the groups' numbers count from zero, in the order of their first factors.
+    const fn number_groups(&mut self) {
+        let mut names = [u8::MAX; MAX_FACTORS];
+        let mut factor = 0;
+        while factor < self.factors.len() {
+            let old = self.groups[factor] as usize;
+            if names[old] == u8::MAX {
+                names[old] = self.group_count;
+                self.group_count += 1;
+            }
+            self.groups[factor] = names[old];
+            factor += 1;
+        }
+    }
+
+    /// The action sequence that moves a factor.
+    const fn control(&self, factor: usize) -> Option<usize> {
+        match self.factors[factor].control {
+            Control::Own => Some(factor),
+            Control::Shared(control) => Some(control as usize),
+            Control::None => None,
+        }
+    }
+
+    /// The hidden factors.
     #[must_use]
-    pub const fn preference(&self) -> Preference<O> {
-        self.preference
+    pub const fn factors(&self) -> &'a [Factor<'a>] {
+        self.factors
+    }
+
+    /// The modalities.
+    #[must_use]
+    pub const fn modalities(&self) -> &'a [Modality<'a>] {
+        self.modalities
+    }
+
+    /// How many states all factors have together: the size of [`Beliefs`](super::Beliefs).
+    #[must_use]
+    pub const fn states(&self) -> usize {
+        self.offsets[self.factors.len()] as usize
+    }
+
+    /// How many action sequences a joint policy has.
+    #[must_use]
+    pub const fn controls(&self) -> usize {
+        self.controls as usize
+    }
+
+    /// How many groups of factors there are that move independently of each other.
+    #[must_use]
+    pub const fn groups(&self) -> usize {
+        self.group_count as usize
+    }
+
+    /// Whether action sequence `control` moves a factor of `group`.
+    pub(super) fn is_moved(&self, group: usize, control: usize) -> bool {
+        self.in_group(group).any(|factor| self.control_of(factor) == Some(control))
+    }
+
+    /// The numbers of a group's factors.
+    pub(super) fn in_group(&self, group: usize) -> impl Iterator<Item = usize> + '_ {
+        let numbered = self.groups.iter().take(self.factors.len()).enumerate();
+        numbered.filter(move |(_, of)| usize::from(**of) == group).map(|(factor, _)| factor)
+    }
+
+    /// The group of a factor; zero for one that does not exist.
+    pub(super) fn group(&self, factor: usize) -> usize {
+        self.groups.get(factor).copied().map_or(0, usize::from)
+    }
+
+    /// The groups that a modality depends on, a bit for each.
+    pub(super) fn scope(&self, modality: &Modality) -> u16 {
+        modality.factors.iter().fold(0, |scope, &factor| scope | 1 << self.group(factor))
+    }
+
+    pub(super) fn control_of(&self, factor: usize) -> Option<usize> {
+        self.factors.get(factor).and_then(|of| match of.control {
+            Control::Own => Some(factor),
+            Control::Shared(control) => Some(usize::from(control)),
+            Control::None => None,
+        })
+    }
+
+    /// A factor's part of a flat list of states.
+    #[inline]
+    pub(super) fn part<'b>(&self, flat: &'b [f32], factor: usize) -> &'b [f32] {
+        match (self.offsets.get(factor), self.offsets.get(factor + 1)) {
+            (Some(&from), Some(&to)) => flat.get(usize::from(from)..usize::from(to)).unwrap_or(&[]),
+            _ => &[],
+        }
+    }
+
+    /// The same, to write to.
+    #[inline]
+    pub(super) fn part_mut<'b>(&self, flat: &'b mut [f32], factor: usize) -> &'b mut [f32] {
+        match (self.offsets.get(factor), self.offsets.get(factor + 1)) {
+            (Some(&from), Some(&to)) => flat.get_mut(usize::from(from)..usize::from(to)).unwrap_or(&mut []),
+            _ => &mut [],
+        }
+    }
+
+    /// The parts of `factors`, in their order; `MAX_CONDITIONS` at the most.
+    #[inline]
+    pub(super) fn parts<'b>(&self, flat: &'b [f32], factors: &[usize]) -> Parts<'b> {
+        Parts::new(factors.iter().map(|&factor| self.part(flat, factor)))
+    }
+
+    /// One step of one factor: q(s') = Σ_s B_u(s', s) q(s), from the flat beliefs `from` into `to`.
+    #[inline]
+    pub(super) fn move_factor(&self, factor: usize, action: Action, from: &[f32], to: &mut [f32]) {
+        let Some(of) = self.factors.get(factor) else { return };
+        if of.coupled_to.is_empty() {
+            of.transition.predict(&of.shape, action, &[self.part(from, factor)], to);
+        } else {
+            of.transition.predict(&of.shape, action, self.conditions(factor, from).as_slice(), to);
+        }
+    }
+
+    /// How much a step of one factor will tell about its transition, see [`Transition::novelty`].
+    pub(super) fn novelty_of_move(&self, factor: usize, action: Action, from: &[f32]) -> f32 {
+        let Some(of) = self.factors.get(factor) else { return 0.0 };
+        of.transition.novelty(&of.shape, action, self.conditions(factor, from).as_slice())
+    }
+
+    /// The beliefs that a factor's transition is conditioned on, its own first.
+    fn conditions<'b>(&self, factor: usize, flat: &'b [f32]) -> Parts<'b> {
+        let others = self.factors.get(factor).map_or(&[][..], |of| of.coupled_to);
+        let factors = core::iter::once(factor).chain(others.iter().copied());
+        Parts::new(factors.map(|factor| self.part(flat, factor)))
+    }
+
+    /// D of one factor.
+    #[must_use]
+    pub fn prior(&self, factor: usize) -> &'a [f32] {
+        self.factors.get(factor).map_or(&[], |factor| factor.prior)
     }
 }
+
+/// A few slices of a flat list.
+pub(super) struct Parts<'b> {
+    count: usize,
+    parts: [&'b [f32]; MAX_CONDITIONS],
+}
+
+impl<'b> Parts<'b> {
+    #[inline]
+    pub(super) fn new(parts: impl Iterator<Item = &'b [f32]>) -> Self {
+        let mut new = Self { count: 0, parts: [&[]; MAX_CONDITIONS] };
+        for (slot, part) in new.parts.iter_mut().zip(parts) {
+            *slot = part;
+            new.count += 1;
+        }
+        new
+    }
+
+    #[inline]
+    pub(super) fn as_slice(&self) -> &[&'b [f32]] {
+        self.parts.get(..self.count).unwrap_or(&[])
+    }
+}
+
+impl Modality<'_> {
+    const fn check(&self, number: usize, factors: &[Factor]) -> Result<(), ModelError> {
+        let mut condition = 0;
+        while condition < self.factors.len() {
+            let factor = self.factors[condition];
+            let (before, _) = self.factors.split_at(condition);
+            if factor >= factors.len() || contains(before, factor) {
+                return Err(ModelError::Dependency(number));
+            }
+            if factors[factor].states() != self.shape.states(condition) {
+                return Err(ModelError::Likelihood(number));
+            }
+            condition += 1;
+        }
+        Ok(())
+    }
+}
+
+impl Factor<'_> {
+    const fn fits(&self, factors: &[Factor]) -> bool {
+        let controlled = match self.control {
+            Control::Shared(control) => (control as usize) < MAX_FACTORS,
+            Control::Own | Control::None => true,
+        };
+        let conditions = self.shape.conditions() == 1 + self.coupled_to.len();
+        if !controlled || !conditions || self.shape.states(0) != self.shape.values() {
+            return false;
+        }
+        let mut at = 0;
+        while at < self.coupled_to.len() {
+            let factor = self.coupled_to[at];
+            if factor >= factors.len() || factors[factor].states() != self.shape.states(at + 1) {
+                return false;
+            }
+            at += 1;
+        }
+        true
+    }
+}
+
+const fn contains(list: &[usize], wanted: usize) -> bool {
+    let mut at = 0;
+    while at < list.len() {
+        if list[at] == wanted {
+            return true;
+        }
+        at += 1;
+    }
+    false
+}
+
+impl core::fmt::Debug for Model<'_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Model")
+            .field("factors", &self.factors.len())
+            .field("modalities", &self.modalities.len())
+            .field("states", &self.states())
+            .finish()
+    }
+}
+
+impl core::fmt::Display for ModelError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Factors(count) => write!(f, "{count} factors: a model has 1 to {MAX_FACTORS}, of 65,535 states in all"),
+            Self::Modalities(count) => write!(f, "{count} modalities: a model has 1 to {MAX_MODALITIES}"),
+            Self::Dependency(modality) => {
+                write!(f, "modality {modality} depends on a factor that does not exist, or on one twice")
+            }
+            Self::Likelihood(modality) => {
+                write!(f, "A[{modality}], the likelihood, does not have the states of its factors")
+            }
+            Self::Transition(factor) => {
+                write!(f, "B[{factor}], the transition, does not have the states of its factors")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ModelError {}

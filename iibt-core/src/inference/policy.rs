@@ -6,6 +6,41 @@ use crate::math;
 /// A policy: what to do, step by step.
 pub type Policy = Actions;
 
+/// The posterior over policies, softmax of their scores; policies whose score is more than `window` below the best are
+/// pruned (Occam's window, in nats) and get nothing.
+#[must_use]
+pub fn posterior<const P: usize>(mut scores: [f32; P], window: f32) -> [f32; P] {
+    let best = scores.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    for score in &mut scores {
+        if *score < best - window {
+            *score = f32::NEG_INFINITY;
+        }
+    }
+    if best == f32::NEG_INFINITY {
+        return [0.0; P];
+    }
+    math::softmax(&mut scores);
+    scores
+}
+
+/// The policy that a number `u` from 0 to 1, drawn evenly by the caller's generator, picks from a posterior: the first
+/// up to which there is more mass than `u`.
+#[must_use]
+pub fn sample(posterior: &[f32], u: f32) -> usize {
+    let mut left = u;
+    let mut last = 0;
+    for (policy, &p) in posterior.iter().enumerate() {
+        if p > 0.0 {
+            last = policy;
+            if left < p {
+                return policy;
+            }
+            left -= p;
+        }
+    }
+    last
+}
+
 /// What was chosen, and how sure the choice is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -1,0 +1,117 @@
+//! A sensor that reads the state itself, and errs evenly.
+
+use super::{Expected, Likelihood};
+use crate::inference::{Evidence, Shape};
+use crate::math::{self, Outlook};
+
+/// A = off + (correct - off) I over the first `states` states; the others, which a table of fixed size may have
+/// left over, read themselves.
+///
+/// Four numbers whatever the number of states, and every method costs that number at the most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct IdentityNoise {
+    correct: f32,
+    off: f32,
+    states: usize,
+    column_entropy: f32,
+}
+
+impl IdentityNoise {
+    /// A sensor over `states` states that is right with probability `correct`; each other reading has an equal share
+    /// of the rest.
+    ///
+    /// # Panics
+    /// When there are fewer than two states or `correct` is no probability; in a `const` this fails the build.
+    #[must_use]
+    pub const fn new(correct: f32, states: usize) -> Self {
+        assert!(states > 1, "A, the likelihood of an identity with noise, needs two states");
+        assert!(correct >= 0.0 && correct <= 1.0, "A, the likelihood: `correct` is no probability");
+        Self::among(correct, states)
+    }
+
+    /// The same with numbers that are only known at run time: `correct` is held to 0..=1, where NaN is a sensor
+    /// that knows nothing, and `states` to two at least.
+    #[must_use]
+    pub const fn among(correct: f32, states: usize) -> Self {
+        let states = if states < 2 { 2 } else { states };
+        let correct = if correct.is_nan() { 1.0 / states as f32 } else { correct.clamp(0.0, 1.0) };
+        let off = (1.0 - correct) / (states - 1) as f32;
+        let column_entropy = -math::p_ln_p(correct) - (states - 1) as f32 * math::p_ln_p(off);
+        Self { correct, off, states, column_entropy }
+    }
+
+    /// The probability of the right reading.
+    #[must_use]
+    pub const fn correct(&self) -> f32 {
+        self.correct
+    }
+
+    /// The probability of each single wrong reading.
+    #[must_use]
+    pub const fn off(&self) -> f32 {
+        self.off
+    }
+
+    /// Its shape: as many outcomes as states.
+    ///
+    /// # Panics
+    /// When there are more than 65,535 states; in a `const` this fails the build.
+    #[must_use]
+    pub const fn shape(&self) -> Shape {
+        match Shape::new(self.states, &[self.states]) {
+            Some(shape) => shape,
+            None => panic!("A, the likelihood of an identity with noise, has too many states"),
+        }
+    }
+
+    fn read(&self, outcome: usize, state: usize) -> f32 {
+        match (outcome == state, outcome < self.states && state < self.states) {
+            (true, true) => self.correct,
+            (true, false) => 1.0,
+            (false, true) => self.off,
+            (false, false) => 0.0,
+        }
+    }
+}
+
+impl Likelihood for IdentityNoise {
+    fn probability(&self, outcome: usize, states: &[usize]) -> f32 {
+        states.first().map_or(0.0, |&state| self.read(outcome, state))
+    }
+
+    fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Expected {
+        let belief = beliefs.first().copied().unwrap_or(&[]);
+        let (noisy, exact) = belief.split_at_checked(self.states).unwrap_or((belief, &[]));
+        let (likes, others) = preference.split_at_checked(self.states).unwrap_or((preference, &[]));
+        let mass = math::sum(noisy);
+        let (background, signal) = (self.off * mass, self.correct - self.off);
+        let mut expected = Expected { ambiguity: self.column_entropy * mass, ..Expected::default() };
+        for outlook in [
+            Outlook::of(noisy, likes, |q| background + signal * q),
+            Outlook::of(exact, others, |q| q),
+        ] {
+            expected.utility += outlook.utility();
+            expected.entropy += outlook.entropy();
+        }
+        expected
+    }
+
+    fn message(&self, shape: &Shape, evidence: Evidence, _: &[&[f32]], _: usize, message: &mut [f32]) {
+        let Evidence::Soft(weights) = evidence else {
+            for (state, sum) in message.iter_mut().enumerate() {
+                *sum += evidence.probability(shape.values(), |outcome| self.read(outcome, state));
+            }
+            return;
+        };
+        let background = self.off * weights.iter().take(self.states).sum::<f32>();
+        for (state, (sum, weight)) in message.iter_mut().zip(weights.iter().chain(zeros())).enumerate() {
+            let noisy = background + (self.correct - self.off) * weight;
+            *sum += if state < self.states { noisy } else { *weight };
+        }
+    }
+}
+
+fn zeros<'a>() -> impl Iterator<Item = &'a f32> {
+    core::iter::repeat(&0.0)
+}

@@ -1,0 +1,297 @@
+//! An outcome that labels of the states determine, exactly or with noise.
+
+use super::{Expected, FLOOR, Likelihood, TableError};
+use crate::inference::table;
+use crate::inference::{Evidence, Shape};
+use crate::math::{self, Outlook};
+
+/// The most labels that the states of one condition carry.
+pub const MAX_LABELS: usize = 16;
+
+/// The most kinds of columns.
+pub const MAX_KINDS: usize = 16;
+
+/// P(o | s1, ..., sn) = column(kind(label1(s1), ..., labeln(sn)), o).
+///
+/// A byte per state, a byte per combination of labels and one column per kind take the place of a number for each
+/// outcome and combination of states. A prediction costs the states' sum and the labels' product. Where every
+/// column has a single one, the outcome is certain given the states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutcomeTable<'a> {
+    labels: &'a [&'a [u8]],
+    kinds: &'a [u8],
+    columns: &'a [f32],
+    shape: Shape,
+    combinations: Shape,
+    ambiguity: [f32; MAX_KINDS],
+}
+
+impl<'a> OutcomeTable<'a> {
+    /// A table from the label of each state of each condition, the kind of each combination of labels, the last
+    /// condition's labels running fastest, and the distribution over `outcomes` outcomes of each kind.
+    ///
+    /// # Panics
+    /// When a label, kind or column is not what it should be; in a `const` or `static` this fails the build.
+    #[must_use]
+    pub const fn new(labels: &'a [&'a [u8]], kinds: &'a [u8], columns: &'a [f32], outcomes: usize) -> Self {
+        match Self::try_new(labels, kinds, columns, outcomes) {
+            Ok(table) => table,
+            Err(TableError::Column(..) | TableError::Entry(_)) => {
+                panic!("a column of an outcome table is no distribution")
+            }
+            Err(TableError::Range(_)) => panic!("a label or kind of an outcome table is out of range"),
+            Err(_) => panic!("an outcome table does not have the entries that its labels ask for"),
+        }
+    }
+
+    /// The same for numbers that are only known at run time.
+    ///
+    /// # Errors
+    /// [`TableError::Empty`] without conditions, states, labels or outcomes, [`TableError::Range`] with the place of a
+    /// label of [`MAX_LABELS`] or more or of a kind that has no column, [`TableError::Length`] when there are not as many
+    /// kinds as combinations of labels, and what is wrong with a column.
+    pub const fn try_new(
+        labels: &'a [&'a [u8]],
+        kinds: &'a [u8],
+        columns: &'a [f32],
+        outcomes: usize,
+    ) -> Result<Self, TableError> {
+        let (shape, combinations) = match shapes(labels, outcomes) {
+            Ok(shapes) => shapes,
+            Err(error) => return Err(error),
+        };
+        if outcomes == 0 || columns.len() % outcomes != 0 || columns.len() / outcomes > MAX_KINDS {
+            return Err(TableError::Length(columns.len()));
+        }
+        if !matches!(combinations.columns(), Some(count) if count == kinds.len()) {
+            return Err(TableError::Length(kinds.len()));
+        }
+        let count = columns.len() / outcomes;
+        let mut at = 0;
+        while at < kinds.len() {
+            if kinds[at] as usize >= count {
+                return Err(TableError::Range(at));
+            }
+            at += 1;
+        }
+        let mut ambiguity = [0.0; MAX_KINDS];
+        let mut kind = 0;
+        let mut rest = columns;
+        while kind < count {
+            let (column, others) = rest.split_at(outcomes);
+            let Some(one) = Shape::new(outcomes, &[1]) else { return Err(TableError::Empty) };
+            match table::check(column, &one) {
+                Ok(()) => {}
+                Err(TableError::Column(_, sum)) => return Err(TableError::Column(kind, sum)),
+                Err(error) => return Err(error),
+            }
+            ambiguity[kind] = math::entropy(column);
+            rest = others;
+            kind += 1;
+        }
+        Ok(Self { labels, kinds, columns, shape, combinations, ambiguity })
+    }
+
+    /// Its shape.
+    #[must_use]
+    pub const fn shape(&self) -> Shape {
+        self.shape
+    }
+
+    /// The kind of a combination of states; kind zero outside the table.
+    fn kind(&self, states: &[usize]) -> usize {
+        let mut at = 0;
+        for (condition, (labels, &state)) in self.labels.iter().zip(states).enumerate() {
+            let label = labels.get(state).copied().map_or(0, usize::from);
+            at = at * self.combinations.states(condition) + label;
+        }
+        self.kinds.get(at).copied().map_or(0, usize::from)
+    }
+
+    /// The distribution of outcomes of one kind.
+    fn column(&self, kind: usize) -> &[f32] {
+        self.columns.chunks_exact(self.shape.values()).nth(kind).unwrap_or(&[])
+    }
+
+    /// The mass of each label under each condition's belief.
+    fn label_masses(&self, beliefs: &[&[f32]]) -> Masses {
+        let mut masses = [[0.0; MAX_LABELS]; 2];
+        for ((masses, labels), belief) in masses.iter_mut().zip(self.labels).zip(beliefs) {
+            add_labels(masses, labels, belief);
+        }
+        masses
+    }
+
+    /// The mass of each kind under independent beliefs.
+    fn kind_masses(&self, beliefs: &[&[f32]]) -> [f32; MAX_KINDS] {
+        let mut masses = [0.0; MAX_KINDS];
+        match beliefs {
+            [_] | [_, _] => {
+                let [first, second] = self.label_masses(beliefs);
+                match beliefs {
+                    [_] => add_kinds(&mut masses, self.kinds, 1.0, &first),
+                    _ => {
+                        let rows = self.kinds.chunks_exact(self.combinations.states(1).max(1));
+                        rows.zip(first).for_each(|(row, p)| add_kinds(&mut masses, row, p, &second));
+                    }
+                }
+            }
+            _ => self.for_each_combination(beliefs, None, |_, kind, mass| {
+                if let Some(sum) = masses.get_mut(kind) {
+                    *sum += mass;
+                }
+            }),
+        }
+        masses
+    }
+
+    /// Visits every combination of labels with its kind and its mass, one condition's mass left out.
+    fn for_each_combination(
+        &self,
+        beliefs: &[&[f32]],
+        except: Option<usize>,
+        mut visit: impl FnMut(&[usize], usize, f32),
+    ) {
+        let mut masses = [[0.0; MAX_LABELS]; super::super::shape::MAX_CONDITIONS];
+        for ((masses, labels), belief) in masses.iter_mut().zip(self.labels).zip(beliefs) {
+            add_labels(masses, labels, belief);
+        }
+        self.combinations.for_each_column(|at, labels| {
+            let mut product = 1.0;
+            for (condition, (&label, masses)) in labels.iter().zip(&masses).enumerate() {
+                if except != Some(condition) {
+                    product *= masses.get(label).copied().unwrap_or(0.0);
+                }
+            }
+            visit(labels, self.kinds.get(at).copied().map_or(0, usize::from), product);
+        });
+    }
+
+    /// Adds to `message` what each state's label is told, where `of` is said about each kind.
+    fn tell(&self, of: &[f32; MAX_KINDS], beliefs: &[&[f32]], to: usize, message: &mut [f32]) {
+        let mut told = [0.0; MAX_LABELS];
+        let about = |kind: &u8| of.get(usize::from(*kind)).copied().unwrap_or(0.0);
+        match (beliefs.len(), to) {
+            (1, _) => told.iter_mut().zip(self.kinds).for_each(|(told, kind)| *told = about(kind)),
+            (2, _) => {
+                let masses = self.label_masses(beliefs);
+                let rows = self.kinds.chunks_exact(self.combinations.states(1).max(1));
+                for ((row, p), first) in rows.zip(masses[0]).zip(0..) {
+                    for ((kind, q), second) in row.iter().zip(masses[1]).zip(0..) {
+                        let (label, mass) = if to == 0 { (first, q) } else { (second, p) };
+                        if let Some(told) = told.get_mut::<usize>(label) {
+                            *told += mass * about(kind);
+                        }
+                    }
+                }
+            }
+            _ => self.for_each_combination(beliefs, Some(to), |labels, kind, mass| {
+                if let Some(told) = labels.get(to).and_then(|&label| told.get_mut(label)) {
+                    *told += mass * of.get(kind).copied().unwrap_or(0.0);
+                }
+            }),
+        }
+        let labels = self.labels.get(to).copied().unwrap_or(&[]);
+        for (sum, &label) in message.iter_mut().zip(labels) {
+            *sum += told.get(usize::from(label)).copied().unwrap_or(0.0);
+        }
+    }
+
+    /// P(e | kind) of each kind.
+    fn evidence(&self, evidence: Evidence) -> [f32; MAX_KINDS] {
+        let mut of = [0.0; MAX_KINDS];
+        for (of, column) in of.iter_mut().zip(self.columns.chunks_exact(self.shape.values())) {
+            *of = evidence
+                .probability(column.len(), |outcome| column.get(outcome).copied().unwrap_or(0.0));
+        }
+        of
+    }
+}
+
+type Masses = [[f32; MAX_LABELS]; 2];
+
+/// The shape over states, and the one over labels with its kinds left open.
+const fn shapes(labels: &[&[u8]], outcomes: usize) -> Result<(Shape, Shape), TableError> {
+    let mut states = [0; super::super::shape::MAX_CONDITIONS];
+    let mut counts = [0; super::super::shape::MAX_CONDITIONS];
+    if labels.is_empty() || labels.len() > states.len() {
+        return Err(TableError::Empty);
+    }
+    let mut condition = 0;
+    while condition < labels.len() {
+        let of = labels[condition];
+        let mut state = 0;
+        while state < of.len() {
+            if of[state] as usize >= MAX_LABELS {
+                return Err(TableError::Range(state));
+            }
+            if of[state] as usize >= counts[condition] {
+                counts[condition] = of[state] as usize + 1;
+            }
+            state += 1;
+        }
+        states[condition] = of.len();
+        condition += 1;
+    }
+    let (states, _) = states.split_at(labels.len());
+    let (counts, _) = counts.split_at(labels.len());
+    match (Shape::new(outcomes, states), Shape::new(1, counts)) {
+        (Some(states), Some(counts)) => Ok((states, counts)),
+        _ => Err(TableError::Empty),
+    }
+}
+
+fn add_labels(masses: &mut [f32; MAX_LABELS], labels: &[u8], belief: &[f32]) {
+    for (&label, q) in labels.iter().zip(belief) {
+        if let Some(mass) = masses.get_mut(usize::from(label)) {
+            *mass += q;
+        }
+    }
+}
+
+#[inline]
+fn add_kinds(masses: &mut [f32; MAX_KINDS], kinds: &[u8], p: f32, labels: &[f32; MAX_LABELS]) {
+    for (&kind, q) in kinds.iter().zip(labels) {
+        if let Some(mass) = masses.get_mut(usize::from(kind)) {
+            *mass += p * q;
+        }
+    }
+}
+
+impl Likelihood for OutcomeTable<'_> {
+    fn probability(&self, outcome: usize, states: &[usize]) -> f32 {
+        let inside = states.iter().enumerate().all(|(condition, &state)| state < self.shape.states(condition));
+        let column = self.column(self.kind(states));
+        if inside { column.get(outcome).copied().unwrap_or(0.0) } else { 0.0 }
+    }
+
+    fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Expected {
+        let masses = self.kind_masses(beliefs);
+        let mut outlook = Outlook::new();
+        for (block, preferences) in preference.chunks(4).enumerate() {
+            let mut outcomes = [0.0; 4];
+            for (column, mass) in self.columns.chunks_exact(self.shape.values()).zip(&masses) {
+                for (sum, p) in outcomes.iter_mut().zip(column.iter().skip(4 * block)) {
+                    *sum += mass * p;
+                }
+            }
+            outlook.add_some(outcomes.into_iter(), preferences);
+        }
+        let ambiguity = masses.iter().zip(&self.ambiguity).map(|(mass, entropy)| mass * entropy).sum();
+        Expected { utility: outlook.utility(), entropy: outlook.entropy(), ambiguity }
+    }
+
+    fn message(&self, _: &Shape, evidence: Evidence, beliefs: &[&[f32]], to: usize, message: &mut [f32]) {
+        self.tell(&self.evidence(evidence), beliefs, to, message);
+    }
+
+    fn log_message(&self, _: &Shape, evidence: Evidence, beliefs: &[&[f32]], to: usize, scores: &mut [f32]) {
+        let of = self.evidence(evidence).map(|p| math::ln(p.max(FLOOR)));
+        self.tell(&of, beliefs, to, scores);
+    }
+
+    fn effort(&self, shape: &Shape) -> usize {
+        let states: usize = (0..shape.conditions()).map(|condition| shape.states(condition)).sum();
+        states.saturating_add(self.combinations.columns().unwrap_or(usize::MAX))
+    }
+}

@@ -1,0 +1,109 @@
+//! What is to be decided: a model, beliefs, candidates, and how they are scored.
+
+use super::belief::Beliefs;
+use super::candidates::Candidates;
+use super::free_energy::{Credit, Padding, Scoring, Terms};
+use super::model::{Modality, Model};
+use super::policy::Policy;
+use crate::actions::Action;
+
+/// A decision to be made.
+#[derive(Clone, Copy)]
+pub struct Problem<'a, const N: usize> {
+    /// The generative model.
+    pub model: &'a Model<'a>,
+    /// What is believed now.
+    pub beliefs: &'a Beliefs<N>,
+    /// The joint policies to choose from.
+    pub candidates: Candidates<'a>,
+    /// How they are scored.
+    pub scoring: Scoring,
+    /// How many steps are looked at; sequences that are longer are cut off, shorter ones are padded.
+    pub horizon: usize,
+    /// C as it is now for each modality, in place of the model's; a modality without an entry keeps the model's.
+    pub preferences: &'a [&'a [f32]],
+    /// The part of C that counts before a policy arrives, for each modality, with [`Credit::OnArrival`]; a modality without an
+    /// entry has all of it count.
+    pub aversions: &'a [&'a [f32]],
+    /// What is liked or disliked about two factors' moves beyond any outcome.
+    pub encounters: &'a [&'a dyn Encounter],
+    /// Only modalities that depend on nothing but these groups are looked at, and only these groups move; a bit for each.
+    pub scope: u16,
+}
+
+/// A preference for how two factors move relative to each other that no modality's outcome expresses, on the log scale
+/// of C: two robots in one place, or changing places.
+pub trait Encounter: Sync {
+    /// The two factors.
+    fn factors(&self) -> [usize; 2];
+
+    /// What the moves from these beliefs by these actions are worth; no action is to stay.
+    fn departing(&self, beliefs: [&[f32]; 2], actions: [Option<Action>; 2]) -> f32;
+
+    /// What it is worth to have arrived at these beliefs.
+    fn arrived(&self, beliefs: [&[f32]; 2]) -> f32;
+}
+
+impl<'a, const N: usize> Problem<'a, N> {
+    /// A decision among `candidates` over the length of the longest, with the model's preferences.
+    #[must_use]
+    pub fn new(model: &'a Model<'a>, beliefs: &'a Beliefs<N>, candidates: Candidates<'a>, scoring: Scoring) -> Self {
+        Self {
+            model,
+            beliefs,
+            candidates,
+            scoring,
+            horizon: candidates.horizon(),
+            preferences: &[],
+            aversions: &[],
+            encounters: &[],
+            scope: u16::MAX,
+        }
+    }
+
+    /// The C of a modality as it counts at a step at which a policy arrives, or at another.
+    pub(super) fn preference(&self, number: usize, modality: &Modality<'a>, arrives: bool) -> &'a [f32] {
+        let given = |list: &'a [&'a [f32]]| {
+            list.get(number).copied().filter(|given| given.len() == modality.shape().values())
+        };
+        let under_way = if arrives || self.scoring.credit == Credit::EveryStep { None } else { given(self.aversions) };
+        under_way.or_else(|| given(self.preferences)).unwrap_or(modality.preference())
+    }
+
+    /// The modalities in scope, with their numbers and groups.
+    pub(super) fn modalities(&self) -> impl Iterator<Item = (usize, &'a Modality<'a>, u16)> + '_ {
+        let model = self.model;
+        let numbered = model.modalities().iter().enumerate();
+        numbered
+            .map(move |(number, modality)| (number, modality, model.scope(modality)))
+            .filter(|(_, _, groups)| groups & !self.scope == 0)
+    }
+
+    /// What an action sequence does at `step`; `None` when it stays.
+    pub(super) fn action(&self, actions: &Policy, step: usize) -> Option<Action> {
+        actions.get(step).or(match self.scoring.padding {
+            Padding::Stay => None,
+            Padding::Repeat(action) => Some(action),
+        })
+    }
+
+    /// After how many steps an action sequence arrives; one without actions never does, and is judged at the horizon.
+    pub(super) fn arrival(&self, actions: &Policy) -> usize {
+        if actions.is_empty() { self.horizon } else { actions.len().min(self.horizon) }
+    }
+
+    /// The terms of one modality at one step, `normaliser` being ln Σ exp of the preference that counts.
+    #[inline]
+    pub(super) fn terms(
+        &self,
+        (number, modality): (usize, &Modality<'a>),
+        beliefs: &[&[f32]],
+        arrives: bool,
+        normaliser: f32,
+    ) -> Terms {
+        let preference = self.preference(number, modality, arrives);
+        let expected = modality.likelihood().expect(modality.shape(), beliefs, preference);
+        let novelty = modality.likelihood().novelty(modality.shape(), beliefs);
+        Terms { novelty, ..Terms::of(&expected, normaliser) }
+    }
+}

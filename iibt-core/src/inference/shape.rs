@@ -1,0 +1,134 @@
+//! The shape of a table of conditional probabilities, and the walk over its conditions.
+
+/// The most hidden factors that one table is conditioned on.
+pub const MAX_CONDITIONS: usize = 8;
+
+/// How many values a table gives probabilities for, and how many states each of its conditions has.
+///
+/// For a likelihood the values are outcomes and the conditions are hidden factors; for a transition the values
+/// are next states, and the first condition is the factor's own state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Shape {
+    values: u16,
+    conditions: u8,
+    states: [u16; MAX_CONDITIONS],
+}
+
+impl Shape {
+    /// A shape; `None` when it has no values, no conditions or more than [`MAX_CONDITIONS`], or a size is zero
+    /// or above 65,535.
+    #[must_use]
+    pub const fn new(values: usize, states: &[usize]) -> Option<Self> {
+        let most = u16::MAX as usize;
+        let conditions = states.len();
+        if values == 0 || values > most || conditions == 0 || conditions > MAX_CONDITIONS {
+            return None;
+        }
+        let mut shape = Self { values: values as u16, conditions: conditions as u8, states: [1; MAX_CONDITIONS] };
+        let mut index = 0;
+        while index < conditions {
+            if states[index] == 0 || states[index] > most {
+                return None;
+            }
+            shape.states[index] = states[index] as u16;
+            index += 1;
+        }
+        Some(shape)
+    }
+
+    /// How many values there are.
+    #[must_use]
+    pub const fn values(&self) -> usize {
+        self.values as usize
+    }
+
+    /// How many conditions there are.
+    #[must_use]
+    pub const fn conditions(&self) -> usize {
+        self.conditions as usize
+    }
+
+    /// The states of one condition; one where there is no such condition.
+    #[must_use]
+    pub const fn states(&self, condition: usize) -> usize {
+        if condition < self.conditions() { self.states[condition] as usize } else { 1 }
+    }
+
+    /// How many columns the table has: the product of the conditions' states, or `None` where that is no `usize`.
+    #[must_use]
+    pub const fn columns(&self) -> Option<usize> {
+        let mut product: usize = 1;
+        let mut index = 0;
+        while index < self.conditions() {
+            match product.checked_mul(self.states(index)) {
+                Some(more) => product = more,
+                None => return None,
+            }
+            index += 1;
+        }
+        Some(product)
+    }
+
+    /// Calls `visit` with every combination of states, the last condition running fastest, and with its place.
+    #[inline]
+    pub fn for_each_column(&self, mut visit: impl FnMut(usize, &[usize])) {
+        let mut now = [0; MAX_CONDITIONS];
+        let mut column = 0;
+        loop {
+            let Some(states) = now.get(..self.conditions()) else { return };
+            visit(column, states);
+            column += 1;
+            let mut condition = self.conditions();
+            loop {
+                let Some(before) = condition.checked_sub(1) else { return };
+                condition = before;
+                let Some(state) = now.get_mut(condition) else { return };
+                *state += 1;
+                if *state < self.states(condition) {
+                    break;
+                }
+                *state = 0;
+            }
+        }
+    }
+}
+
+/// The probability of a combination of states under independent beliefs, one condition left out.
+#[inline]
+#[must_use]
+pub(super) fn mass(beliefs: &[&[f32]], states: &[usize], except: Option<usize>) -> f32 {
+    let mut product = 1.0;
+    for (condition, (belief, &state)) in beliefs.iter().zip(states).enumerate() {
+        if except != Some(condition) {
+            product *= belief.get(state).copied().unwrap_or(0.0);
+        }
+    }
+    product
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn every_combination_is_visited_once_in_row_major_order() {
+        let shape = Shape::new(2, &[2, 3]).unwrap();
+        let mut seen = Vec::new();
+        shape.for_each_column(|column, states| seen.push((column, states.to_vec())));
+        let expected: Vec<_> =
+            (0..6).map(|column| (column, [column / 3, column % 3].to_vec())).collect();
+        assert_eq!(seen, expected);
+    }
+
+    #[test]
+    fn shapes_without_room_are_none() {
+        assert_eq!(Shape::new(0, &[2]), None);
+        assert_eq!(Shape::new(2, &[]), None);
+        assert_eq!(Shape::new(2, &[3, 0]), None);
+        assert_eq!(Shape::new(2, &[1; MAX_CONDITIONS + 1]), None);
+        assert_eq!(Shape::new(70_000, &[2]), None);
+        assert_eq!(Shape::new(2, &[65_535; MAX_CONDITIONS]).unwrap().columns(), None);
+    }
+}

@@ -1,0 +1,118 @@
+//! Motion to one next state, certain or with a slip.
+
+use super::{Transition, stay};
+use crate::actions::{Action, Actions};
+use crate::inference::Shape;
+use crate::inference::likelihood::TableError;
+
+/// The next state of every state, per action, reached with probability 1 - slip; else the robot stays where it is.
+///
+/// Two bytes per action and state, and a prediction costs an addition per state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NextState<'a> {
+    table: &'a [u16],
+    states: u16,
+    slip: f32,
+}
+
+impl<'a> NextState<'a> {
+    /// Certain motion: a row of `states` next states per action.
+    ///
+    /// # Panics
+    /// When there are no states or actions, the rows are ragged, or a next state is not below `states`; in a `const` this
+    /// fails the build.
+    #[must_use]
+    pub const fn new(table: &'a [u16], states: usize) -> Self {
+        Self::with_slip(table, states, 0.0)
+    }
+
+    /// Motion that fails with probability `slip`.
+    ///
+    /// # Panics
+    /// As [`new`](Self::new), and when `slip` is no probability.
+    #[must_use]
+    pub const fn with_slip(table: &'a [u16], states: usize, slip: f32) -> Self {
+        match Self::try_new(table, states, slip) {
+            Ok(motion) => motion,
+            Err(TableError::Range(_)) => panic!("B, the transition: a next state is out of range"),
+            Err(TableError::Entry(_)) => panic!("B, the transition: the slip is no probability"),
+            Err(_) => panic!("B, the transition, does not have a next state for each state and action"),
+        }
+    }
+
+    /// The same for numbers that are only known at run time.
+    ///
+    /// # Errors
+    /// [`TableError::Length`] for ragged rows, none, or more than [`Actions::CODES`], [`TableError::Range`] with the place of
+    /// a next state that does not exist, and [`TableError::Entry`] for a slip that is no probability.
+    pub const fn try_new(table: &'a [u16], states: usize, slip: f32) -> Result<Self, TableError> {
+        if states == 0 || states > u16::MAX as usize {
+            return Err(TableError::Empty);
+        }
+        let actions = table.len() / states;
+        if table.len() % states != 0 || actions == 0 || actions > Actions::CODES as usize {
+            return Err(TableError::Length(table.len()));
+        }
+        let mut at = 0;
+        while at < table.len() {
+            if table[at] as usize >= states {
+                return Err(TableError::Range(at));
+            }
+            at += 1;
+        }
+        if !(slip >= 0.0 && slip <= 1.0) {
+            return Err(TableError::Entry(0));
+        }
+        Ok(Self { table, states: states as u16, slip })
+    }
+
+    /// Its shape: the factor's own state is all that it depends on.
+    ///
+    /// # Panics
+    /// Never: it has states.
+    #[must_use]
+    pub const fn shape(&self) -> Shape {
+        let states = self.states as usize;
+        match Shape::new(states, &[states]) {
+            Some(shape) => shape,
+            None => panic!("B, the transition, has no states"),
+        }
+    }
+
+    /// The probability that a move fails.
+    #[must_use]
+    pub const fn slip(&self) -> f32 {
+        self.slip
+    }
+
+    /// Where `action` leads from `state` when it does not slip; nowhere for a state or action that does not exist.
+    #[must_use]
+    pub fn successor(&self, action: Action, state: usize) -> usize {
+        let row = self.row(action).unwrap_or(&[]);
+        row.get(state).map_or(state, |&next| usize::from(next))
+    }
+
+    fn row(&self, action: Action) -> Option<&'a [u16]> {
+        self.table.chunks_exact(usize::from(self.states.max(1))).nth(usize::from(action))
+    }
+}
+
+impl Transition for NextState<'_> {
+    fn probability(&self, action: Action, next: usize, states: &[usize]) -> f32 {
+        let Some(&state) = states.first() else { return 0.0 };
+        let arrives = if self.successor(action, state) == next { 1.0 - self.slip } else { 0.0 };
+        let stays = if state == next { self.slip } else { 0.0 };
+        arrives + stays
+    }
+
+    fn predict(&self, _shape: &Shape, action: Action, beliefs: &[&[f32]], to: &mut [f32]) {
+        let (Some(row), Some(from)) = (self.row(action), beliefs.first()) else { return stay(beliefs, to) };
+        to.iter_mut().zip(*from).for_each(|(mass, q)| *mass = self.slip * q);
+        let moved = 1.0 - self.slip;
+        for (&next, q) in row.iter().zip(*from) {
+            if let Some(mass) = to.get_mut(usize::from(next)) {
+                *mass += moved * q;
+            }
+        }
+    }
+}
