@@ -28,7 +28,7 @@ extern crate std;
 pub mod actions;
 mod bounded;
 pub mod grid;
-//TMP pub mod iibt;
+pub mod iibt;
 pub mod inference;
 pub mod math;
 pub mod team;

@@ -1,6 +1,6 @@
 use iibt_core::inference::likelihood::Dense;
 
-static A: Dense<0, 2> = Dense::new([[], []]);
+static A: Dense = Dense::new(&[], 2, &[0]);
 
 fn main() {
     let _ = &A;

@@ -1,6 +1,6 @@
 use iibt_core::inference::NextState;
 
-static B: NextState<2, 1> = NextState::new([[1, 2]]);
+static B: NextState = NextState::new(&[1, 2], 2);
 
 fn main() {
     let _ = &B;

@@ -1,8 +1,8 @@
-use iibt_core::inference::{IdentityNoise, Model, NextState};
+use iibt_core::inference::{IdentityNoise, Modality};
 
-static MODEL: Model<IdentityNoise<2>, NextState<2, 1>, 2, 2> =
-    Model::new(IdentityNoise::new(0.9), NextState::new([[1, 0]]), [0.0, 1.0, 0.0], [0.5, 0.5]);
+static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 2);
+static C: Modality = Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 1.0, 0.0]);
 
 fn main() {
-    let _ = &MODEL;
+    let _ = &C;
 }

@@ -1,6 +1,7 @@
-use iibt_core::inference::Preference;
+use iibt_core::inference::{IdentityNoise, Modality};
 
-static C: Preference<2> = Preference::new([0.0, f32::NAN]);
+static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 2);
+static C: Modality = Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, f32::NAN]);
 
 fn main() {
     let _ = &C;

@@ -1,6 +1,6 @@
 use iibt_core::inference::IdentityNoise;
 
-static A: IdentityNoise<4> = IdentityNoise::new(1.2);
+static A: IdentityNoise = IdentityNoise::new(1.2, 4);
 
 fn main() {
     let _ = &A;

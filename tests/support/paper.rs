@@ -1,11 +1,10 @@
 //! The paper's sections 5.1 and 5.2: data and recovered numbers.
 
+use iibt_core::actions::Action;
 use iibt_core::grid::{Cell, Map, Path};
-use iibt_core::inference::belief::update_pair;
-use iibt_core::inference::published::parallel_sweep;
 use iibt_core::inference::{
-    Belief, IdentityNoise, Interaction, Likelihood, NextState, OutcomeTable, Policy, Preference, Scoring,
-    Side, Terms, Workspace,
+    Beliefs, Candidates, Encounter, Evaluation, Evidence, Factor, IdentityNoise, Modality, Model, NextState,
+    OutcomeTable, Policy, Problem, Scoring, Shape, Sweeps,
 };
 use iibt_core::{grid::Move, math};
 
@@ -73,7 +72,7 @@ pub enum Mode {
 /// A judged decision.
 pub struct Judged {
     /// The beliefs of both robots after the first observation.
-    pub beliefs: [Belief<S>; 2],
+    pub beliefs: [Vec<f32>; 2],
     /// The posterior over the joint policies, a row for each path of robot 1.
     pub posterior: Vec<f32>,
 }
@@ -82,66 +81,91 @@ impl Decision {
     /// The posterior over the joint policies.
     #[must_use]
     pub fn judge(&self, mode: Mode) -> Judged {
-        let (sensors, table) = ([IdentityNoise::new(0.9952), IdentityNoise::new(0.904)], outcomes());
-        let beliefs = self.beliefs(mode, &sensors, &table);
-        let scoring = if mode == Mode::Default { Scoring::DEFAULT } else { Scoring::AS_PUBLISHED };
-        let preference = self.preference();
+        let labels: [u8; S] = core::array::from_fn(|cell| match cell {
+            24 => 1,
+            26 => 2,
+            _ => 0,
+        });
+        let labels = [&labels[..]; 2];
+        let outcomes = OutcomeTable::new(&labels, &[0, 2, 2, 2, 2, 1, 2, 1, 2], &CERTAIN, 3);
+        let sensors = [IdentityNoise::new(0.9952, S), IdentityNoise::new(0.904, S)];
+        let (next, place, flat, preference) =
+            (next(), Shape::new(S, &[S]).expect("49"), [1.0 / S as f32; S], self.preference());
+        let motion = NextState::new(&next, S);
+        let factors = [Factor::new(&motion, place, &flat); 2];
+        let modalities = [
+            Modality::new(&sensors[0], place, &[0], &preference),
+            Modality::new(&sensors[1], place, &[1], &preference),
+            Modality::new(&outcomes, outcomes.shape(), &[0, 1], &[0.0, 1.0, 0.0]),
+        ];
+        let model = Model::new(&factors, &modalities);
+        let beliefs = self.beliefs(mode, &model);
         let policies =
             self.paths.each_ref().map(|paths| paths.iter().map(|path| path.actions).collect::<Vec<Policy>>());
-        let transition = transition();
-        let side = |robot: usize| Side {
-            likelihood: &sensors[robot],
-            transition: &transition,
-            belief: &beliefs[robot],
-            preference: &preference,
-            policies: &policies[robot],
+        let sequences = policies.each_ref().map(|policies| policies.as_slice());
+        let aversions = preference.map(|value| value.min(0.0));
+        let problem = Problem {
+            horizon: self.horizon,
+            aversions: &[&aversions, &aversions],
+            encounters: if mode == Mode::Default { &[&Collision] } else { &[] },
+            ..Problem::new(
+                &model,
+                &beliefs,
+                Candidates::all(&sequences),
+                match mode {
+                    Mode::Default => Scoring::DEFAULT,
+                    Mode::AsPublished => Scoring::AS_PUBLISHED,
+                },
+            )
         };
-        let interaction = Interaction {
-            outcomes: &table,
-            preference: &Preference::new([0.0, 1.0, 0.0]),
-            collision: if mode == Mode::Default { -4.0 } else { 0.0 },
-        };
-        let mut workspace = Workspace::<S, 4>::new();
-        workspace.evaluate(&side(0), &side(1), &interaction, &scoring, self.horizon);
-        let value = |terms: &Terms| -terms.expected_free_energy(scoring.convention);
-        let mut posterior = vec![];
-        for (row, first) in workspace.pairs().iter().zip(workspace.first_terms()).take(policies[0].len()) {
-            for (pair, second) in row.iter().zip(workspace.second_terms()).take(policies[1].len()) {
-                posterior.push(scoring.score(0.0, 0.0, value(first) + value(second) + pair));
-            }
-        }
-        math::softmax(&mut posterior);
-        Judged { beliefs, posterior }
+        let mut evaluation = Evaluation::<S, 2, 4, 4>::new();
+        evaluation.evaluate(&problem);
+        let posterior = evaluation.posterior().as_flattened()[..evaluation.done()].to_vec();
+        Judged { beliefs: [0, 1].map(|robot| beliefs.of(&model, robot).to_vec()), posterior }
     }
 
-    fn beliefs(
-        &self,
-        mode: Mode,
-        sensors: &[IdentityNoise<S>; 2],
-        table: &OutcomeTable<S, 3, 3>,
-    ) -> [Belief<S>; 2] {
-        let seen = [0, 1].map(|robot| self.paths[robot][0].start.index());
+    fn beliefs(&self, mode: Mode, model: &Model) -> Beliefs<S, 2> {
+        let [first, second] = [0, 1].map(|robot| Evidence::Outcome(self.paths[robot][0].start.index()));
+        let seen = [first, second, Evidence::Outcome(0)];
+        let mut beliefs = Beliefs::prior(model);
         if mode == Mode::AsPublished {
-            let evidence =
-                [0, 1].map(|robot| core::array::from_fn(|s| sensors[robot].probability(seen[robot], s)));
-            return parallel_sweep((&evidence[0], &evidence[1]), table, 0).into();
+            beliefs.update_in_parallel(model, &seen, Sweeps::PAPER);
+        } else {
+            beliefs.update(model, &seen).expect("every cell can be read, and nobody is on a goal");
         }
-        let mut beliefs = [Belief::uniform(); 2];
-        for ((belief, sensor), seen) in beliefs.iter_mut().zip(sensors).zip(seen) {
-            belief.update(sensor, seen).expect("every cell can be read");
-        }
-        let [first, second] = &mut beliefs;
-        update_pair(first, second, table, 0).expect("nobody is on a goal");
         beliefs
     }
 
-    fn preference(&self) -> Preference<S> {
+    fn preference(&self) -> [f32; S] {
         let mut preference = [0.0; S];
         (preference[24], preference[26]) = (1.0, 1.0);
         if let Some(obstacle) = self.obstacle {
             preference[obstacle.index()] = -1.0;
         }
-        Preference::new(preference)
+        preference
+    }
+}
+
+/// Every outcome is certain given the labels.
+const CERTAIN: [f32; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+/// What the product takes a collision to be worth.
+struct Collision;
+
+impl Encounter for Collision {
+    fn factors(&self) -> [usize; 2] {
+        [0, 1]
+    }
+
+    fn departing(&self, [first, second]: [&[f32]; 2], [action, reply]: [Option<Action>; 2]) -> f32 {
+        let (Some(action), Some(reply)) = (action, reply) else { return 0.0 };
+        let to = |action, cell: usize| usize::from(next()[usize::from(action) * S + cell]);
+        let swaps = |cell: &usize| to(action, *cell) != *cell && to(reply, to(action, *cell)) == *cell;
+        -4.0 * (0..S).filter(swaps).map(|cell| first[cell] * second[to(action, cell)]).sum::<f32>()
+    }
+
+    fn arrived(&self, [first, second]: [&[f32]; 2]) -> f32 {
+        -4.0 * math::expectation(first, second)
     }
 }
 
@@ -151,14 +175,8 @@ pub fn map() -> Map<2> {
     Map::new(7, 7).expect("49 cells fit 64 bits")
 }
 
-fn transition() -> NextState<S, 5> {
-    NextState::new(
-        Move::ALL.map(|step| core::array::from_fn(|cell| map().neighbour(Cell(cell as u16), step).0)),
-    )
-}
-
-fn outcomes() -> OutcomeTable<S, 3, 3> {
-    let mut labels = [0; S];
-    (labels[24], labels[26]) = (1, 2);
-    OutcomeTable::new(labels, [[0, 2, 2], [2, 2, 1], [2, 1, 2]])
+/// The next cell per move and cell.
+fn next() -> Vec<u16> {
+    let cells = || (0..S as u16).map(Cell);
+    Move::ALL.iter().flat_map(|&step| cells().map(move |cell| map().neighbour(cell, step).0)).collect()
 }

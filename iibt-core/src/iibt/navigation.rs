@@ -17,6 +17,7 @@ mod mission;
 mod plans;
 mod task;
 mod tracking;
+mod world;
 
 pub use candidates::Candidate;
 pub use decision::Decision;
@@ -27,7 +28,8 @@ use self::candidates::{Generator, Situation};
 use super::Logic;
 use crate::bounded::up_to;
 use crate::grid::{Cell, Move};
-use crate::inference::{Belief, Choice, Impossible, Preference};
+use crate::inference::{Beliefs, Choice, Impossible, Preference};
+use crate::math;
 use crate::team::{Agreement, Intention, MAX_HAZARDS, Peer, RobotId, Roster};
 use crate::time::Instant;
 use heapless::Vec;
@@ -53,7 +55,7 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     robot: RobotId,
     roster: Roster,
     agreement: Agreement,
-    belief: Belief<S>,
+    belief: Beliefs<S, 1>,
     surprise: Result<f32, Impossible>,
     preference: Preference<S>,
     hazards: Vec<Cell, MAX_KNOWN_HAZARDS>,
@@ -106,9 +108,9 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             robot,
             agreement: Agreement::new(robot, mission.team(), epoch, start),
             roster,
-            belief: decision.model().initial(),
+            belief: decision.world().initial(),
             surprise: Ok(0.0),
-            preference: decision.model().preference(),
+            preference: decision.world().preference(),
             hazards: Vec::new(),
             percept: Percept::default(),
             situation: None,
@@ -157,8 +159,9 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
     /// Where the robot is most likely, and how likely that is.
     #[must_use]
     pub fn position(&self) -> (Cell, f32) {
-        let (state, probability) = self.belief.most_likely();
-        (Cell(state as u16), probability)
+        let belief = self.belief.as_flat();
+        let state = math::argmax(belief);
+        (Cell(state as u16), belief.get(state).copied().unwrap_or(0.0))
     }
 
     /// The surprise F = -ln P(o) of the last reading, in nats, or that it was impossible.

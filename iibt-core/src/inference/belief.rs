@@ -1,43 +1,51 @@
 //! q(s), what a robot believes about the hidden factors, and how actions and observations change it.
 
-use super::evidence::Evidence;
 use super::estimation::{self, Impossible, Update};
+use super::evidence::Evidence;
 use super::model::Model;
+use super::published::{self, Sweeps};
 use crate::actions::Action;
 use crate::math;
 
-/// A distribution over the states of each factor of a model, one after the other in a list of `N` numbers, the sum of
-/// the factors' states. Every method keeps them distributions: finite, not negative, summing to one.
+/// A distribution over the states of each factor of a model, one after the other.
+///
+/// There is room for `G` groups of `S` states each, a group being what moves together, one robot for example; factors of
+/// different sizes share that room. Every method keeps them distributions: finite, not negative, summing to one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beliefs<const N: usize>([f32; N]);
+pub struct Beliefs<const S: usize, const G: usize>([[f32; S]; G]);
 
-impl<const N: usize> Beliefs<N> {
-    /// D, the belief before the first observation. With fewer than [`Model::states`] numbers, factors that find no room have
-    /// no belief, and nothing is inferred about them.
+impl<const S: usize, const G: usize> Beliefs<S, G> {
+    /// How many states there is room for.
+    pub const CAPACITY: usize = S * G;
+
+    /// No belief: room to work in.
+    pub(crate) const EMPTY: Self = Self([[0.0; S]; G]);
+
+    /// D, the belief before the first observation. Factors beyond the [`CAPACITY`](Self::CAPACITY) have no belief, and nothing
+    /// is inferred about them: compare it with [`Model::states`].
     #[must_use]
     pub fn prior(model: &Model) -> Self {
-        let mut flat = [0.0; N];
+        let mut prior = Self::EMPTY;
         for factor in 0..model.factors().len() {
-            let part = model.part_mut(&mut flat, factor);
-            part.iter_mut().zip(model.prior(factor)).for_each(|(q, d)| *q = *d);
+            math::assign(model.part_mut(prior.as_flat_mut(), factor), model.prior(factor));
         }
-        Self(flat)
+        prior
     }
 
     /// The belief about one factor; empty where there is no such factor.
     #[must_use]
     pub fn of(&self, model: &Model, factor: usize) -> &[f32] {
-        model.part(&self.0, factor)
+        model.part(self.as_flat(), factor)
     }
 
     /// All beliefs, factor after factor.
     #[must_use]
-    pub const fn as_flat(&self) -> &[f32; N] {
-        &self.0
+    pub const fn as_flat(&self) -> &[f32] {
+        self.0.as_flattened()
     }
 
-    pub(super) const fn as_flat_mut(&mut self) -> &mut [f32; N] {
-        &mut self.0
+    pub(crate) const fn as_flat_mut(&mut self) -> &mut [f32] {
+        self.0.as_flattened_mut()
     }
 
     /// The most probable state of one factor and its probability; the first of equals.
@@ -51,7 +59,7 @@ impl<const N: usize> Beliefs<N> {
     /// Replaces the belief about one factor by one in proportion to `weights`; returns whether it did. It does not when
     /// there are not as many weights as states, or they are no weights or sum to nothing.
     pub fn set(&mut self, model: &Model, factor: usize, weights: &[f32]) -> bool {
-        let part = model.part_mut(&mut self.0, factor);
+        let part = model.part_mut(self.as_flat_mut(), factor);
         let sum: f32 = weights.iter().sum();
         let sound = weights.iter().all(|weight| *weight >= 0.0) && sum > 0.0 && sum.is_finite();
         if !sound || part.len() != weights.len() {
@@ -64,19 +72,28 @@ impl<const N: usize> Beliefs<N> {
     /// The beliefs after one step, in which `actions` holds an action for each of the model's action sequences, or `None`
     /// for a robot that stays: q(s') = Σ_s B_u(s', s) q(s). Uncontrolled factors change by themselves.
     pub fn predict(&mut self, model: &Model, actions: &[Option<Action>]) {
-        let from = self.0;
+        let before = *self;
+        let from = before.as_flat();
         for factor in 0..model.factors().len() {
             let action = match model.control_of(factor) {
                 Some(control) => actions.get(control).copied().flatten(),
                 None => Some(0),
             };
             if let Some(action) = action {
-                let to = model.part_mut(&mut self.0, factor);
-                model.move_factor(factor, action, &from, to);
+                let to = model.part_mut(self.as_flat_mut(), factor);
+                model.move_factor(factor, action, from, to);
                 if math::normalise(to).is_none() {
-                    to.iter_mut().zip(model.part(&from, factor)).for_each(|(to, from)| *to = *from);
+                    math::assign(to, model.part(from, factor));
                 }
             }
+        }
+    }
+
+    /// Mixes in a share of other beliefs: q := (1 - share) q + share other. `share` is held to 0..=1, NaN is none.
+    pub fn mix(&mut self, other: &Self, share: f32) {
+        let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
+        for (q, p) in self.as_flat_mut().iter_mut().zip(other.as_flat()) {
+            *q += share * (p - *q);
         }
     }
 
@@ -98,5 +115,12 @@ impl<const N: usize> Beliefs<N> {
     /// [`Impossible`] as for [`update`](Self::update).
     pub fn update_by_ascent(&mut self, model: &Model, evidence: &[Evidence]) -> Result<Update, Impossible> {
         estimation::update(self, model, evidence, estimation::Method::CoordinateAscent)
+    }
+
+    /// The same by the sweeps of the field's older tools, which update all factors at once from uniform beliefs: kept to
+    /// reproduce their numbers, and the paper's. They may not come to rest, or at a bad place; see [`Sweeps`].
+    /// Nothing is impossible to them, because every probability has a floor.
+    pub fn update_in_parallel(&mut self, model: &Model, evidence: &[Evidence], sweeps: Sweeps) -> Update {
+        published::update(self, model, evidence, sweeps)
     }
 }

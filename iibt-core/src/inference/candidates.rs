@@ -51,9 +51,9 @@ impl<'a> Candidates<'a> {
     #[must_use]
     pub fn len(&self) -> usize {
         match self.combinations {
-            Combinations::All => (0..self.sequences.len())
-                .map(|control| self.choices(control))
-                .fold(1, usize::saturating_mul),
+            Combinations::All => {
+                (0..self.sequences.len()).map(|control| self.choices(control)).fold(1, usize::saturating_mul)
+            }
             Combinations::Listed(rows) => rows.len() / self.sequences.len().max(1),
         }
     }
@@ -102,7 +102,8 @@ impl<'a> Candidates<'a> {
             Habits::Flat => 0.0,
             Habits::Joint(habits) => habits.get(policy).copied().unwrap_or(0.0),
             Habits::PerSequence(habits) => {
-                let of = |(control, list): (usize, &&[f32])| list.get(self.sequence(policy, control)).copied();
+                let of =
+                    |(control, list): (usize, &&[f32])| list.get(self.sequence(policy, control)).copied();
                 habits.iter().enumerate().filter_map(of).sum()
             }
         }

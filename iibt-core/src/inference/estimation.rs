@@ -14,7 +14,7 @@ pub const EXACT_LIMIT: usize = 4096;
 pub const MAX_SWEEPS: u8 = 32;
 
 /// The largest change of a probability in a sweep after which coordinate ascent has converged.
-pub const TOLERANCE: f32 = 2e-6;
+const TOLERANCE: f32 = 2e-6;
 
 /// How factors that are coupled by what was observed are inferred.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +50,11 @@ pub struct Impossible {
 
 impl core::fmt::Display for Impossible {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "the observation of modality {} has probability zero under the beliefs and the model", self.modality)
+        write!(
+            f,
+            "the observation of modality {} has probability zero under the beliefs and the model",
+            self.modality
+        )
     }
 }
 
@@ -70,7 +74,8 @@ type Coupling<'m, 'e> = (usize, &'m Modality<'m>, Evidence<'e>);
 impl<'a, 'm, 'e> Couplings<'a, 'm, 'e> {
     fn all(model: &'a Model<'m>, evidence: &'a [Evidence<'e>]) -> Self {
         let all = Self { model, evidence, members: u64::MAX };
-        let couples = |(_, modality, evidence): &Coupling| modality.factors().len() > 1 && !evidence.is_missing();
+        let couples =
+            |(_, modality, evidence): &Coupling| modality.factors().len() > 1 && !evidence.is_missing();
         let members = all.iter().filter(couples).fold(0, |members, (number, ..)| members | 1 << number);
         Self { members, ..all }
     }
@@ -89,8 +94,8 @@ impl<'a, 'm, 'e> Couplings<'a, 'm, 'e> {
         let mut factors = bits(modality);
         loop {
             let joined = self.iter().filter(|(_, modality, _)| bits(modality) & factors != 0);
-            let (members, reached) =
-                joined.fold((0, factors), |(m, f), (number, modality, _)| (m | 1 << number, f | bits(modality)));
+            let (members, reached) = joined
+                .fold((0, factors), |(m, f), (number, modality, _)| (m | 1 << number, f | bits(modality)));
             component.members = members;
             if reached == factors {
                 self.members &= !members;
@@ -115,19 +120,18 @@ fn bits(modality: &Modality) -> u32 {
     modality.factors().iter().fold(0, |bits, &factor| bits | 1 << factor)
 }
 
-pub(super) fn update<const N: usize>(
-    beliefs: &mut Beliefs<N>,
+pub(super) fn update<const S: usize, const G: usize>(
+    beliefs: &mut Beliefs<S, G>,
     model: &Model,
     evidence: &[Evidence],
     method: Method,
 ) -> Result<Update, Impossible> {
     let mut posterior = *beliefs;
     let mut update = Update { free_energy: 0.0, exact: true, converged: true, sweeps: 0 };
-    let flat = posterior.as_flat_mut();
-    update.free_energy = own_evidence(flat, model, evidence)?;
+    update.free_energy = own_evidence(&mut posterior, model, evidence)?;
     let mut left = Couplings::all(model, evidence);
     while let Some(together) = left.take_component() {
-        let part = update_together(flat, model, &together, method)?;
+        let part = update_together(&mut posterior, model, &together, method)?;
         update.free_energy += part.free_energy;
         update.exact &= part.exact;
         update.converged &= part.converged;
@@ -138,8 +142,8 @@ pub(super) fn update<const N: usize>(
 }
 
 /// Bayes' rule for every modality that depends on one factor; returns its part of the surprise.
-fn own_evidence<const N: usize>(
-    flat: &mut [f32; N],
+fn own_evidence<const S: usize, const G: usize>(
+    beliefs: &mut Beliefs<S, G>,
     model: &Model,
     evidence: &[Evidence],
 ) -> Result<f32, Impossible> {
@@ -149,7 +153,7 @@ fn own_evidence<const N: usize>(
         if evidence.is_missing() {
             continue;
         }
-        surprise -= multiply_by_message(flat, model, (modality, evidence), (factor, 0), &[&[]])
+        surprise -= multiply_by_message(beliefs, model, (modality, evidence), (factor, 0), &[&[]])
             .map(math::ln)
             .ok_or(Impossible { modality: number })?;
     }
@@ -158,16 +162,16 @@ fn own_evidence<const N: usize>(
 
 /// Multiplies a factor's belief with the message from one observation, normalises it, and returns the evidence; `None`,
 /// and an unchanged belief, when there is none.
-fn multiply_by_message<const N: usize>(
-    flat: &mut [f32; N],
+fn multiply_by_message<const S: usize, const G: usize>(
+    beliefs: &mut Beliefs<S, G>,
     model: &Model,
     (modality, evidence): (&Modality, Evidence),
     (factor, condition): (usize, usize),
     conditions: &[&[f32]],
 ) -> Option<f32> {
-    let belief = model.part_mut(flat, factor);
-    let mut scratch = [0.0; N];
-    let message = scratch.get_mut(..belief.len())?;
+    let belief = model.part_mut(beliefs.as_flat_mut(), factor);
+    let mut scratch = Beliefs::<S, G>::EMPTY;
+    let message = scratch.as_flat_mut().get_mut(..belief.len())?;
     modality.likelihood().message(modality.shape(), evidence, conditions, condition, message);
     message.iter_mut().zip(belief.iter()).for_each(|(message, q)| *message *= q);
     let evidence = math::normalise(message)?;
@@ -175,8 +179,8 @@ fn multiply_by_message<const N: usize>(
     Some(evidence)
 }
 
-fn update_together<const N: usize>(
-    flat: &mut [f32; N],
+fn update_together<const S: usize, const G: usize>(
+    beliefs: &mut Beliefs<S, G>,
     model: &Model,
     couplings: &Couplings,
     method: Method,
@@ -185,27 +189,27 @@ fn update_together<const N: usize>(
     if method == Method::Exact {
         if let Some(coupling) = couplings.single() {
             if coupling.1.likelihood().effort(coupling.1.shape()) <= EXACT_LIMIT {
-                return by_messages(flat, model, coupling).map(exact);
+                return by_messages(beliefs, model, coupling).map(exact);
             }
         } else if let Some(product) = Product::of(model, couplings) {
-            return product.update(flat, model, couplings).map(exact);
+            return product.update(beliefs, model, couplings).map(exact);
         }
     }
-    by_coordinate_ascent(flat, model, couplings)
+    by_coordinate_ascent(beliefs, model, couplings)
 }
 
 /// The exact marginals after one observation that couples factors: q(s_f) ∝ p(s_f) Σ Π p(s_g) P(e | s).
-fn by_messages<const N: usize>(
-    flat: &mut [f32; N],
+fn by_messages<const S: usize, const G: usize>(
+    beliefs: &mut Beliefs<S, G>,
     model: &Model,
     (number, modality, evidence): Coupling,
 ) -> Result<f32, Impossible> {
-    let before = *flat;
-    let conditions = model.parts(&before, modality.factors());
+    let before = *beliefs;
+    let conditions = model.parts(before.as_flat(), modality.factors());
     let mut surprise = 0.0;
     for (condition, &factor) in modality.factors().iter().enumerate() {
         let at = (factor, condition);
-        let evidence = multiply_by_message(flat, model, (modality, evidence), at, conditions.as_slice());
+        let evidence = multiply_by_message(beliefs, model, (modality, evidence), at, conditions.as_slice());
         surprise = -math::ln(evidence.ok_or(Impossible { modality: number })?);
     }
     Ok(surprise)
@@ -223,7 +227,9 @@ impl Product {
         let all = couplings.factors();
         let mut factors = Vec::new();
         let mut states = Vec::<usize, MAX_CONDITIONS>::new();
-        for (number, factor) in model.factors().iter().enumerate().filter(|(number, _)| all >> number & 1 == 1) {
+        for (number, factor) in
+            model.factors().iter().enumerate().filter(|(number, _)| all >> number & 1 == 1)
+        {
             factors.push(number).ok()?;
             states.push(factor.states()).ok()?;
         }
@@ -233,13 +239,13 @@ impl Product {
     }
 
     /// The exact marginals by a visit of every combination of states.
-    fn update<const N: usize>(
+    fn update<const S: usize, const G: usize>(
         &self,
-        flat: &mut [f32; N],
+        beliefs: &mut Beliefs<S, G>,
         model: &Model,
         couplings: &Couplings,
     ) -> Result<f32, Impossible> {
-        let mut posterior = [0.0; N];
+        let mut posterior = Beliefs::<S, G>::EMPTY;
         let mut now = [0; MAX_FACTORS];
         self.shape.for_each_column(|_, states| {
             let mut mass = 1.0;
@@ -247,104 +253,100 @@ impl Product {
                 if let Some(now) = now.get_mut(factor) {
                     *now = state;
                 }
-                mass *= model.part(flat, factor).get(state).copied().unwrap_or(0.0);
+                mass *= beliefs.of(model, factor).get(state).copied().unwrap_or(0.0);
             }
             for (_, modality, evidence) in couplings.iter() {
                 if mass == 0.0 {
                     return;
                 }
-                mass *= probability(modality, evidence, &now);
+                mass *= modality.probability(evidence, &now);
             }
             for (&factor, &state) in self.factors.iter().zip(states) {
-                if let Some(sum) = model.part_mut(&mut posterior, factor).get_mut(state) {
+                if let Some(sum) = model.part_mut(posterior.as_flat_mut(), factor).get_mut(state) {
                     *sum += mass;
                 }
             }
         });
         let mut surprise = 0.0;
         for &factor in &self.factors {
-            let part = model.part_mut(&mut posterior, factor);
+            let part = model.part_mut(posterior.as_flat_mut(), factor);
             let number = couplings.iter().map(|coupling| coupling.0).last().unwrap_or(0);
             surprise = -math::ln(math::normalise(part).ok_or(Impossible { modality: number })?);
         }
         for &factor in &self.factors {
-            math::assign(model.part_mut(flat, factor), model.part(&posterior, factor));
+            math::assign(model.part_mut(beliefs.as_flat_mut(), factor), posterior.of(model, factor));
         }
         Ok(surprise)
     }
 }
 
-/// P(e | s) for the states that all factors have now.
-fn probability(modality: &Modality, evidence: Evidence, now: &[usize; MAX_FACTORS]) -> f32 {
-    let mut states = [0; MAX_CONDITIONS];
-    for (state, &factor) in states.iter_mut().zip(modality.factors()) {
-        *state = now.get(factor).copied().unwrap_or(0);
-    }
-    let states = states.get(..modality.factors().len()).unwrap_or(&[]);
-    evidence.probability(modality.shape().values(), |outcome| modality.likelihood().probability(outcome, states))
-}
-
 /// Sequential coordinate ascent from the beliefs that each factor's own evidence gives: every factor in turn takes the
 /// belief that minimises F given the others, q(s_f) ∝ p(s_f) exp Σ_m E ln P(e_m | s_f, s').
-fn by_coordinate_ascent<const N: usize>(
-    flat: &mut [f32; N],
+fn by_coordinate_ascent<const S: usize, const G: usize>(
+    beliefs: &mut Beliefs<S, G>,
     model: &Model,
     couplings: &Couplings,
 ) -> Result<Update, Impossible> {
     for (number, modality, evidence) in couplings.iter() {
-        if !is_possible(flat, model, modality, evidence) {
+        if !is_possible(beliefs, model, modality, evidence) {
             return Err(Impossible { modality: number });
         }
     }
-    let prior = *flat;
+    let prior = *beliefs;
     let factors = couplings.factors();
     let mut update = Update { free_energy: f32::INFINITY, exact: false, converged: false, sweeps: 0 };
     while !update.converged && update.sweeps < MAX_SWEEPS {
         let mut change = 0.0_f32;
         for factor in (0..model.factors().len()).filter(|factor| factors >> factor & 1 == 1) {
-            change = change.max(ascend(flat, model, couplings, &prior, factor));
+            change = change.max(ascend(beliefs, model, couplings, &prior, factor));
         }
         update.sweeps += 1;
         update.converged = change <= TOLERANCE;
     }
-    update.free_energy = free_energy(flat, model, couplings, &prior, factors);
+    update.free_energy = free_energy(beliefs, model, couplings, &prior, factors);
     Ok(update)
 }
 
 /// Whether an observation has any probability under the beliefs.
-fn is_possible<const N: usize>(flat: &[f32; N], model: &Model, modality: &Modality, evidence: Evidence) -> bool {
+fn is_possible<const S: usize, const G: usize>(
+    beliefs: &Beliefs<S, G>,
+    model: &Model,
+    modality: &Modality,
+    evidence: Evidence,
+) -> bool {
     let Some(&factor) = modality.factors().first() else { return false };
-    let conditions = model.parts(flat, modality.factors());
-    let mut message = [0.0; N];
-    let belief = model.part(flat, factor);
-    let Some(message) = message.get_mut(..belief.len()) else { return false };
+    let conditions = model.parts(beliefs.as_flat(), modality.factors());
+    let mut scratch = Beliefs::<S, G>::EMPTY;
+    let belief = beliefs.of(model, factor);
+    let Some(message) = scratch.as_flat_mut().get_mut(..belief.len()) else { return false };
     modality.likelihood().message(modality.shape(), evidence, conditions.as_slice(), 0, message);
     math::expectation(belief, message) > 0.0
 }
 
 /// Gives one factor the belief that is best given the others; returns the largest change of a probability.
-fn ascend<const N: usize>(
-    flat: &mut [f32; N],
+fn ascend<const S: usize, const G: usize>(
+    beliefs: &mut Beliefs<S, G>,
     model: &Model,
     couplings: &Couplings,
-    prior: &[f32; N],
+    prior: &Beliefs<S, G>,
     factor: usize,
 ) -> f32 {
-    let mut scores = [0.0; N];
-    let Some(scores) = scores.get_mut(..model.part(flat, factor).len()) else { return 0.0 };
-    add_log_messages(flat, model, couplings, factor, scores);
-    for (score, p) in scores.iter_mut().zip(model.part(prior, factor)) {
+    let mut scratch = Beliefs::<S, G>::EMPTY;
+    let Some(scores) = scratch.as_flat_mut().get_mut(..beliefs.of(model, factor).len()) else { return 0.0 };
+    add_log_messages(beliefs, model, couplings, factor, scores);
+    for (score, p) in scores.iter_mut().zip(prior.of(model, factor)) {
         *score += math::ln(*p);
     }
     math::softmax(scores);
-    let belief = model.part_mut(flat, factor);
-    let change = belief.iter().zip(scores.iter()).fold(0.0_f32, |most, (old, new)| most.max((old - new).abs()));
+    let belief = model.part_mut(beliefs.as_flat_mut(), factor);
+    let change =
+        belief.iter().zip(scores.iter()).fold(0.0_f32, |most, (old, new)| most.max((old - new).abs()));
     math::assign(belief, scores);
     change
 }
 
-fn add_log_messages<const N: usize>(
-    flat: &[f32; N],
+fn add_log_messages<const S: usize, const G: usize>(
+    beliefs: &Beliefs<S, G>,
     model: &Model,
     couplings: &Couplings,
     factor: usize,
@@ -352,33 +354,38 @@ fn add_log_messages<const N: usize>(
 ) {
     for (_, modality, evidence) in couplings.iter() {
         if let Some(condition) = modality.factors().iter().position(|&of| of == factor) {
-            let conditions = model.parts(flat, modality.factors());
-            modality.likelihood().log_message(modality.shape(), evidence, conditions.as_slice(), condition, scores);
+            let conditions = model.parts(beliefs.as_flat(), modality.factors());
+            modality.likelihood().log_message(
+                modality.shape(),
+                evidence,
+                conditions.as_slice(),
+                condition,
+                scores,
+            );
         }
     }
 }
 
 /// F = Σ_f KL[q_f || p_f] - Σ_m E_q ln max(P(e_m | s), floor), over the factors and observations of a component.
-fn free_energy<const N: usize>(
-    flat: &[f32; N],
+fn free_energy<const S: usize, const G: usize>(
+    beliefs: &Beliefs<S, G>,
     model: &Model,
     couplings: &Couplings,
-    prior: &[f32; N],
+    prior: &Beliefs<S, G>,
     factors: u32,
 ) -> f32 {
     let mut total = 0.0;
     for factor in (0..model.factors().len()).filter(|factor| factors >> factor & 1 == 1) {
-        total += math::kl(model.part(flat, factor), model.part(prior, factor));
+        total += math::kl(beliefs.of(model, factor), prior.of(model, factor));
     }
     for (_, modality, evidence) in couplings.iter() {
         let Some(&factor) = modality.factors().first() else { continue };
-        let belief = model.part(flat, factor);
-        let mut scores = [0.0; N];
-        let Some(scores) = scores.get_mut(..belief.len()) else { continue };
-        let conditions = model.parts(flat, modality.factors());
+        let belief = beliefs.of(model, factor);
+        let mut scratch = Beliefs::<S, G>::EMPTY;
+        let Some(scores) = scratch.as_flat_mut().get_mut(..belief.len()) else { continue };
+        let conditions = model.parts(beliefs.as_flat(), modality.factors());
         modality.likelihood().log_message(modality.shape(), evidence, conditions.as_slice(), 0, scores);
         total -= math::expectation(belief, scores);
     }
     total
 }
-

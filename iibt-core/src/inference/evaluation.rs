@@ -4,6 +4,7 @@
 //! rolled out once, all in step; only the coupled modalities are looked at combination by combination. For two
 //! robots with `R` candidates each and `T` steps that is `2 R T` predictions instead of `2 R R T`.
 
+use super::belief::Beliefs;
 use super::free_energy::{Credit, Gain, Terms};
 use super::gain;
 use super::model::{MAX_MODALITIES, Modality, Parts};
@@ -12,27 +13,26 @@ use super::problem::Problem;
 use crate::actions::Action;
 use crate::math;
 
-/// The most groups of factors whose candidates are rolled out together.
-pub const MAX_GROUPS: usize = 12;
-
 /// An evaluation under way, and its results so far.
 ///
-/// `N` is the sum of the factors' states, as in [`Beliefs`](super::Beliefs), `R` the most candidates of one group that are
-/// rolled out side by side, and `P` the most joint policies. Memory is about `4 N R + 44 P` bytes and half a kilobyte.
+/// `S` and `G` are those of the [`Beliefs`], `R` is the most candidates of one group that are rolled out side by side, and there
+/// is room for `R * P` joint policies. Memory is about `4 S G R + 24 G R + 36 R P` bytes and a third of a kilobyte. A model
+/// with more than `G` groups is not evaluated: no joint policy is scored.
 #[derive(Clone, Debug)]
-pub struct Evaluation<const N: usize, const R: usize, const P: usize> {
+pub struct Evaluation<const S: usize, const G: usize, const R: usize, const P: usize> {
     /// The predicted beliefs: in row `r`, each group's `r`-th candidate.
-    rows: [[f32; N]; R],
-    groups: [Group<R>; MAX_GROUPS],
+    rows: [Beliefs<S, G>; R],
+    groups: [Group<R>; G],
     /// ln Σ exp C of each modality, when it counts in full and under way.
     normalisers: [[f32; 2]; MAX_MODALITIES],
     /// The row of each group's candidate, for each joint policy.
-    places: [[u8; MAX_GROUPS]; P],
-    terms: [Terms; P],
+    places: [[Places<G>; R]; P],
+    terms: [[Terms; R]; P],
     /// Terms of combinations of the groups that one coupled modality depends on.
-    combinations: [Terms; P],
-    scores: [f32; P],
+    combinations: [[Terms; R]; P],
+    scores: [[f32; R]; P],
     done: usize,
+    window: f32,
 }
 
 /// The candidates of one group that are in the rows.
@@ -61,27 +61,32 @@ impl<const R: usize> Group<R> {
     }
 }
 
-impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
+impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<S, G, R, P> {
+    /// How many joint policies there is room for.
+    pub const CAPACITY: usize = R * P;
+
     /// An evaluation not yet begun; usable in a `static`.
     #[must_use]
     pub const fn new() -> Self {
-        const { assert!(R > 0 && P > 0 && P <= u16::MAX as usize && R <= u8::MAX as usize) }
+        const { assert!(R > 0 && P > 0 && R <= u8::MAX as usize && R * P <= u16::MAX as usize) }
         Self {
-            rows: [[0.0; N]; R],
-            groups: [Group::EMPTY; MAX_GROUPS],
+            rows: [Beliefs::EMPTY; R],
+            groups: [Group::EMPTY; G],
             normalisers: [[0.0; 2]; MAX_MODALITIES],
-            places: [[0; MAX_GROUPS]; P],
-            terms: [Terms::ZERO; P],
-            combinations: [Terms::ZERO; P],
-            scores: [f32::NEG_INFINITY; P],
+            places: [[[0; G]; R]; P],
+            terms: [[Terms::ZERO; R]; P],
+            combinations: [[Terms::ZERO; R]; P],
+            scores: [[f32::NEG_INFINITY; R]; P],
             done: 0,
+            window: f32::INFINITY,
         }
     }
 
     /// Forgets all results and begins with `problem`.
-    pub fn begin(&mut self, problem: &Problem<'_, N>) {
+    pub fn begin(&mut self, problem: &Problem<'_, S, G>) {
         self.done = 0;
-        self.scores = [f32::NEG_INFINITY; P];
+        self.window = problem.scoring.window;
+        self.scores = [[f32::NEG_INFINITY; R]; P];
         for (number, modality, _) in problem.modalities() {
             if let Some([full, under_way]) = self.normalisers.get_mut(number) {
                 *full = math::log_sum_exp(problem.preference(number, modality, true));
@@ -93,17 +98,20 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
         }
     }
 
-    /// Scores up to `count` more joint policies; returns whether there are more. Joint policies beyond the first `P` are
-    /// left out.
+    /// Scores up to `count` more joint policies; returns whether there are more. Joint policies beyond the
+    /// [`CAPACITY`](Self::CAPACITY) are left out.
     ///
     /// The problem must be the one that was begun with. Costs at most `count` rollouts of each group and `count`
     /// predictions of each coupled modality per step; candidates that joint policies have in common are rolled out
     /// once, `R` at a time.
-    pub fn advance(&mut self, problem: &Problem<'_, N>, count: usize) -> bool {
-        let total = problem.candidates.len().min(P);
+    pub fn advance(&mut self, problem: &Problem<'_, S, G>, count: usize) -> bool {
+        let total = problem.candidates.len().min(Self::CAPACITY);
         let until = self.done.saturating_add(count).min(total);
         while self.done < until {
             let next = self.gather(problem, until);
+            if next == self.done {
+                return false;
+            }
             self.roll_out(problem, next);
             self.score(problem, next);
             self.done = next;
@@ -112,9 +120,9 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
     }
 
     /// Scores all joint policies.
-    pub fn evaluate(&mut self, problem: &Problem<'_, N>) {
+    pub fn evaluate(&mut self, problem: &Problem<'_, S, G>) {
         self.begin(problem);
-        while self.advance(problem, P) {}
+        while self.advance(problem, Self::CAPACITY) {}
     }
 
     /// How many joint policies are scored.
@@ -126,13 +134,20 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
     /// The terms of the joint policies scored so far, summed over modalities and steps.
     #[must_use]
     pub fn terms(&self) -> &[Terms] {
-        self.terms.get(..self.done).unwrap_or(&[])
+        self.terms.as_flattened().get(..self.done).unwrap_or(&[])
+    }
+
+    /// The terms of one group's own part for each of its candidates among those scored last, in the order in which joint
+    /// policies brought them up.
+    #[must_use]
+    pub fn own_terms(&self, group: usize) -> &[Terms] {
+        self.groups.get(group).and_then(|group| group.terms.get(..group.used)).unwrap_or(&[])
     }
 
     /// ln E - F - γ G of the joint policies scored so far: their log posterior up to a constant.
     #[must_use]
     pub fn scores(&self) -> &[f32] {
-        self.scores.get(..self.done).unwrap_or(&[])
+        self.scores.as_flattened().get(..self.done).unwrap_or(&[])
     }
 
     /// The most probable joint policy scored so far; the first of equals.
@@ -143,16 +158,18 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
 
     /// The posterior over the joint policies scored so far; zero beyond them.
     #[must_use]
-    pub fn posterior(&self) -> [f32; P] {
-        policy::posterior(self.scores, f32::INFINITY)
+    pub fn posterior(&self) -> [[f32; R]; P] {
+        let mut posterior = self.scores;
+        policy::posterior(posterior.as_flattened_mut(), self.window);
+        posterior
     }
 
     /// Gathers joint policies from `self.done` on whose candidates find room, and returns where they end.
-    fn gather(&mut self, problem: &Problem<'_, N>, until: usize) -> usize {
+    fn gather(&mut self, problem: &Problem<'_, S, G>, until: usize) -> usize {
         let model = problem.model;
         self.groups.iter_mut().for_each(|group| group.used = 0);
         for policy in self.done..until {
-            for group in 0..model.groups().min(MAX_GROUPS) {
+            for group in 0..model.groups().min(G) {
                 let mut key = 0;
                 for control in 0..model.controls() {
                     if problem.scope >> group & 1 == 1 && model.is_moved(group, control) {
@@ -163,7 +180,9 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
                 let Some(place) = self.groups.get_mut(group).and_then(|of| of.place(key, policy)) else {
                     return policy;
                 };
-                if let Some(kept) = self.places.get_mut(policy).and_then(|of| of.get_mut(group)) {
+                if let Some(kept) =
+                    self.places.as_flattened_mut().get_mut(policy).and_then(|of| of.get_mut(group))
+                {
                     *kept = place as u8;
                 }
             }
@@ -172,8 +191,8 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
     }
 
     /// Rolls out what was gathered, all in step.
-    fn roll_out(&mut self, problem: &Problem<'_, N>, until: usize) {
-        self.rows = [*problem.beliefs.as_flat(); R];
+    fn roll_out(&mut self, problem: &Problem<'_, S, G>, until: usize) {
+        self.rows = [*problem.beliefs; R];
         self.groups.iter_mut().for_each(|group| group.terms = [Terms::ZERO; R]);
         for terms in self.gathered(until) {
             *terms = Terms::ZERO;
@@ -185,19 +204,19 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
             self.observe(problem, until, step);
         }
         for policy in self.done..until {
-            let own = self.own_terms(policy, problem.model.groups());
-            if let Some(terms) = self.terms.get_mut(policy) {
+            let own = self.own_parts(policy, problem.model.groups());
+            if let Some(terms) = self.terms.as_flattened_mut().get_mut(policy) {
                 *terms += own;
             }
         }
     }
 
     fn gathered(&mut self, until: usize) -> &mut [Terms] {
-        self.terms.get_mut(self.done..until).unwrap_or(&mut [])
+        self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or(&mut [])
     }
 
     /// The sum of all groups' own parts of a joint policy.
-    fn own_terms(&self, policy: usize, groups: usize) -> Terms {
+    fn own_parts(&self, policy: usize, groups: usize) -> Terms {
         let mut sum = Terms::ZERO;
         for (group, of) in self.groups.iter().enumerate().take(groups) {
             if let Some(terms) = of.terms.get(self.place(policy, group)) {
@@ -208,11 +227,11 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
     }
 
     fn place(&self, policy: usize, group: usize) -> usize {
-        self.places.get(policy).and_then(|of| of.get(group)).copied().map_or(0, usize::from)
+        self.places.as_flattened().get(policy).and_then(|of| of.get(group)).copied().map_or(0, usize::from)
     }
 
     /// Moves every candidate of every group by one step.
-    fn step(&mut self, problem: &Problem<'_, N>, step: usize) {
+    fn step(&mut self, problem: &Problem<'_, S, G>, step: usize) {
         let model = problem.model;
         for (number, group) in self.groups.iter_mut().enumerate().take(model.groups()) {
             if problem.scope >> number & 1 == 0 {
@@ -223,8 +242,9 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
                 let from = *row;
                 for factor in model.in_group(number) {
                     if let Some(action) = action_of(problem, factor, usize::from(policy), step) {
-                        terms.novelty += model.novelty_of_move(factor, action, &from);
-                        model.move_factor(factor, action, &from, model.part_mut(row, factor));
+                        terms.novelty += model.novelty_of_move(factor, action, from.as_flat());
+                        let to = model.part_mut(row.as_flat_mut(), factor);
+                        model.move_factor(factor, action, from.as_flat(), to);
                     }
                 }
             }
@@ -232,7 +252,7 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
     }
 
     /// Adds what every modality is expected to bring after a step.
-    fn observe(&mut self, problem: &Problem<'_, N>, until: usize, step: usize) {
+    fn observe(&mut self, problem: &Problem<'_, S, G>, until: usize, step: usize) {
         for (number, modality, groups) in problem.modalities() {
             let at = (number, modality, groups);
             if groups.is_power_of_two() {
@@ -247,7 +267,12 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
     }
 
     /// A modality that one group's states determine: once for each of its candidates.
-    fn observe_own(&mut self, problem: &Problem<'_, N>, (number, modality, groups): At<'_, '_>, step: usize) {
+    fn observe_own(
+        &mut self,
+        problem: &Problem<'_, S, G>,
+        (number, modality, groups): At<'_, '_>,
+        step: usize,
+    ) {
         let Some(group) = self.groups.get_mut(groups.trailing_zeros() as usize) else { return };
         let [full, under_way] = self.normalisers.get(number).copied().unwrap_or_default();
         let candidates = self.rows.iter().zip(group.policies).zip(&mut group.terms).take(group.used);
@@ -255,9 +280,11 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
             let arrives = step + 1 == arrival(problem, groups.trailing_zeros() as usize, usize::from(policy));
             let normaliser = if arrives { full } else { under_way };
             let mut now = match modality.factors() {
-                &[factor] => problem.terms((number, modality), &[problem.model.part(row, factor)], arrives, normaliser),
+                &[factor] => {
+                    problem.terms((number, modality), &[row.of(problem.model, factor)], arrives, normaliser)
+                }
                 factors => {
-                    let parts = problem.model.parts(row, factors);
+                    let parts = problem.model.parts(row.as_flat(), factors);
                     problem.terms((number, modality), parts.as_slice(), arrives, normaliser)
                 }
             };
@@ -270,18 +297,24 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
 
     /// Adds terms that several groups' candidates bring about together: found once for each combination of them that is
     /// gathered, or for each joint policy where those are fewer.
-    fn couple(&mut self, groups: u16, until: usize, of: impl Fn(&Rows<N, R>, &Places) -> Terms) {
+    fn couple(&mut self, groups: u16, until: usize, of: impl Fn(&Rows<S, G, R>, &Places<G>) -> Terms) {
         let combinations = Combinations { groups, used: &self.groups };
         let (from, gathered) = (self.done, until - self.done);
         let rows = Rows { beliefs: &self.rows, groups: &self.groups };
-        let places = self.places.iter().zip(&mut self.terms).skip(from).take(gathered);
+        let places =
+            self.places.as_flattened().iter().zip(self.terms.as_flattened_mut()).skip(from).take(gathered);
         match combinations.count().filter(|&count| count < gathered) {
             Some(count) => {
-                for (at, kept) in self.combinations.iter_mut().enumerate().take(count) {
+                for (at, kept) in self.combinations.as_flattened_mut().iter_mut().enumerate().take(count) {
                     *kept = of(&rows, &combinations.places(at));
                 }
                 for (places, terms) in places {
-                    *terms += self.combinations.get(combinations.at(places)).copied().unwrap_or_default();
+                    *terms += self
+                        .combinations
+                        .as_flattened()
+                        .get(combinations.at(places))
+                        .copied()
+                        .unwrap_or_default();
                 }
             }
             None => places.for_each(|(places, terms)| *terms += of(&rows, places)),
@@ -289,7 +322,7 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
     }
 
     /// A modality that several groups' states determine.
-    fn observe_coupled(&mut self, problem: &Problem<'_, N>, at: At<'_, '_>, until: usize, step: usize) {
+    fn observe_coupled(&mut self, problem: &Problem<'_, S, G>, at: At<'_, '_>, until: usize, step: usize) {
         let (number, modality, groups) = at;
         let [full, under_way] = self.normalisers.get(number).copied().unwrap_or_default();
         self.couple(groups, until, |rows, places| {
@@ -309,7 +342,7 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
     }
 
     /// The encounters, before a step when there is one and after it otherwise.
-    fn meet(&mut self, problem: &Problem<'_, N>, until: usize, departing: Option<usize>) {
+    fn meet(&mut self, problem: &Problem<'_, S, G>, until: usize, departing: Option<usize>) {
         for encounter in problem.encounters {
             let factors = encounter.factors();
             let groups = factors.iter().fold(0, |groups, &factor| groups | 1 << problem.model.group(factor));
@@ -331,23 +364,29 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
     }
 
     /// The joint gain of all modalities that have factors in common, directly or by way of others.
-    fn gain_jointly(&mut self, problem: &Problem<'_, N>, until: usize) {
+    fn gain_jointly(&mut self, problem: &Problem<'_, S, G>, until: usize) {
         let all = problem.modalities().fold(0, |all, (number, ..)| all | 1 << number);
         for component in gain::components(problem.model, all) {
             self.couple(component.groups, until, |rows, places| {
-                let mut flat = [0.0; N];
+                let mut beliefs = Beliefs::<S, G>::EMPTY;
                 for factor in 0..problem.model.factors().len() {
-                    let to = problem.model.part_mut(&mut flat, factor);
+                    let to = problem.model.part_mut(beliefs.as_flat_mut(), factor);
                     math::assign(to, rows.part(problem, factor, places));
                 }
-                Terms { information_gain: component.gain(problem.model, &flat), ..Terms::ZERO }
+                Terms { information_gain: component.gain(problem.model, &beliefs), ..Terms::ZERO }
             });
         }
     }
 
     /// Works out the log posterior of what was rolled out.
-    fn score(&mut self, problem: &Problem<'_, N>, until: usize) {
-        let results = self.scores.iter_mut().zip(&self.terms).enumerate().skip(self.done);
+    fn score(&mut self, problem: &Problem<'_, S, G>, until: usize) {
+        let results = self
+            .scores
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(self.terms.as_flattened())
+            .enumerate()
+            .skip(self.done);
         for (policy, (score, terms)) in results.take(until - self.done) {
             let value = -terms.expected_free_energy(problem.scoring.convention);
             *score = problem.scoring.score(problem.candidates.ln_prior(policy), 0.0, value);
@@ -355,7 +394,7 @@ impl<const N: usize, const R: usize, const P: usize> Evaluation<N, R, P> {
     }
 }
 
-impl<const N: usize, const R: usize, const P: usize> Default for Evaluation<N, R, P> {
+impl<const S: usize, const G: usize, const R: usize, const P: usize> Default for Evaluation<S, G, R, P> {
     fn default() -> Self {
         Self::new()
     }
@@ -365,27 +404,27 @@ impl<const N: usize, const R: usize, const P: usize> Default for Evaluation<N, R
 type At<'a, 'm> = (usize, &'a Modality<'m>, u16);
 
 /// The row of each group's candidate.
-type Places = [u8; MAX_GROUPS];
+type Places<const G: usize> = [u8; G];
 
 /// What was rolled out so far.
-struct Rows<'a, const N: usize, const R: usize> {
-    beliefs: &'a [[f32; N]; R],
-    groups: &'a [Group<R>; MAX_GROUPS],
+struct Rows<'a, const S: usize, const G: usize, const R: usize> {
+    beliefs: &'a [Beliefs<S, G>; R],
+    groups: &'a [Group<R>; G],
 }
 
-impl<'a, const N: usize, const R: usize> Rows<'a, N, R> {
-    fn place(problem: &Problem<'_, N>, factor: usize, places: &Places) -> (usize, usize) {
+impl<'a, const S: usize, const G: usize, const R: usize> Rows<'a, S, G, R> {
+    fn place(problem: &Problem<'_, S, G>, factor: usize, places: &Places<G>) -> (usize, usize) {
         let group = problem.model.group(factor);
         (group, places.get(group).copied().map_or(0, usize::from))
     }
 
     /// The predicted belief about a factor.
-    fn part(&self, problem: &Problem<'_, N>, factor: usize, places: &Places) -> &'a [f32] {
+    fn part(&self, problem: &Problem<'_, S, G>, factor: usize, places: &Places<G>) -> &'a [f32] {
         let (_, row) = Self::place(problem, factor, places);
-        self.beliefs.get(row).map_or(&[], |row| problem.model.part(row, factor))
+        self.beliefs.get(row).map_or(&[], |row| row.of(problem.model, factor))
     }
 
-    fn parts(&self, problem: &Problem<'_, N>, factors: &[usize], places: &Places) -> Parts<'a> {
+    fn parts(&self, problem: &Problem<'_, S, G>, factors: &[usize], places: &Places<G>) -> Parts<'a> {
         Parts::new(factors.iter().map(|&factor| self.part(problem, factor, places)))
     }
 
@@ -394,12 +433,18 @@ impl<'a, const N: usize, const R: usize> Rows<'a, N, R> {
         self.groups.get(group).and_then(|of| of.policies.get(row)).copied().map_or(0, usize::from)
     }
 
-    fn action(&self, problem: &Problem<'_, N>, factor: usize, places: &Places, step: usize) -> Option<Action> {
+    fn action(
+        &self,
+        problem: &Problem<'_, S, G>,
+        factor: usize,
+        places: &Places<G>,
+        step: usize,
+    ) -> Option<Action> {
         let (group, row) = Self::place(problem, factor, places);
         action_of(problem, factor, self.policy(group, row), step)
     }
 
-    fn first_arrival(&self, problem: &Problem<'_, N>, groups: u16, places: &Places) -> usize {
+    fn first_arrival(&self, problem: &Problem<'_, S, G>, groups: u16, places: &Places<G>) -> usize {
         let members = places.iter().enumerate().filter(|(group, _)| groups >> group & 1 == 1);
         let arrivals =
             members.map(|(group, &row)| arrival(problem, group, self.policy(group, usize::from(row))));
@@ -409,12 +454,12 @@ impl<'a, const N: usize, const R: usize> Rows<'a, N, R> {
 
 /// The combinations of the candidates of a few groups, numbered.
 #[derive(Clone, Copy)]
-struct Combinations<'a, const R: usize> {
+struct Combinations<'a, const G: usize, const R: usize> {
     groups: u16,
-    used: &'a [Group<R>; MAX_GROUPS],
+    used: &'a [Group<R>; G],
 }
 
-impl<const R: usize> Combinations<'_, R> {
+impl<const G: usize, const R: usize> Combinations<'_, G, R> {
     fn members(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let members = self.used.iter().enumerate().filter(|(group, _)| self.groups >> group & 1 == 1);
         members.map(|(group, of)| (group, of.used.max(1)))
@@ -424,14 +469,13 @@ impl<const R: usize> Combinations<'_, R> {
         self.members().try_fold(1_usize, |count, (_, used)| count.checked_mul(used))
     }
 
-    fn at(&self, places: &Places) -> usize {
-        self.members().fold(0, |at, (group, used)| {
-            at * used + places.get(group).copied().map_or(0, usize::from)
-        })
+    fn at(&self, places: &Places<G>) -> usize {
+        self.members()
+            .fold(0, |at, (group, used)| at * used + places.get(group).copied().map_or(0, usize::from))
     }
 
-    fn places(&self, mut at: usize) -> Places {
-        let mut places = [0; MAX_GROUPS];
+    fn places(&self, mut at: usize) -> Places<G> {
+        let mut places = [0; G];
         let mut faster = self.count().unwrap_or(1);
         for (group, used) in self.members() {
             faster /= used;
@@ -445,8 +489,8 @@ impl<const R: usize> Combinations<'_, R> {
 }
 
 /// What a joint policy does to a factor at a step; `None` when it leaves it alone.
-fn action_of<const N: usize>(
-    problem: &Problem<'_, N>,
+fn action_of<const S: usize, const G: usize>(
+    problem: &Problem<'_, S, G>,
     factor: usize,
     policy: usize,
     step: usize,
@@ -457,7 +501,11 @@ fn action_of<const N: usize>(
 }
 
 /// After how many steps a group arrives under a joint policy: when the last of its action sequences ends.
-fn arrival<const N: usize>(problem: &Problem<'_, N>, group: usize, policy: usize) -> usize {
+fn arrival<const S: usize, const G: usize>(
+    problem: &Problem<'_, S, G>,
+    group: usize,
+    policy: usize,
+) -> usize {
     let controls = (0..problem.model.controls()).filter(|&control| problem.model.is_moved(group, control));
     let arrivals = controls.map(|control| {
         let sequence = problem.candidates.sequence(policy, control);

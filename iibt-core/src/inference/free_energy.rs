@@ -119,6 +119,9 @@ pub struct Scoring {
     pub credit: Credit,
     /// What comes after the last action.
     pub padding: Padding,
+    /// Occam's window, in nats: policies whose log posterior is more than this below the best are pruned. Infinity keeps
+    /// them all.
+    pub window: f32,
 }
 
 impl Scoring {
@@ -129,6 +132,7 @@ impl Scoring {
         gain: Gain::PerModality,
         credit: Credit::OnArrival,
         padding: Padding::Stay,
+        window: f32::INFINITY,
     };
 
     /// The field's: every preference counts at every step, and the gain is the sum of each modality's own, as in JAX
@@ -149,6 +153,7 @@ impl Scoring {
         gain: Gain::Joint,
         credit: Credit::EveryStep,
         padding: Padding::Repeat(0),
+        window: f32::INFINITY,
     };
 
     /// ln E - F - γ G, the log of the policy posterior up to a constant (equation 7), from -G.
@@ -163,4 +168,3 @@ impl Default for Scoring {
         Self::DEFAULT
     }
 }
-

@@ -1,6 +1,8 @@
 //! The joint information gain: what all modalities together are expected to tell about all states.
 
-use super::model::{Modality, Model};
+use super::belief::Beliefs;
+use super::evidence::Evidence;
+use super::model::{MAX_FACTORS, MAX_MODALITIES, Modality, Model};
 use super::shape::{MAX_CONDITIONS, Shape};
 use crate::math;
 
@@ -25,7 +27,8 @@ pub(super) fn components(model: &Model, all: u64) -> impl Iterator<Item = Compon
             let reached = reach(model, left, factors(model, members));
             if reached == members {
                 left &= !members;
-                let groups = members_of(model, members).fold(0, |groups, modality| groups | model.scope(modality));
+                let groups =
+                    members_of(model, members).fold(0, |groups, modality| groups | model.scope(modality));
                 return Some(Component { members, groups });
             }
             members = reached;
@@ -58,21 +61,22 @@ impl Component {
     /// Every combination of outcomes is visited, but for those of the modality with the most conditions, which are predicted
     /// from the beliefs that the others leave. With one modality that couples factors a visit costs the factors' states and
     /// a prediction; with more, every combination of states.
-    pub(super) fn gain<const N: usize>(&self, model: &Model, flat: &[f32; N]) -> f32 {
+    pub(super) fn gain<const S: usize, const G: usize>(&self, model: &Model, beliefs: &Beliefs<S, G>) -> f32 {
         let mut ambiguity = 0.0;
         for modality in members_of(model, self.members) {
-            let parts = model.parts(flat, modality.factors());
-            let expected = modality.likelihood().expect(modality.shape(), parts.as_slice(), modality.preference());
+            let parts = model.parts(beliefs.as_flat(), modality.factors());
+            let expected =
+                modality.likelihood().expect(modality.shape(), parts.as_slice(), modality.preference());
             ambiguity += expected.ambiguity;
             if self.members.is_power_of_two() {
                 return expected.entropy - ambiguity;
             }
         }
-        self.entropy(model, flat) - ambiguity
+        self.entropy(model, beliefs) - ambiguity
     }
 
     /// H[q(o_1, ..., o_M)].
-    fn entropy<const N: usize>(&self, model: &Model, flat: &[f32; N]) -> f32 {
+    fn entropy<const S: usize, const G: usize>(&self, model: &Model, beliefs: &Beliefs<S, G>) -> f32 {
         let last = self.last(model);
         let others = self.members & !(1 << last);
         let couples = members_of(model, others).any(|modality| modality.factors().len() > 1);
@@ -80,9 +84,9 @@ impl Component {
         let mut entropy = 0.0;
         loop {
             entropy += if couples {
-                outcomes.entropy_by_states(model, flat, last)
+                outcomes.entropy_by_states(model, beliefs, last)
             } else {
-                outcomes.entropy_of_last(model, flat, last)
+                outcomes.entropy_of_last(model, beliefs, last)
             };
             if !outcomes.advance() {
                 return entropy;
@@ -92,7 +96,8 @@ impl Component {
 
     /// The modality with the most conditions.
     fn last(&self, model: &Model) -> usize {
-        let numbered = model.modalities().iter().enumerate().filter(|(number, _)| self.members >> number & 1 == 1);
+        let numbered =
+            model.modalities().iter().enumerate().filter(|(number, _)| self.members >> number & 1 == 1);
         numbered.max_by_key(|(_, modality)| modality.factors().len()).map_or(0, |(number, _)| number)
     }
 }
@@ -101,12 +106,12 @@ impl Component {
 struct Outcomes<'m> {
     model: Model<'m>,
     members: u64,
-    now: [u16; super::model::MAX_MODALITIES],
+    now: [u16; MAX_MODALITIES],
 }
 
 impl<'m> Outcomes<'m> {
     fn new(model: &Model<'m>, members: u64) -> Self {
-        Self { model: *model, members, now: [0; super::model::MAX_MODALITIES] }
+        Self { model: *model, members, now: [0; MAX_MODALITIES] }
     }
 
     /// The members with their outcomes.
@@ -133,16 +138,21 @@ impl<'m> Outcomes<'m> {
 
     /// -Σ p ln p over the outcomes of `last` and these, when these depend on one factor each: they leave weights that are
     /// independent.
-    fn entropy_of_last<const N: usize>(&self, model: &Model, flat: &[f32; N], last: usize) -> f32 {
-        let mut weights = *flat;
+    fn entropy_of_last<const S: usize, const G: usize>(
+        &self,
+        model: &Model,
+        beliefs: &Beliefs<S, G>,
+        last: usize,
+    ) -> f32 {
+        let mut weights = *beliefs;
         for (modality, outcome) in self.iter() {
             let &[factor] = modality.factors() else { continue };
-            for (state, weight) in model.part_mut(&mut weights, factor).iter_mut().enumerate() {
+            for (state, weight) in model.part_mut(weights.as_flat_mut(), factor).iter_mut().enumerate() {
                 *weight *= modality.likelihood().probability(outcome, &[state]);
             }
         }
         let Some(last) = model.modalities().get(last) else { return 0.0 };
-        let parts = model.parts(&weights, last.factors());
+        let parts = model.parts(weights.as_flat(), last.factors());
         let rest = self.mass_elsewhere(model, &weights, last);
         let expected = last.likelihood().expect(last.shape(), parts.as_slice(), last.preference());
         let mass = parts.as_slice().iter().map(|part| math::sum(part)).product::<f32>();
@@ -151,20 +161,30 @@ impl<'m> Outcomes<'m> {
     }
 
     /// The mass of the factors that these depend on and `last` does not.
-    fn mass_elsewhere<const N: usize>(&self, model: &Model, weights: &[f32; N], last: &Modality) -> f32 {
+    fn mass_elsewhere<const S: usize, const G: usize>(
+        &self,
+        model: &Model,
+        weights: &Beliefs<S, G>,
+        last: &Modality,
+    ) -> f32 {
         let mut seen = last.factors().iter().fold(0_u32, |seen, factor| seen | 1 << factor);
         let mut mass = 1.0;
         for factor in self.iter().flat_map(|(modality, _)| modality.factors()) {
             if seen >> factor & 1 == 0 {
                 seen |= 1 << factor;
-                mass *= math::sum(model.part(weights, *factor));
+                mass *= math::sum(weights.of(model, *factor));
             }
         }
         mass
     }
 
     /// The same for any modalities, by a visit of every combination of states.
-    fn entropy_by_states<const N: usize>(&self, model: &Model, flat: &[f32; N], last: usize) -> f32 {
+    fn entropy_by_states<const S: usize, const G: usize>(
+        &self,
+        model: &Model,
+        beliefs: &Beliefs<S, G>,
+        last: usize,
+    ) -> f32 {
         let Some(last) = model.modalities().get(last) else { return 0.0 };
         let (factors, shape) = match self.product(model, last) {
             Some(product) => product,
@@ -174,17 +194,17 @@ impl<'m> Outcomes<'m> {
         for outcome in 0..last.shape().values() {
             let mut p = 0.0;
             shape.for_each_column(|_, states| {
-                let mut now = [0; super::model::MAX_FACTORS];
+                let mut now = [0; MAX_FACTORS];
                 let mut mass = 1.0;
                 for (&factor, &state) in factors.iter().zip(states) {
                     if let Some(now) = now.get_mut(factor) {
                         *now = state;
                     }
-                    mass *= model.part(flat, factor).get(state).copied().unwrap_or(0.0);
+                    mass *= beliefs.of(model, factor).get(state).copied().unwrap_or(0.0);
                 }
                 for (modality, outcome) in self.iter().chain(core::iter::once((last, outcome))) {
                     if mass > 0.0 {
-                        mass *= probability(modality, outcome, &now);
+                        mass *= modality.probability(Evidence::Outcome(outcome), &now);
                     }
                 }
                 p += mass;
@@ -195,23 +215,20 @@ impl<'m> Outcomes<'m> {
     }
 
     /// The factors that these and `last` depend on, and the shape of their product.
-    fn product(&self, model: &Model, last: &Modality) -> Option<(heapless::Vec<usize, MAX_CONDITIONS>, Shape)> {
+    fn product(
+        &self,
+        model: &Model,
+        last: &Modality,
+    ) -> Option<(heapless::Vec<usize, MAX_CONDITIONS>, Shape)> {
         let all = self.iter().flat_map(|(modality, _)| modality.factors()).chain(last.factors());
         let all = all.fold(0_u32, |all, factor| all | 1 << factor);
         let (mut factors, mut states) = (heapless::Vec::new(), heapless::Vec::<_, MAX_CONDITIONS>::new());
-        for (number, factor) in model.factors().iter().enumerate().filter(|(number, _)| all >> number & 1 == 1) {
+        for (number, factor) in
+            model.factors().iter().enumerate().filter(|(number, _)| all >> number & 1 == 1)
+        {
             factors.push(number).ok()?;
             states.push(factor.states()).ok()?;
         }
         Some((factors, Shape::new(1, &states)?))
     }
-}
-
-fn probability(modality: &Modality, outcome: usize, now: &[usize]) -> f32 {
-    let mut states = [0; MAX_CONDITIONS];
-    for (state, &factor) in states.iter_mut().zip(modality.factors()) {
-        *state = now.get(factor).copied().unwrap_or(0);
-    }
-    let states = states.get(..modality.factors().len()).unwrap_or(&[]);
-    modality.likelihood().probability(outcome, states)
 }

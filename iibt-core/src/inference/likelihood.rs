@@ -63,7 +63,14 @@ pub trait Likelihood: Sync {
 
     /// Adds to `scores`, one per state of condition `to`, the expected log evidence under the beliefs about the other
     /// conditions, E ln max(P(e | s, s'), [`FLOOR`]): the mean-field message.
-    fn log_message(&self, shape: &Shape, evidence: Evidence, beliefs: &[&[f32]], to: usize, scores: &mut [f32]) {
+    fn log_message(
+        &self,
+        shape: &Shape,
+        evidence: Evidence,
+        beliefs: &[&[f32]],
+        to: usize,
+        scores: &mut [f32],
+    ) {
         shape.for_each_column(|_, states| {
             let p = evidence.probability(shape.values(), |outcome| self.probability(outcome, states));
             add(scores, states.get(to), mass(beliefs, states, Some(to)) * math::ln(p.max(FLOOR)));
@@ -134,7 +141,9 @@ impl core::fmt::Display for TableError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Empty => f.write_str("a dimension is empty, or there are too many"),
-            Self::Length(entries) => write!(f, "the table has {entries} entries, which its shape does not ask for"),
+            Self::Length(entries) => {
+                write!(f, "the table has {entries} entries, which its shape does not ask for")
+            }
             Self::Entry(at) => write!(f, "entry {at} is negative or not finite"),
             Self::Column(column, sum) => write!(f, "column {column} sums to {sum}, not to one"),
             Self::Range(at) => write!(f, "entry {at} is out of range"),

@@ -1,5 +1,6 @@
 //! The generative model: hidden factors, how they change, and what can be observed of them.
 
+use super::evidence::Evidence;
 use super::likelihood::Likelihood;
 use super::shape::{MAX_CONDITIONS, Shape};
 use super::transition::Transition;
@@ -44,6 +45,16 @@ impl<'a> Factor<'a> {
         assert!(prior.len() == shape.values(), "D, the prior, does not have an entry per state");
         assert!(math::is_distribution(prior), "D, the prior, is no distribution");
         Self { transition, shape, coupled_to: &[], control: Control::Own, prior }
+    }
+
+    /// The same for a prior that is only known at run time; `None` when it is no distribution over the factor's states.
+    #[must_use]
+    pub const fn try_new(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Option<Self> {
+        if prior.len() == shape.values() && math::is_distribution(prior) {
+            Some(Self { transition, shape, coupled_to: &[], control: Control::Own, prior })
+        } else {
+            None
+        }
     }
 
     /// The same factor, its transition conditioned on other factors as well, in the order of the shape's further
@@ -93,12 +104,24 @@ impl<'a> Modality<'a> {
     ) -> Self {
         assert!(factors.len() == shape.conditions(), "A, the likelihood, needs a factor for each condition");
         assert!(preference.len() == shape.values(), "C, the preference, does not have an entry per outcome");
-        let mut outcome = 0;
-        while outcome < preference.len() {
-            assert!(preference[outcome].is_finite(), "C, the preference, has a value that is not finite");
-            outcome += 1;
-        }
+        assert!(all_finite(preference), "C, the preference, has a value that is not finite");
         Self { likelihood, shape, factors, preference }
+    }
+
+    /// The same for numbers that are only known at run time; `None` when they do not fit.
+    #[must_use]
+    pub const fn try_new(
+        likelihood: &'a dyn Likelihood,
+        shape: Shape,
+        factors: &'a [usize],
+        preference: &'a [f32],
+    ) -> Option<Self> {
+        let fits = factors.len() == shape.conditions() && preference.len() == shape.values();
+        if fits && all_finite(preference) {
+            Some(Self { likelihood, shape, factors, preference })
+        } else {
+            None
+        }
     }
 
     /// A: how the outcomes depend on the states.
@@ -117,6 +140,16 @@ impl<'a> Modality<'a> {
     #[must_use]
     pub const fn factors(&self) -> &'a [usize] {
         self.factors
+    }
+
+    /// P(e | s) for the states that all factors of the model have now.
+    pub(super) fn probability(&self, evidence: Evidence, now: &[usize]) -> f32 {
+        let mut states = [0; MAX_CONDITIONS];
+        for (state, &factor) in states.iter_mut().zip(self.factors) {
+            *state = now.get(factor).copied().unwrap_or(0);
+        }
+        let states = states.get(..self.factors.len()).unwrap_or(&[]);
+        evidence.probability(self.shape.values(), |outcome| self.likelihood.probability(outcome, states))
     }
 
     /// C to begin with.
@@ -141,7 +174,7 @@ impl<'a> Modality<'a> {
 /// static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 1.0])];
 /// static CORRIDOR: Model = Model::new(&FACTORS, &MODALITIES);
 ///
-/// let mut beliefs = Beliefs::<3>::prior(&CORRIDOR);
+/// let mut beliefs = Beliefs::<3, 1>::prior(&CORRIDOR);
 /// let update = beliefs.update(&CORRIDOR, &[Evidence::Outcome(1)])?;
 /// assert!(update.free_energy > 0.0 && beliefs.most_likely(&CORRIDOR, 0).0 == 1);
 /// # Ok::<(), iibt_core::inference::Impossible>(())
@@ -196,9 +229,15 @@ impl<'a> Model<'a> {
             Ok(model) => model,
             Err(ModelError::Factors(_)) => panic!("a model has no factors, or too many"),
             Err(ModelError::Modalities(_)) => panic!("a model has no modalities, or too many"),
-            Err(ModelError::Dependency(_)) => panic!("a modality depends on a factor that does not exist, or on one twice"),
-            Err(ModelError::Likelihood(_)) => panic!("A, the likelihood, does not have the states of its factors"),
-            Err(ModelError::Transition(_)) => panic!("B, the transition, does not have the states of its factors"),
+            Err(ModelError::Dependency(_)) => {
+                panic!("a modality depends on a factor that does not exist, or on one twice")
+            }
+            Err(ModelError::Likelihood(_)) => {
+                panic!("A, the likelihood, does not have the states of its factors")
+            }
+            Err(ModelError::Transition(_)) => {
+                panic!("B, the transition, does not have the states of its factors")
+            }
         }
     }
 
@@ -206,7 +245,10 @@ impl<'a> Model<'a> {
     ///
     /// # Errors
     /// The first [`ModelError`] found.
-    pub const fn try_new(factors: &'a [Factor<'a>], modalities: &'a [Modality<'a>]) -> Result<Self, ModelError> {
+    pub const fn try_new(
+        factors: &'a [Factor<'a>],
+        modalities: &'a [Modality<'a>],
+    ) -> Result<Self, ModelError> {
         if factors.is_empty() || factors.len() > MAX_FACTORS {
             return Err(ModelError::Factors(factors.len()));
         }
@@ -490,6 +532,17 @@ impl Factor<'_> {
     }
 }
 
+const fn all_finite(values: &[f32]) -> bool {
+    let mut at = 0;
+    while at < values.len() {
+        if !values[at].is_finite() {
+            return false;
+        }
+        at += 1;
+    }
+    true
+}
+
 const fn contains(list: &[usize], wanted: usize) -> bool {
     let mut at = 0;
     while at < list.len() {
@@ -514,7 +567,9 @@ impl core::fmt::Debug for Model<'_> {
 impl core::fmt::Display for ModelError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Factors(count) => write!(f, "{count} factors: a model has 1 to {MAX_FACTORS}, of 65,535 states in all"),
+            Self::Factors(count) => {
+                write!(f, "{count} factors: a model has 1 to {MAX_FACTORS}, of 65,535 states in all")
+            }
             Self::Modalities(count) => write!(f, "{count} modalities: a model has 1 to {MAX_MODALITIES}"),
             Self::Dependency(modality) => {
                 write!(f, "modality {modality} depends on a factor that does not exist, or on one twice")

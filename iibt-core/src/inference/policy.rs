@@ -6,21 +6,19 @@ use crate::math;
 /// A policy: what to do, step by step.
 pub type Policy = Actions;
 
-/// The posterior over policies, softmax of their scores; policies whose score is more than `window` below the best are
-/// pruned (Occam's window, in nats) and get nothing.
-#[must_use]
-pub fn posterior<const P: usize>(mut scores: [f32; P], window: f32) -> [f32; P] {
+/// Turns scores into the posterior over policies, their softmax; policies whose score is more than `window` below the best
+/// are pruned (Occam's window, in nats) and get nothing. Without any score all get nothing.
+pub fn posterior(scores: &mut [f32], window: f32) {
     let best = scores.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-    for score in &mut scores {
+    if best == f32::NEG_INFINITY {
+        return scores.fill(0.0);
+    }
+    for score in scores.iter_mut() {
         if *score < best - window {
             *score = f32::NEG_INFINITY;
         }
     }
-    if best == f32::NEG_INFINITY {
-        return [0.0; P];
-    }
-    math::softmax(&mut scores);
-    scores
+    math::softmax(scores);
 }
 
 /// The policy that a number `u` from 0 to 1, drawn evenly by the caller's generator, picks from a posterior: the first

@@ -1,7 +1,5 @@
 //! C, what a robot would like to observe.
 
-use crate::math;
-
 /// A preference per outcome on a log scale: P(o) = softmax(C).
 ///
 /// The base is what the task wants; [`raise`](Self::raise) adds a temporary preference on top of it, and
@@ -70,20 +68,16 @@ impl<const O: usize> Preference<O> {
         self.raised = [0.0; O];
     }
 
-    /// ln P(o) = C - ln Σ exp C.
+    /// C as it is now, temporary raises included.
     #[must_use]
-    pub fn ln_probabilities(&self) -> [f32; O] {
-        let mut values = core::array::from_fn(|outcome| self.get(outcome));
-        math::log_softmax(&mut values);
-        values
+    pub fn values(&self) -> [f32; O] {
+        core::array::from_fn(|outcome| self.get(outcome))
     }
 
-    /// ln P(o) of the aversions alone: likes count as nothing. See [`Credit`](super::Credit).
+    /// The aversions alone: likes count as nothing. See [`Credit`](super::Credit).
     #[must_use]
-    pub fn ln_aversions(&self) -> [f32; O] {
-        let mut values = core::array::from_fn(|outcome| self.get(outcome).min(0.0));
-        math::log_softmax(&mut values);
-        values
+    pub fn aversions(&self) -> [f32; O] {
+        self.values().map(|value| value.min(0.0))
     }
 }
 
@@ -117,7 +111,6 @@ mod tests {
 
     #[test]
     fn aversions_leave_likes_out() {
-        let preference = Preference::new([2.0, 0.0, -1.0]);
-        assert_eq!(preference.ln_aversions(), Preference::new([0.0, 0.0, -1.0]).ln_probabilities());
+        assert_eq!(Preference::new([2.0, 0.0, -1.0]).aversions(), [0.0, 0.0, -1.0]);
     }
 }

@@ -9,11 +9,11 @@ use crate::actions::Action;
 
 /// A decision to be made.
 #[derive(Clone, Copy)]
-pub struct Problem<'a, const N: usize> {
+pub struct Problem<'a, const S: usize, const G: usize> {
     /// The generative model.
     pub model: &'a Model<'a>,
     /// What is believed now.
-    pub beliefs: &'a Beliefs<N>,
+    pub beliefs: &'a Beliefs<S, G>,
     /// The joint policies to choose from.
     pub candidates: Candidates<'a>,
     /// How they are scored.
@@ -44,10 +44,15 @@ pub trait Encounter: Sync {
     fn arrived(&self, beliefs: [&[f32]; 2]) -> f32;
 }
 
-impl<'a, const N: usize> Problem<'a, N> {
+impl<'a, const S: usize, const G: usize> Problem<'a, S, G> {
     /// A decision among `candidates` over the length of the longest, with the model's preferences.
     #[must_use]
-    pub fn new(model: &'a Model<'a>, beliefs: &'a Beliefs<N>, candidates: Candidates<'a>, scoring: Scoring) -> Self {
+    pub fn new(
+        model: &'a Model<'a>,
+        beliefs: &'a Beliefs<S, G>,
+        candidates: Candidates<'a>,
+        scoring: Scoring,
+    ) -> Self {
         Self {
             model,
             beliefs,
@@ -66,7 +71,8 @@ impl<'a, const N: usize> Problem<'a, N> {
         let given = |list: &'a [&'a [f32]]| {
             list.get(number).copied().filter(|given| given.len() == modality.shape().values())
         };
-        let under_way = if arrives || self.scoring.credit == Credit::EveryStep { None } else { given(self.aversions) };
+        let under_way =
+            if arrives || self.scoring.credit == Credit::EveryStep { None } else { given(self.aversions) };
         under_way.or_else(|| given(self.preferences)).unwrap_or(modality.preference())
     }
 

@@ -25,7 +25,8 @@ impl Shape {
         if values == 0 || values > most || conditions == 0 || conditions > MAX_CONDITIONS {
             return None;
         }
-        let mut shape = Self { values: values as u16, conditions: conditions as u8, states: [1; MAX_CONDITIONS] };
+        let mut shape =
+            Self { values: values as u16, conditions: conditions as u8, states: [1; MAX_CONDITIONS] };
         let mut index = 0;
         while index < conditions {
             if states[index] == 0 || states[index] > most {
@@ -117,8 +118,7 @@ mod tests {
         let shape = Shape::new(2, &[2, 3]).unwrap();
         let mut seen = Vec::new();
         shape.for_each_column(|column, states| seen.push((column, states.to_vec())));
-        let expected: Vec<_> =
-            (0..6).map(|column| (column, [column / 3, column % 3].to_vec())).collect();
+        let expected: Vec<_> = (0..6).map(|column| (column, [column / 3, column % 3].to_vec())).collect();
         assert_eq!(seen, expected);
     }
 

@@ -1,13 +1,12 @@
 //! The choice of a policy together with the teammates: the posterior over joint policies.
 
-use super::mission::{LABELS, OUTCOMES};
+use super::world::{Collision, OWN, World};
 use super::{Candidate, Mission};
 use crate::bounded::up_to;
 use crate::grid::Cell;
-use crate::inference::belief::update_pair;
 use crate::inference::{
-    Belief, Choice, IdentityNoise, Interaction, Model, NextState, OutcomeTable, Policy, Preference, Scoring,
-    Side, Star, Terms, Workspace,
+    Beliefs, Candidates, Choice, Combinations, Encounter, Evaluation, Evidence, Habits, Model, Policy,
+    Preference, Problem, Scoring, Star, Terms,
 };
 use crate::math;
 use heapless::Vec;
@@ -15,13 +14,11 @@ use heapless::Vec;
 /// The model that joint policies are judged by, and the last judgement.
 #[derive(Clone, Debug)]
 pub struct Decision<const S: usize, const P: usize> {
-    model: Model<IdentityNoise<S>, NextState<S, 5>, S, S>,
-    peer_sensor: IdentityNoise<S>,
-    outcomes: OutcomeTable<S, LABELS, OUTCOMES>,
+    world: World<S>,
     scoring: Scoring,
     collision: f32,
     haste: f32,
-    workspace: Workspace<S, P>,
+    evaluation: Evaluation<S, 2, P, P>,
     star: Star<P>,
     /// ln E - F - γ G of the robot's own policies.
     own: [f32; P],
@@ -30,10 +27,9 @@ pub struct Decision<const S: usize, const P: usize> {
     counts: (usize, usize),
 }
 
-/// A robot in a decision: what is believed of its place, and what it could do.
+/// A robot in a decision: what it would like, and what it could do.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Party<'a, const S: usize> {
-    pub(super) belief: &'a Belief<S>,
     pub(super) preference: &'a Preference<S>,
     pub(super) candidates: &'a [Candidate],
 }
@@ -50,13 +46,11 @@ pub(super) struct Timing {
 impl<const S: usize, const P: usize> Decision<S, P> {
     pub(super) fn new<const W: usize>(mission: &Mission<'_, W>) -> Self {
         Self {
-            model: mission.model(),
-            peer_sensor: IdentityNoise::among(mission.peer_sensor, mission.map.len()),
-            outcomes: mission.outcomes(),
+            world: World::new(mission),
             scoring: mission.scoring,
             collision: mission.collision,
             haste: mission.haste,
-            workspace: Workspace::new(),
+            evaluation: Evaluation::new(),
             star: Star::new([]),
             own: [f32::NEG_INFINITY; P],
             rows: [[f32::NEG_INFINITY; P]; P],
@@ -65,19 +59,24 @@ impl<const S: usize, const P: usize> Decision<S, P> {
     }
 
     /// The robot's own generative model, by which its teammates are judged too.
-    pub(super) const fn model(&self) -> &Model<IdentityNoise<S>, NextState<S, 5>, S, S> {
-        &self.model
+    pub(super) const fn world(&self) -> &World<S> {
+        &self.world
     }
 
-    /// What is believed of a teammate that announced to stand at `cell`, and what that says about this robot,
-    /// which takes itself to be at `here`: both beliefs given what the two cells mean for the team.
-    pub(super) fn beliefs(&self, own: &Belief<S>, here: Cell, cell: Cell) -> (Belief<S>, Belief<S>) {
-        let (mut own, mut peer) = (*own, self.model.initial());
-        let outcome = self.outcomes.outcome(here.index(), cell.index());
-        // An impossible announcement leaves the prior, which is what is then known of the teammate.
-        let _ = peer.update(&self.peer_sensor, cell.index());
-        let _ = update_pair(&mut own, &mut peer, &self.outcomes, outcome);
-        (own, peer)
+    /// What is believed of this robot, which takes itself to be at `here`, and of a teammate that announced to stand at
+    /// `cell`, given what the two cells mean for the team.
+    pub(super) fn beliefs(&self, own: &[f32], here: Cell, cell: Cell) -> Beliefs<S, 2> {
+        let outcome = self.world.outcome(here, cell);
+        let update = |model: &Model| {
+            let mut beliefs = Beliefs::prior(model);
+            beliefs.set(model, OWN, own);
+            // An impossible announcement leaves the prior, which is what is then known of the teammate.
+            let _ = beliefs.update(model, &[Evidence::Missing, Evidence::Outcome(cell.index())]);
+            let _ =
+                beliefs.update(model, &[Evidence::Missing, Evidence::Missing, Evidence::Outcome(outcome)]);
+            beliefs
+        };
+        self.world.with_model(update).unwrap_or(Beliefs::EMPTY)
     }
 
     /// Forgets the last decision, so that another can begin.
@@ -86,48 +85,96 @@ impl<const S: usize, const P: usize> Decision<S, P> {
     }
 
     /// Decides without teammates.
-    pub(super) fn decide_alone(&mut self, own: Party<'_, S>, timing: Timing) {
-        let policies = policies::<P>(own.candidates);
-        let side = side(&self.model.likelihood, &self.model.transition, own, &policies);
-        self.workspace.evaluate_alone(&side, &self.scoring, timing.horizon);
-        self.begin(own, timing);
-    }
-
-    /// Begins a decision with the values of the robot's own candidates, which are in the workspace.
-    fn begin(&mut self, own: Party<'_, S>, timing: Timing) {
-        self.own = [f32::NEG_INFINITY; P];
-        let parts = self.workspace.first_terms().iter().zip(own.candidates);
-        for (score, (terms, candidate)) in self.own.iter_mut().zip(parts) {
-            *score = score_of(&self.scoring, ln_prior(self.haste, candidate, timing), terms);
-        }
-        self.star = Star::new(self.own.iter().copied().take(own.candidates.len().min(P)));
-        self.counts = (own.candidates.len().min(P), 0);
+    pub(super) fn decide_alone(&mut self, own: &[f32], ours: Party<'_, S>, timing: Timing) {
+        let beliefs = self.world.with_model(|model| {
+            let mut beliefs = Beliefs::prior(model);
+            beliefs.set(model, OWN, own);
+            beliefs
+        });
+        self.evaluate(&beliefs.unwrap_or(Beliefs::EMPTY), ours, None, timing);
+        self.begin(ours, timing);
     }
 
     /// Adds a teammate with all the policies it may have.
-    pub(super) fn join(&mut self, own: Party<'_, S>, peer: Party<'_, S>, timing: Timing) {
-        let (ours, theirs) = (policies::<P>(own.candidates), policies::<P>(peer.candidates));
-        let own_side = side(&self.model.likelihood, &self.model.transition, own, &ours);
-        let peer_side = side(&self.peer_sensor, &self.model.transition, peer, &theirs);
-        let interaction = Interaction {
-            outcomes: &self.outcomes,
-            preference: &Mission::<0>::OUTCOME_PREFERENCE,
-            collision: self.collision,
-        };
-        self.workspace.evaluate(&own_side, &peer_side, &interaction, &self.scoring, timing.horizon);
+    pub(super) fn join(
+        &mut self,
+        beliefs: &Beliefs<S, 2>,
+        ours: Party<'_, S>,
+        theirs: Party<'_, S>,
+        timing: Timing,
+    ) {
+        self.evaluate(beliefs, ours, Some(theirs), timing);
         if self.counts.0 == 0 {
-            self.begin(own, timing);
+            self.begin(ours, timing);
         }
-        self.counts.1 = peer.candidates.len().min(P);
-        for (row, pairs) in self.rows.iter_mut().zip(self.workspace.pairs()) {
-            let parts = pairs.iter().zip(self.workspace.second_terms()).zip(peer.candidates);
-            for (score, ((pair, terms), candidate)) in row.iter_mut().zip(parts) {
-                let ln_prior = ln_prior(self.haste, candidate, timing);
-                *score = self.scoring.precision * pair + score_of(&self.scoring, ln_prior, terms);
-            }
+        let count = theirs.candidates.len().min(P);
+        let own = self.evaluation.own_terms(OWN);
+        let scores = self.evaluation.scores().chunks_exact(count.max(1));
+        for ((row, scores), (terms, candidate)) in
+            self.rows.iter_mut().zip(scores).zip(own.iter().zip(ours.candidates))
+        {
+            let own = score_of(&self.scoring, ln_prior(self.haste, candidate, timing), terms);
+            row.iter_mut().zip(scores).for_each(|(score, total)| *score = total - own);
         }
-        let count = self.counts.1;
+        self.counts.1 = count;
         self.star.join(self.rows.iter().filter_map(|row| row.get(..count)));
+    }
+
+    /// Evaluates this robot's candidates with those of a teammate, or by themselves.
+    fn evaluate(
+        &mut self,
+        beliefs: &Beliefs<S, 2>,
+        ours: Party<'_, S>,
+        theirs: Option<Party<'_, S>>,
+        timing: Timing,
+    ) {
+        let parties = [Some(ours), theirs];
+        let policies = parties.map(|party| policies::<P>(party.map_or(&[], |party| party.candidates)));
+        let sequences = policies.each_ref().map(|policies| policies.as_slice());
+        let priors = parties.map(|party| self.ln_priors(party, timing));
+        let habits = priors.each_ref().map(|priors| priors.as_slice());
+        let wanted = parties.map(|party| party.map_or([0.0; S], |party| party.preference.values()));
+        let unwanted = parties.map(|party| party.map_or([0.0; S], |party| party.preference.aversions()));
+        let collision = Collision { motion: self.world.motion(), preference: self.collision };
+        let encounters: [&dyn Encounter; 1] = [&collision];
+        let evaluation = &mut self.evaluation;
+        let (scoring, avoids) = (self.scoring, self.collision != 0.0);
+        self.world.with_model(|model| {
+            evaluation.evaluate(&Problem {
+                preferences: &wanted.each_ref().map(|values| values.as_slice()),
+                aversions: &unwanted.each_ref().map(|values| values.as_slice()),
+                encounters: if avoids { &encounters } else { &[] },
+                horizon: timing.horizon,
+                scope: if theirs.is_some() { u16::MAX } else { 1 << OWN },
+                ..Problem::new(
+                    model,
+                    beliefs,
+                    Candidates {
+                        sequences: &sequences,
+                        combinations: Combinations::All,
+                        habits: Habits::PerSequence(&habits),
+                    },
+                    scoring,
+                )
+            });
+        });
+    }
+
+    fn ln_priors(&self, party: Option<Party<'_, S>>, timing: Timing) -> Vec<f32, P> {
+        let candidates = party.map_or(&[][..], |party| party.candidates);
+        up_to(candidates.iter().map(|candidate| ln_prior(self.haste, candidate, timing)))
+    }
+
+    /// Begins a decision with the values of the robot's own candidates, which are in the evaluation.
+    fn begin(&mut self, ours: Party<'_, S>, timing: Timing) {
+        self.own = [f32::NEG_INFINITY; P];
+        let parts = self.evaluation.own_terms(OWN).iter().zip(ours.candidates);
+        for (score, (terms, candidate)) in self.own.iter_mut().zip(parts) {
+            *score = score_of(&self.scoring, ln_prior(self.haste, candidate, timing), terms);
+        }
+        let count = ours.candidates.len().min(P);
+        self.star = Star::new(self.own.iter().copied().take(count));
+        self.counts = (count, 0);
     }
 
     /// The most probable joint policy; `None` without candidates.
@@ -158,15 +205,6 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         math::softmax(joint.as_flattened_mut());
         joint
     }
-}
-
-fn side<'a, const S: usize>(
-    likelihood: &'a IdentityNoise<S>,
-    transition: &'a NextState<S, 5>,
-    party: Party<'a, S>,
-    policies: &'a [Policy],
-) -> Side<'a, IdentityNoise<S>, NextState<S, 5>, S> {
-    Side { likelihood, transition, belief: party.belief, preference: party.preference, policies }
 }
 
 fn policies<const P: usize>(candidates: &[Candidate]) -> Vec<Policy, P> {

@@ -6,6 +6,7 @@ use super::{Candidate, Navigation, intentions};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Map, Path, first_conflict};
 use crate::inference::Preference;
+use crate::math;
 use crate::team::{Intention, MAX_TEAM, Status};
 use heapless::Vec;
 
@@ -74,19 +75,21 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         let partners: Vec<(usize, Path, bool), MAX_TEAM> = up_to(self.partners().map(known));
         let mut own = self.belief;
         for (_, path, _) in &partners {
-            own = self.decision.beliefs(&own, here, path.start).0;
+            let pair = self.decision.beliefs(own.as_flat(), here, path.start);
+            math::assign(own.as_flat_mut(), pair.as_flat());
         }
         self.decision.clear();
         for &(robot, path, chosen) in &partners {
-            let (_, belief) = self.decision.beliefs(&self.belief, here, path.start);
+            let mut pair = self.decision.beliefs(self.belief.as_flat(), here, path.start);
+            math::assign(pair.as_flat_mut(), own.as_flat());
             self.propose(situation, robot, path, chosen);
-            let ours = Party { belief: &own, preference: &wanted, candidates: &self.candidates };
-            let theirs = Party { belief: &belief, preference: &wanted, candidates: &self.teammates };
-            self.decision.join(ours, theirs, timing);
+            let ours = Party { preference: &wanted, candidates: &self.candidates };
+            let theirs = Party { preference: &wanted, candidates: &self.teammates };
+            self.decision.join(&pair, ours, theirs, timing);
         }
         if partners.is_empty() {
-            let ours = Party { belief: &own, preference: &wanted, candidates: &self.candidates };
-            self.decision.decide_alone(ours, timing);
+            let ours = Party { preference: &wanted, candidates: &self.candidates };
+            self.decision.decide_alone(own.as_flat(), ours, timing);
         }
     }
 

@@ -1,7 +1,7 @@
 //! What a team is to do: the map, the starts, the goals, and the numbers of the generative model.
 
-use crate::grid::{Cell, Map, Move, Path};
-use crate::inference::{Belief, IdentityNoise, Model, NextState, OutcomeTable, Preference, Scoring};
+use crate::grid::{Cell, Map, Path};
+use crate::inference::Scoring;
 use crate::team::MAX_TEAM;
 
 /// The most goals of one mission.
@@ -12,9 +12,9 @@ pub(super) const LABELS: usize = MAX_GOALS + 1;
 
 /// The outcomes of two robots together: nobody on a goal, each on its own, or anything in between.
 pub(super) const OUTCOMES: usize = 3;
-const NOBODY: usize = 0;
-const SUCCESS: usize = 1;
-const FAILURE: usize = 2;
+const NOBODY: u8 = 0;
+const SUCCESS: u8 = 1;
+const FAILURE: u8 = 2;
 
 /// A navigation mission of a team, the same on every robot of it. Keep it in a `static`.
 #[derive(Clone, Copy, Debug)]
@@ -114,41 +114,8 @@ impl<'m, const W: usize> Mission<'m, W> {
         }
     }
 
-    /// One robot's generative model: a localiser that errs evenly over the cells of the map, and the parts below.
-    pub(super) fn model<const S: usize>(&self) -> Model<IdentityNoise<S>, NextState<S, 5>, S, S> {
-        let sensor = IdentityNoise::among(self.sensor, self.map.len());
-        Model::from_parts(sensor, self.transition(), self.preference(), self.belief())
-    }
-
-    /// C: every goal is worth one.
-    fn preference<const S: usize>(&self) -> Preference<S> {
-        Preference::from_fn(|state| if self.goals.contains(&Cell(state as u16)) { 1.0 } else { 0.0 })
-    }
-
-    /// B: each move leads to the neighbour, or nowhere at a wall or border.
-    fn transition<const S: usize>(&self) -> NextState<S, 5> {
-        NextState::from_fn(|action, state| {
-            let step = Move::from_code(action).unwrap_or(Move::Wait);
-            let next = self.map.neighbour(Cell(state as u16), step);
-            if self.map.is_free(next) { next.index() } else { state }
-        })
-    }
-
-    /// D: every free cell is equally likely.
-    fn belief<const S: usize>(&self) -> Belief<S> {
-        let free = |state| f32::from(u8::from(self.map.is_free(Cell(state as u16))));
-        Belief::from_weights(core::array::from_fn(free)).unwrap_or(const { Belief::uniform() })
-    }
-
-    /// The team's outcome: success where two robots stand on different goals, failure where at least one is
-    /// on a goal otherwise.
-    pub(super) fn outcomes<const S: usize>(&self) -> OutcomeTable<S, LABELS, OUTCOMES> {
-        let number = |state| self.goals.iter().position(|&goal| goal == Cell(state as u16));
-        OutcomeTable::from_fn(|state| number(state).map_or(0, |goal| goal + 1), outcome_of)
-    }
-
     /// C for the team's outcome.
-    pub(super) const OUTCOME_PREFERENCE: Preference<OUTCOMES> = Preference::new([0.0, 1.0, 0.0]);
+    pub(super) const OUTCOME_PREFERENCE: [f32; OUTCOMES] = [0.0, 1.0, 0.0];
 
     /// The paths given by hand for a robot that stands at `from`; none through walls.
     pub(super) fn listed(&self, robot: usize, from: Cell) -> impl Iterator<Item = Path> + '_ {
@@ -171,8 +138,9 @@ impl<'m, const W: usize> Mission<'m, W> {
     }
 }
 
-/// The outcome of two labels, where zero is no goal.
-const fn outcome_of(first: usize, second: usize) -> usize {
+/// The outcome of two labels, where zero is no goal: success where two robots stand on different goals, failure where
+/// at least one is on a goal otherwise.
+pub(super) const fn outcome_of(first: usize, second: usize) -> u8 {
     match (first, second) {
         (0, 0) => NOBODY,
         (0, _) | (_, 0) => FAILURE,

@@ -12,7 +12,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
     type Policy = Plan;
 
     fn prepare(&mut self) {
-        self.preference = self.decision.model().preference();
+        self.preference = self.decision.world().preference();
     }
 
     fn observe(&mut self) {

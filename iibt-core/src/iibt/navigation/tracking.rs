@@ -4,6 +4,7 @@
 use super::{Navigation, intentions};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Move, Path};
+use crate::inference::{Beliefs, Evidence};
 
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     pub(super) fn has_arrived(&self) -> bool {
@@ -52,19 +53,27 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         if self.percept.moving {
             return;
         }
-        let (before, model) = (self.belief, self.decision.model());
         let mut left = None;
-        if let Some(step) = self.commanded.take() {
-            left = Some(Cell(before.most_likely().0 as u16)).filter(|_| step != Move::Wait);
-            self.belief.predict(&model.transition, step.code());
-            self.belief.mix(&before, Self::SLIP);
+        let step = self.commanded.take();
+        if let Some(step) = step {
+            left = Some(self.position().0).filter(|_| step != Move::Wait);
             self.waited = step == Move::Wait;
         }
-        self.belief.mix(&model.initial(), Self::DOUBT);
         // The first reading after a move may be from before it: whether the move failed, the next one tells.
-        if let Some(reading) = self.percept.reading.filter(|&reading| left != Some(reading)) {
-            self.surprise = self.belief.update(&model.likelihood, reading.index());
-        }
+        let reading = self.percept.reading.filter(|&reading| left != Some(reading));
+        let (belief, surprise) = (&mut self.belief, &mut self.surprise);
+        self.decision.world().with_model(|model| {
+            if let Some(step) = step {
+                let before = *belief;
+                belief.predict(model, &[Some(step.code())]);
+                belief.mix(&before, Self::SLIP);
+            }
+            belief.mix(&Beliefs::prior(model), Self::DOUBT);
+            if let Some(reading) = reading {
+                let update = belief.update(model, &[Evidence::Outcome(reading.index())]);
+                *surprise = update.map(|update| update.free_energy);
+            }
+        });
     }
 
     /// Follows the team's agreement as far as the robot's place and the teammates' intentions carry it.

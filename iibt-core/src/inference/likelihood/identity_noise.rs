@@ -87,10 +87,9 @@ impl Likelihood for IdentityNoise {
         let mass = math::sum(noisy);
         let (background, signal) = (self.off * mass, self.correct - self.off);
         let mut expected = Expected { ambiguity: self.column_entropy * mass, ..Expected::default() };
-        for outlook in [
-            Outlook::of(noisy, likes, |q| background + signal * q),
-            Outlook::of(exact, others, |q| q),
-        ] {
+        for outlook in
+            [Outlook::of(noisy, likes, |q| background + signal * q), Outlook::of(exact, others, |q| q)]
+        {
             expected.utility += outlook.utility();
             expected.entropy += outlook.entropy();
         }

@@ -201,8 +201,7 @@ impl<'a> OutcomeTable<'a> {
     fn evidence(&self, evidence: Evidence) -> [f32; MAX_KINDS] {
         let mut of = [0.0; MAX_KINDS];
         for (of, column) in of.iter_mut().zip(self.columns.chunks_exact(self.shape.values())) {
-            *of = evidence
-                .probability(column.len(), |outcome| column.get(outcome).copied().unwrap_or(0.0));
+            *of = evidence.probability(column.len(), |outcome| column.get(outcome).copied().unwrap_or(0.0));
         }
         of
     }
@@ -260,7 +259,8 @@ fn add_kinds(masses: &mut [f32; MAX_KINDS], kinds: &[u8], p: f32, labels: &[f32;
 
 impl Likelihood for OutcomeTable<'_> {
     fn probability(&self, outcome: usize, states: &[usize]) -> f32 {
-        let inside = states.iter().enumerate().all(|(condition, &state)| state < self.shape.states(condition));
+        let inside =
+            states.iter().enumerate().all(|(condition, &state)| state < self.shape.states(condition));
         let column = self.column(self.kind(states));
         if inside { column.get(outcome).copied().unwrap_or(0.0) } else { 0.0 }
     }

@@ -26,7 +26,9 @@ impl<'a> Blocks<'a> {
     pub const fn new(blocks: &'a [(f32, &'a dyn Transition)], states: &[usize]) -> Self {
         match Self::try_new(blocks, states) {
             Ok(blocks) => blocks,
-            Err(_) => panic!("B, the transition: the weights of its blocks are no distribution over its conditions"),
+            Err(_) => {
+                panic!("B, the transition: the weights of its blocks are no distribution over its conditions")
+            }
         }
     }
 

@@ -1,0 +1,127 @@
+//! The generative model of a robot and a teammate on a map, and what their encounters are worth.
+
+use super::mission::{LABELS, Mission, OUTCOMES, outcome_of};
+use crate::actions::Action;
+use crate::grid::{Cell, Move};
+use crate::inference::{
+    Beliefs, Encounter, Factor, IdentityNoise, Modality, Model, NextState, OutcomeTable, Preference, Shape,
+};
+use crate::math;
+
+/// The factor and the modality of a robot's own place.
+pub(super) const OWN: usize = 0;
+
+/// The factor and the modality of the teammate's place.
+pub(super) const PEER: usize = 1;
+
+/// The tables of the model, for maps of `S` cells at the most. A robot judges its teammates by its own.
+#[derive(Clone, Debug)]
+pub(super) struct World<const S: usize> {
+    /// B: the next cell per move and cell.
+    next: [[u16; S]; Move::ALL.len()],
+    /// D: every free cell is equally likely.
+    prior: [f32; S],
+    /// C: every goal is worth one.
+    preference: [f32; S],
+    /// The number of the goal that a cell is, counted from one.
+    labels: [u8; S],
+    /// The outcome of each pair of labels.
+    outcomes: [u8; LABELS * LABELS],
+    sensor: IdentityNoise,
+    peer_sensor: IdentityNoise,
+    goals: usize,
+}
+
+/// Every outcome is certain given the labels.
+const COLUMNS: [f32; OUTCOMES * OUTCOMES] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+impl<const S: usize> World<S> {
+    pub(super) fn new<const W: usize>(mission: &Mission<'_, W>) -> Self {
+        let cells = mission.map.len();
+        let free = |state: usize| mission.map.is_free(Cell(state as u16));
+        let free_cells = (0..S).filter(|&state| free(state)).count() as f32;
+        let goal = |state: usize| mission.goals.iter().position(|&goal| goal == Cell(state as u16));
+        let next = |state: usize, step: Move| {
+            let next = mission.map.neighbour(Cell(state as u16), step);
+            if mission.map.is_free(next) && next.index() < S { next.0 } else { state as u16 }
+        };
+        let labels = mission.goals.len() + 1;
+        Self {
+            next: Move::ALL.map(|step| core::array::from_fn(|state| next(state, step))),
+            prior: core::array::from_fn(|state| if free(state) { 1.0 / free_cells } else { 0.0 }),
+            preference: core::array::from_fn(|state| if goal(state).is_some() { 1.0 } else { 0.0 }),
+            labels: core::array::from_fn(|state| goal(state).map_or(0, |goal| goal as u8 + 1)),
+            outcomes: core::array::from_fn(|pair| outcome_of(pair / labels, pair % labels)),
+            sensor: IdentityNoise::among(mission.sensor, cells),
+            peer_sensor: IdentityNoise::among(mission.peer_sensor, cells),
+            goals: mission.goals.len(),
+        }
+    }
+
+    /// C to begin with.
+    pub(super) fn preference(&self) -> Preference<S> {
+        Preference::from_fn(|state| self.preference.get(state).copied().unwrap_or(0.0))
+    }
+
+    /// D.
+    pub(super) fn initial(&self) -> Beliefs<S, 1> {
+        self.with_model(Beliefs::prior).unwrap_or(Beliefs::EMPTY)
+    }
+
+    /// The outcome of two cells for the team.
+    pub(super) fn outcome(&self, own: Cell, peer: Cell) -> usize {
+        let label = |cell: Cell| self.labels.get(cell.index()).copied().map_or(0, usize::from);
+        let pair = label(own) * (self.goals + 1) + label(peer);
+        self.outcomes.get(pair).copied().map_or(0, usize::from)
+    }
+
+    /// B: each move leads to the neighbour, or nowhere at a wall or border.
+    pub(super) const fn motion(&self) -> NextState<'_> {
+        NextState::trusted(self.next.as_flattened(), S)
+    }
+
+    /// Puts the model together for `then`: two robots that each read their own cell, and the outcome for the team that both
+    /// cells determine. `None` for tables that are no model, which a checked mission does not make.
+    pub(super) fn with_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
+        let labels = [self.labels.as_slice(); 2];
+        let pairs = (self.goals + 1) * (self.goals + 1);
+        let outcomes =
+            OutcomeTable::try_new(&labels, self.outcomes.get(..pairs)?, &COLUMNS, OUTCOMES).ok()?;
+        let (motion, place) = (self.motion(), Shape::new(S, &[S])?);
+        let factors = [Factor::try_new(&motion, place, &self.prior)?; 2];
+        let modalities = [
+            Modality::try_new(&self.sensor, place, &[OWN], &self.preference)?,
+            Modality::try_new(&self.peer_sensor, place, &[PEER], &self.preference)?,
+            Modality::try_new(&outcomes, outcomes.shape(), &[OWN, PEER], &Mission::<0>::OUTCOME_PREFERENCE)?,
+        ];
+        Model::try_new(&factors, &modalities).ok().map(|model| then(&model))
+    }
+}
+
+/// What it is worth to two robots to be in one cell, or to change places: zero or less, on the log scale of C.
+pub(super) struct Collision<'a> {
+    pub(super) motion: NextState<'a>,
+    pub(super) preference: f32,
+}
+
+impl Encounter for Collision<'_> {
+    fn factors(&self) -> [usize; 2] {
+        [OWN, PEER]
+    }
+
+    fn departing(&self, [own, peer]: [&[f32]; 2], [action, reply]: [Option<Action>; 2]) -> f32 {
+        let (Some(action), Some(reply)) = (action, reply) else { return 0.0 };
+        let mut exchange = 0.0;
+        for (state, p) in own.iter().enumerate() {
+            let next = self.motion.successor(action, state);
+            if next != state && self.motion.successor(reply, next) == state {
+                exchange += p * peer.get(next).copied().unwrap_or(0.0);
+            }
+        }
+        self.preference * exchange
+    }
+
+    fn arrived(&self, [own, peer]: [&[f32]; 2]) -> f32 {
+        self.preference * math::expectation(own, peer)
+    }
+}
