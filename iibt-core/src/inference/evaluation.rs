@@ -478,7 +478,7 @@ impl<const G: usize, const R: usize> Combinations<'_, G, R> {
         let mut places = [0; G];
         let mut faster = self.count().unwrap_or(1);
         for (group, used) in self.members() {
-            faster /= used;
+            faster = faster.checked_div(used).unwrap_or(1).max(1);
             if let Some(place) = places.get_mut(group) {
                 *place = (at / faster) as u8;
             }
@@ -495,7 +495,7 @@ fn action_of<const S: usize, const G: usize>(
     policy: usize,
     step: usize,
 ) -> Option<Action> {
-    let Some(control) = problem.model.control_of(factor) else { return Some(0) };
+    let Some(control) = problem.model.control(factor) else { return Some(0) };
     let sequence = problem.candidates.sequence(policy, control);
     problem.action(&problem.candidates.actions(control, sequence), step)
 }

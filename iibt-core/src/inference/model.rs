@@ -286,30 +286,57 @@ impl<'a> Model<'a> {
         Ok(model)
     }
 
-    /// Numbers the groups: factors that are coupled in motion, or moved by the same actions, are in one.
+    /// Numbers the groups in the order of their first factors: factors that are coupled in motion, or moved by the same
+    /// actions, are in one.
     const fn find_groups(&mut self) {
+        let mut grouped: u32 = 0;
         let mut factor = 0;
-        while factor < self.factors.len() {
-            self.groups[factor] = factor as u8;
+        while factor < self.factors.len() && factor < MAX_FACTORS {
             if let Some(control) = self.control(factor)
                 && control >= self.controls as usize
             {
                 self.controls = control as u8 + 1;
             }
+            if grouped >> factor & 1 == 0 {
+                let members = self.moved_with(1 << factor);
+                self.assign_group(members);
+                grouped |= members;
+            }
             factor += 1;
         }
-        let mut first = 0;
-        while first < self.factors.len() {
-            let mut second = 0;
-            while second < self.factors.len() {
-                if self.move_together(first, second) {
-                    self.merge(first, second);
-                }
-                second += 1;
+    }
+
+    const fn assign_group(&mut self, members: u32) {
+        let mut factor = 0;
+        while factor < MAX_FACTORS {
+            if members >> factor & 1 == 1 {
+                self.groups[factor] = self.group_count;
             }
-            first += 1;
+            factor += 1;
         }
-        self.number_groups();
+        self.group_count += 1;
+    }
+
+    /// The factors that move together with `members`, themselves included, a bit for each.
+    const fn moved_with(&self, mut members: u32) -> u32 {
+        loop {
+            let before = members;
+            let mut first = 0;
+            while first < self.factors.len() {
+                let mut second = 0;
+                while second < self.factors.len() {
+                    let one = members >> first & 1 == 1 || members >> second & 1 == 1;
+                    if one && self.move_together(first, second) {
+                        members |= 1 << first | 1 << second;
+                    }
+                    second += 1;
+                }
+                first += 1;
+            }
+            if members == before {
+                return members;
+            }
+        }
     }
 
     const fn move_together(&self, first: usize, second: usize) -> bool {
@@ -317,37 +344,14 @@ impl<'a> Model<'a> {
             (Some(one), Some(other)) => one == other,
             _ => false,
         };
-        shared || contains(self.factors[first].coupled_to, second)
-    }
-
-    const fn merge(&mut self, first: usize, second: usize) {
-        let (from, to) = (self.groups[second], self.groups[first]);
-        let mut factor = 0;
-        while factor < self.factors.len() {
-            if self.groups[factor] == from {
-                self.groups[factor] = to;
-            }
-            factor += 1;
-        }
-    }
-
-    /// Makes the groups' numbers count from zero, in the order of their first factors.
-    const fn number_groups(&mut self) {
-        let mut names = [u8::MAX; MAX_FACTORS];
-        let mut factor = 0;
-        while factor < self.factors.len() {
-            let old = self.groups[factor] as usize;
-            if names[old] == u8::MAX {
-                names[old] = self.group_count;
-                self.group_count += 1;
-            }
-            self.groups[factor] = names[old];
-            factor += 1;
-        }
+        shared || (first < self.factors.len() && contains(self.factors[first].coupled_to, second))
     }
 
     /// The action sequence that moves a factor.
-    const fn control(&self, factor: usize) -> Option<usize> {
+    pub(super) const fn control(&self, factor: usize) -> Option<usize> {
+        if factor >= self.factors.len() {
+            return None;
+        }
         match self.factors[factor].control {
             Control::Own => Some(factor),
             Control::Shared(control) => Some(control as usize),
@@ -370,7 +374,7 @@ impl<'a> Model<'a> {
     /// How many states all factors have together: the size of [`Beliefs`](super::Beliefs).
     #[must_use]
     pub const fn states(&self) -> usize {
-        self.offsets[self.factors.len()] as usize
+        if self.factors.len() <= MAX_FACTORS { self.offsets[self.factors.len()] as usize } else { 0 }
     }
 
     /// How many action sequences a joint policy has.
@@ -387,7 +391,7 @@ impl<'a> Model<'a> {
 
     /// Whether action sequence `control` moves a factor of `group`.
     pub(super) fn is_moved(&self, group: usize, control: usize) -> bool {
-        self.in_group(group).any(|factor| self.control_of(factor) == Some(control))
+        self.in_group(group).any(|factor| self.control(factor) == Some(control))
     }
 
     /// The numbers of a group's factors.
@@ -404,14 +408,6 @@ impl<'a> Model<'a> {
     /// The groups that a modality depends on, a bit for each.
     pub(super) fn scope(&self, modality: &Modality) -> u16 {
         modality.factors.iter().fold(0, |scope, &factor| scope | 1 << self.group(factor))
-    }
-
-    pub(super) fn control_of(&self, factor: usize) -> Option<usize> {
-        self.factors.get(factor).and_then(|of| match of.control {
-            Control::Own => Some(factor),
-            Control::Shared(control) => Some(usize::from(control)),
-            Control::None => None,
-        })
     }
 
     /// A factor's part of a flat list of states.

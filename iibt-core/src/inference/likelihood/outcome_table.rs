@@ -110,7 +110,7 @@ impl<'a> OutcomeTable<'a> {
 
     /// The distribution of outcomes of one kind.
     fn column(&self, kind: usize) -> &[f32] {
-        self.columns.chunks_exact(self.shape.values()).nth(kind).unwrap_or(&[])
+        self.columns.chunks_exact(self.shape.values().max(1)).nth(kind).unwrap_or(&[])
     }
 
     /// The mass of each label under each condition's belief.
@@ -200,7 +200,7 @@ impl<'a> OutcomeTable<'a> {
     /// P(e | kind) of each kind.
     fn evidence(&self, evidence: Evidence) -> [f32; MAX_KINDS] {
         let mut of = [0.0; MAX_KINDS];
-        for (of, column) in of.iter_mut().zip(self.columns.chunks_exact(self.shape.values())) {
+        for (of, column) in of.iter_mut().zip(self.columns.chunks_exact(self.shape.values().max(1))) {
             *of = evidence.probability(column.len(), |outcome| column.get(outcome).copied().unwrap_or(0.0));
         }
         of
@@ -270,7 +270,7 @@ impl Likelihood for OutcomeTable<'_> {
         let mut outlook = Outlook::new();
         for (block, preferences) in preference.chunks(4).enumerate() {
             let mut outcomes = [0.0; 4];
-            for (column, mass) in self.columns.chunks_exact(self.shape.values()).zip(&masses) {
+            for (column, mass) in self.columns.chunks_exact(self.shape.values().max(1)).zip(&masses) {
                 for (sum, p) in outcomes.iter_mut().zip(column.iter().skip(4 * block)) {
                     *sum += mass * p;
                 }
