@@ -21,7 +21,12 @@ fn assert_same<const S: usize>(robot: &mut Robot, benchmark: &Benchmark<S>) -> u
     let theirs = bits(robot, &format!("{}: posterior", benchmark.name), posterior.len());
     assert_eq!(theirs, posterior.map(f32::to_bits), "{}", benchmark.name);
     let beliefs: Vec<u32> = workspace.beliefs.as_flat().iter().map(|q| q.to_bits()).collect();
-    assert_eq!(bits(robot, &format!("{}: belief", benchmark.name), beliefs.len()), beliefs, "{}", benchmark.name);
+    assert_eq!(
+        bits(robot, &format!("{}: belief", benchmark.name), beliefs.len()),
+        beliefs,
+        "{}",
+        benchmark.name
+    );
     u64::from(number(&took, "took ")) * 1000 / 168
 }
 

@@ -66,7 +66,8 @@ impl<const S: usize> Benchmark<S> {
 /// T1: four places to go to, reached nine times in ten.
 #[must_use]
 pub fn t1() -> Benchmark<4> {
-    static MOTION: NextState = NextState::with_slip(&[0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3], 4, 0.1);
+    static MOTION: NextState =
+        NextState::with_slip(&[0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3], 4, 0.1);
     static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 4);
     static RESULT: OutcomeTable = OutcomeTable::new(
         &[&[0, 1, 2, 3], &[0, 1, 2, 3]],
@@ -101,7 +102,8 @@ pub const CELLS: usize = 49;
 pub fn t2() -> Benchmark<CELLS> {
     static MOVES: [u16; 4 * CELLS] = moves();
     static MOTION: NextState = NextState::new(&MOVES, CELLS);
-    static SENSORS: [IdentityNoise; 2] = [IdentityNoise::new(0.9952, CELLS), IdentityNoise::new(0.904, CELLS)];
+    static SENSORS: [IdentityNoise; 2] =
+        [IdentityNoise::new(0.9952, CELLS), IdentityNoise::new(0.904, CELLS)];
     static LABELS: [u8; CELLS] = {
         let mut labels = [0; CELLS];
         (labels[24], labels[26]) = (1, 2);

@@ -3,7 +3,9 @@
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("This image runs on a robot: `cargo fw` builds it, `cargo fw-run benchmark` starts it in QEMU.");
+    eprintln!(
+        "This image runs on a robot: `cargo fw` builds it, `cargo fw-run benchmark` starts it in QEMU."
+    );
 }
 
 #[cfg(target_os = "none")]

@@ -153,7 +153,8 @@ fn by_messages(
     let conditions = model.parts(work.prior, modality.factors());
     let mut surprise = 0.0;
     for (condition, &factor) in modality.factors().iter().enumerate() {
-        let (belief, message) = (model.part_mut(work.posterior, factor), model.part_mut(work.scratch, factor));
+        let (belief, message) =
+            (model.part_mut(work.posterior, factor), model.part_mut(work.scratch, factor));
         let evidence = weigh(belief, message, (modality, evidence, condition), conditions.as_slice());
         surprise = -math::ln(evidence.ok_or(Impossible { modality: number })?);
     }

@@ -199,6 +199,10 @@ pub struct Model<'a> {
     groups: [u8; MAX_FACTORS],
     group_count: u8,
     controls: u8,
+    /// The action sequences that move each group, a bit for each.
+    moved_by: [u16; MAX_FACTORS],
+    /// The groups that each modality depends on, a bit for each.
+    scopes: [u16; MAX_MODALITIES],
 }
 
 /// What does not fit together in a model.
@@ -269,6 +273,8 @@ impl<'a> Model<'a> {
             groups: [0; MAX_FACTORS],
             group_count: 0,
             controls: 0,
+            moved_by: [0; MAX_FACTORS],
+            scopes: [0; MAX_MODALITIES],
         };
         let (mut factor, mut total) = (0, 0);
         while factor < factors.len() {
@@ -283,6 +289,7 @@ impl<'a> Model<'a> {
             model.offsets[factor] = total as u16;
         }
         model.find_groups();
+        model.find_scopes();
         Ok(model)
     }
 
@@ -311,10 +318,30 @@ impl<'a> Model<'a> {
         while factor < MAX_FACTORS {
             if members >> factor & 1 == 1 {
                 self.groups[factor] = self.group_count;
+                if let Some(control) = self.control(factor)
+                    && (self.group_count as usize) < MAX_FACTORS
+                {
+                    self.moved_by[self.group_count as usize] |= 1 << control;
+                }
             }
             factor += 1;
         }
         self.group_count += 1;
+    }
+
+    const fn find_scopes(&mut self) {
+        let mut modality = 0;
+        while modality < self.modalities.len() && modality < MAX_MODALITIES {
+            let factors = self.modalities[modality].factors;
+            let mut at = 0;
+            while at < factors.len() {
+                if factors[at] < MAX_FACTORS {
+                    self.scopes[modality] |= 1 << self.groups[factors[at]];
+                }
+                at += 1;
+            }
+            modality += 1;
+        }
     }
 
     /// The factors that move together with `members`, themselves included, a bit for each.
@@ -389,9 +416,9 @@ impl<'a> Model<'a> {
         self.group_count as usize
     }
 
-    /// Whether action sequence `control` moves a factor of `group`.
-    pub(super) fn is_moved(&self, group: usize, control: usize) -> bool {
-        self.in_group(group).any(|factor| self.control(factor) == Some(control))
+    /// The action sequences that move a group, a bit for each.
+    pub(super) fn moved_by(&self, group: usize) -> u16 {
+        self.moved_by.get(group).copied().unwrap_or(0)
     }
 
     /// The numbers of a group's factors.
@@ -406,8 +433,8 @@ impl<'a> Model<'a> {
     }
 
     /// The groups that a modality depends on, a bit for each.
-    pub(super) fn scope(&self, modality: &Modality) -> u16 {
-        modality.factors.iter().fold(0, |scope, &factor| scope | 1 << self.group(factor))
+    pub(super) fn scope(&self, modality: usize) -> u16 {
+        self.scopes.get(modality).copied().unwrap_or(0)
     }
 
     /// A factor's part of a flat list of states.
@@ -434,21 +461,20 @@ impl<'a> Model<'a> {
         Parts::new(factors.iter().map(|&factor| self.part(flat, factor)))
     }
 
-    /// One step of one factor: q(s') = Σ_s B_u(s', s) q(s), from the flat beliefs `from` into `to`.
+    /// One step of one factor: q(s') = Σ_s B_u(s', s) q(s), from the flat beliefs `from` into `to`. Returns how much the step
+    /// will tell about the transition itself.
     #[inline]
-    pub(super) fn move_factor(&self, factor: usize, action: Action, from: &[f32], to: &mut [f32]) {
-        let Some(of) = self.factors.get(factor) else { return };
-        if of.coupled_to.is_empty() {
-            of.transition.predict(&of.shape, action, &[self.part(from, factor)], to);
-        } else {
-            of.transition.predict(&of.shape, action, self.conditions(factor, from).as_slice(), to);
-        }
-    }
-
-    /// How much a step of one factor will tell about its transition, see [`Transition::novelty`].
-    pub(super) fn novelty_of_move(&self, factor: usize, action: Action, from: &[f32]) -> f32 {
+    pub(super) fn move_factor(&self, factor: usize, action: Action, from: &[f32], to: &mut [f32]) -> f32 {
         let Some(of) = self.factors.get(factor) else { return 0.0 };
-        of.transition.novelty(&of.shape, action, self.conditions(factor, from).as_slice())
+        let step = |beliefs: &[&[f32]], to: &mut [f32]| {
+            of.transition.predict(&of.shape, action, beliefs, to);
+            of.transition.novelty(&of.shape, action, beliefs)
+        };
+        if of.coupled_to.is_empty() {
+            step(&[self.part(from, factor)], to)
+        } else {
+            step(self.conditions(factor, from).as_slice(), to)
+        }
     }
 
     /// The beliefs that a factor's transition is conditioned on, its own first.

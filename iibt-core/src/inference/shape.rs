@@ -53,7 +53,11 @@ impl Shape {
     /// The states of one condition; one where there is no such condition.
     #[must_use]
     pub const fn states(&self, condition: usize) -> usize {
-        if condition < MAX_CONDITIONS && condition < self.conditions() { self.states[condition] as usize } else { 1 }
+        if condition < MAX_CONDITIONS && condition < self.conditions() {
+            self.states[condition] as usize
+        } else {
+            1
+        }
     }
 
     /// How many columns the table has: the product of the conditions' states, or `None` where that is no `usize`.

@@ -107,11 +107,9 @@ impl<const S: usize, const P: usize> Decision<S, P> {
             self.begin(ours, timing);
         }
         let count = theirs.candidates.len().min(P);
-        let own = self.evaluation.own_terms(OWN);
+        let own = self.evaluation.own_terms(OWN).zip(ours.candidates);
         let scores = self.evaluation.scores().chunks_exact(count.max(1));
-        for ((row, scores), (terms, candidate)) in
-            self.rows.iter_mut().zip(scores).zip(own.iter().zip(ours.candidates))
-        {
+        for ((row, scores), (terms, candidate)) in self.rows.iter_mut().zip(scores).zip(own) {
             let own = score_of(&self.scoring, ln_prior(self.haste, candidate, timing), terms);
             row.iter_mut().zip(scores).for_each(|(score, total)| *score = total - own);
         }
@@ -167,7 +165,7 @@ impl<const S: usize, const P: usize> Decision<S, P> {
     /// Begins a decision with the values of the robot's own candidates, which are in the evaluation.
     fn begin(&mut self, ours: Party<'_, S>, timing: Timing) {
         self.own = [f32::NEG_INFINITY; P];
-        let parts = self.evaluation.own_terms(OWN).iter().zip(ours.candidates);
+        let parts = self.evaluation.own_terms(OWN).zip(ours.candidates);
         for (score, (terms, candidate)) in self.own.iter_mut().zip(parts) {
             *score = score_of(&self.scoring, ln_prior(self.haste, candidate, timing), terms);
         }

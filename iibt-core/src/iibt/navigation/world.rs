@@ -108,7 +108,8 @@ impl<const S: usize> World<S> {
     pub(super) fn with_pair_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
         let labels = [self.cells(&self.labels); 2];
         let pairs = (self.goals + 1) * (self.goals + 1);
-        let outcomes = OutcomeTable::try_new(&labels, self.outcomes.get(..pairs)?, &COLUMNS, OUTCOMES).ok()?;
+        let outcomes =
+            OutcomeTable::try_new(&labels, self.outcomes.get(..pairs)?, &COLUMNS, OUTCOMES).ok()?;
         let (motion, place) = (self.motion(), Shape::new(self.cells, &[self.cells])?);
         let (prior, preference) = (self.cells(&self.prior), self.cells(&self.preference));
         let factors = [Factor::try_new(&motion, place, prior)?; 2];

@@ -18,7 +18,8 @@ pub(super) fn update(work: &mut Work, couplings: &Couplings) -> Result<Update, I
     math::assign(work.prior, work.posterior);
     let mut update = Update { free_energy: f32::INFINITY, exact: false, converged: false, sweeps: 0 };
     while !update.converged && update.sweeps < MAX_SWEEPS {
-        let change = factors(couplings).fold(0.0_f32, |most, factor| most.max(ascend(work, couplings, factor)));
+        let change =
+            factors(couplings).fold(0.0_f32, |most, factor| most.max(ascend(work, couplings, factor)));
         update.sweeps += 1;
         update.converged = change <= TOLERANCE;
     }

@@ -1,7 +1,7 @@
 //! A sensor that reads the state itself, and errs evenly.
 
-use super::{Expected, Likelihood};
-use crate::inference::{Evidence, Shape};
+use super::Likelihood;
+use crate::inference::{Evidence, Shape, Terms};
 use crate::math::{self, Outlook};
 
 /// A = off + (correct - off) I.
@@ -78,16 +78,12 @@ impl Likelihood for IdentityNoise {
         states.first().map_or(0.0, |&state| self.read(outcome, state))
     }
 
-    fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Expected {
+    fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
         let belief = beliefs.first().copied().unwrap_or(&[]);
         let mass = math::sum(belief);
         let (background, signal) = (self.off * mass, self.correct - self.off);
         let outlook = Outlook::of(belief, preference, |q| background + signal * q);
-        Expected {
-            utility: outlook.utility(),
-            entropy: outlook.entropy(),
-            ambiguity: self.column_entropy * mass,
-        }
+        Terms::of(&outlook, self.column_entropy * mass)
     }
 
     fn message(&self, shape: &Shape, evidence: Evidence, _: &[&[f32]], _: usize, message: &mut [f32]) {
