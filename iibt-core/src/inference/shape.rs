@@ -74,10 +74,16 @@ impl Shape {
     /// The place of a combination of states among the columns, row-major; `None` outside the table.
     #[must_use]
     pub fn column(&self, states: &[usize]) -> Option<usize> {
+        self.place(0, states)
+    }
+
+    /// The place of a value and a combination of states in a table with a row per value; `None` for states outside it.
+    #[inline]
+    pub(super) fn place(&self, value: usize, states: &[usize]) -> Option<usize> {
         if states.len() != self.conditions() {
             return None;
         }
-        states.iter().enumerate().try_fold(0, |at, (condition, &state)| {
+        states.iter().enumerate().try_fold(value, |at, (condition, &state)| {
             (state < self.states(condition)).then_some(at * self.states(condition) + state)
         })
     }

@@ -37,8 +37,7 @@ pub(super) fn entry(table: &[f32], shape: &Shape, value: usize, states: &[usize]
     if value >= shape.values() {
         return 0.0;
     }
-    let place = || shape.columns()?.checked_mul(value)?.checked_add(shape.column(states)?);
-    place().and_then(|at| table.get(at)).copied().unwrap_or(0.0)
+    shape.place(value, states).and_then(|at| table.get(at)).copied().unwrap_or(0.0)
 }
 
 /// Σ row(s1, ..., sn) q1(s1) ... qn(sn).
