@@ -145,6 +145,16 @@ impl<'a> Candidates<'a> {
         self.sequences.get(control).and_then(|list| list.get(sequence)).copied().unwrap_or(Policy::EMPTY)
     }
 
+    /// ln E of one sequence of one control, where habits are about sequences.
+    pub(super) fn habit_of(&self, control: usize, sequence: usize) -> f32 {
+        match self.habits {
+            Habits::PerSequence(habits) => {
+                habits.get(control).and_then(|list| list.get(sequence)).copied().unwrap_or(0.0)
+            }
+            Habits::Flat | Habits::Joint(_) => 0.0,
+        }
+    }
+
     /// ln E of a joint policy, up to a constant.
     #[must_use]
     pub fn ln_prior(&self, policy: usize) -> f32 {

@@ -416,6 +416,11 @@ impl<'a> Model<'a> {
         self.group_count as usize
     }
 
+    /// The group that an action sequence moves.
+    pub(super) fn group_of_control(&self, control: usize) -> Option<usize> {
+        (0..self.groups()).find(|&group| self.moved_by(group) >> control & 1 == 1)
+    }
+
     /// The action sequences that move a group, a bit for each.
     pub(super) fn moved_by(&self, group: usize) -> u16 {
         self.moved_by.get(group).copied().unwrap_or(0)
