@@ -72,6 +72,12 @@ impl<'a> Factor<'a> {
         self
     }
 
+    /// P(s' = `next` | `states`, u = `action`), with a state for the factor itself and each that it is coupled to.
+    #[must_use]
+    pub fn probability(&self, action: Action, next: usize, states: &[usize]) -> f32 {
+        self.transition.probability(action, next, states)
+    }
+
     /// How many states it has.
     #[must_use]
     pub const fn states(&self) -> usize {
