@@ -1,6 +1,7 @@
 //! What several tests share: references to compare with, the paper's data, and an emulated board.
 
 pub mod elf;
+pub mod oracle;
 pub mod paper;
 pub mod qemu;
 pub mod rig;

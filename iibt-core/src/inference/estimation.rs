@@ -21,8 +21,8 @@ const TOLERANCE: f32 = 2e-6;
 pub(super) enum Method {
     /// Exactly while it fits the limit, else by coordinate ascent.
     Exact,
-    /// By coordinate ascent.
-    CoordinateAscent,
+    /// By coordinate ascent in this many sweeps at the most.
+    CoordinateAscent(u8),
 }
 
 /// How an update went.
@@ -186,6 +186,10 @@ fn update_together<const S: usize, const G: usize>(
     method: Method,
 ) -> Result<Update, Impossible> {
     let exact = |surprise| Update { free_energy: surprise, exact: true, converged: true, sweeps: 0 };
+    let sweeps = match method {
+        Method::Exact => MAX_SWEEPS,
+        Method::CoordinateAscent(sweeps) => sweeps.clamp(1, MAX_SWEEPS),
+    };
     if method == Method::Exact {
         if let Some(coupling) = couplings.single() {
             if coupling.1.likelihood().effort(coupling.1.shape()) <= EXACT_LIMIT {
@@ -195,7 +199,7 @@ fn update_together<const S: usize, const G: usize>(
             return product.update(beliefs, model, couplings).map(exact);
         }
     }
-    by_coordinate_ascent(beliefs, model, couplings)
+    by_coordinate_ascent(beliefs, model, couplings, sweeps)
 }
 
 /// The exact marginals after one observation that couples factors: q(s_f) ∝ p(s_f) Σ Π p(s_g) P(e | s).
@@ -286,6 +290,7 @@ fn by_coordinate_ascent<const S: usize, const G: usize>(
     beliefs: &mut Beliefs<S, G>,
     model: &Model,
     couplings: &Couplings,
+    most: u8,
 ) -> Result<Update, Impossible> {
     for (number, modality, evidence) in couplings.iter() {
         if !is_possible(beliefs, model, modality, evidence) {
@@ -295,7 +300,7 @@ fn by_coordinate_ascent<const S: usize, const G: usize>(
     let prior = *beliefs;
     let factors = couplings.factors();
     let mut update = Update { free_energy: f32::INFINITY, exact: false, converged: false, sweeps: 0 };
-    while !update.converged && update.sweeps < MAX_SWEEPS {
+    while !update.converged && update.sweeps < most {
         let mut change = 0.0_f32;
         for factor in (0..model.factors().len()).filter(|factor| factors >> factor & 1 == 1) {
             change = change.max(ascend(beliefs, model, couplings, &prior, factor));
