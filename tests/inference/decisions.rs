@@ -61,7 +61,10 @@ fn the_factored_terms_of_every_joint_policy_equal_brute_force() {
                 let sums = reference.terms(&exact, &decision.actions(policy));
                 let same = |ours: f32, reference: f64| close(ours, reference, 1e-4);
                 assert!(same(terms.utility, sums.utility), "{number} of {decision:?}: {terms:?}, {sums:?}");
-                assert!(same(terms.information_gain, sums.information_gain), "{number} of {decision:?}: {terms:?}, {sums:?}");
+                assert!(
+                    same(terms.information_gain, sums.information_gain),
+                    "{number} of {decision:?}: {terms:?}, {sums:?}"
+                );
                 assert!(same(terms.ambiguity, sums.ambiguity), "{number}: {terms:?}, {sums:?}");
                 assert!(same(terms.risk(), sums.risk), "{number}: {terms:?}, {sums:?}");
                 let value = sums.value(decision.scoring.convention);

@@ -7,7 +7,7 @@ mod decisions;
 use iibt_core::inference::{Beliefs, Evaluation, Model};
 use tests::oracle::chance::Chance;
 use tests::oracle::generator::{FACTORS, STATES};
-use tests::oracle::{Marginals, wide};
+use tests::oracle::{Marginals, normalised, wide};
 
 /// Beliefs with room for every random model.
 type Room = Beliefs<STATES, FACTORS>;
@@ -33,9 +33,9 @@ fn for_seeds(name: u64, count: u64, test: impl Fn(&mut Chance)) {
     }
 }
 
-/// The beliefs about each factor, in double precision.
-fn marginals(beliefs: &Room, model: &Model) -> Marginals {
-    (0..model.factors().len()).map(|factor| wide(beliefs.of(model, factor))).collect()
+/// The beliefs about each factor, in double precision and normalised there.
+fn marginals<const S: usize, const G: usize>(beliefs: &Beliefs<S, G>, model: &Model) -> Marginals {
+    (0..model.factors().len()).map(|factor| normalised(&wide(beliefs.of(model, factor)))).collect()
 }
 
 /// Whether two numbers agree within a tolerance, relative where they are large.
@@ -53,10 +53,11 @@ fn assert_marginals(ours: &Marginals, reference: &Marginals, tolerance: f64) {
 }
 
 /// Finite, not negative, summing to one.
-fn assert_distributions(beliefs: &Marginals) {
-    for (factor, q) in beliefs.iter().enumerate() {
+fn assert_distributions<const S: usize, const G: usize>(beliefs: &Beliefs<S, G>, model: &Model) {
+    for factor in 0..model.factors().len() {
+        let q = beliefs.of(model, factor);
         assert!(q.iter().all(|q| q.is_finite() && *q >= 0.0), "factor {factor}: {q:?}");
-        let sum: f64 = q.iter().sum();
+        let sum: f32 = q.iter().sum();
         assert!((sum - 1.0).abs() < 1e-5, "factor {factor} sums to {sum}");
     }
 }

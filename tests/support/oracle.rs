@@ -67,7 +67,7 @@ impl Tables {
     }
 
     /// The beliefs after a step, with an action for each factor or `None` for one that stays, as one does on an action
-    /// that it does not have.
+    /// that it does not have. Columns written in single precision do not sum to one exactly, so beliefs are normalised.
     #[must_use]
     pub fn predict(&self, beliefs: &Marginals, actions: &[Option<u8>]) -> Marginals {
         let joint = self.joint(beliefs);
@@ -77,9 +77,11 @@ impl Tables {
             for (mass, column) in joint.iter().zip(table) {
                 next.iter_mut().zip(column).for_each(|(next, p)| *next += mass * p);
             }
-            Some(next)
+            Some(normalised(&next))
         };
-        (0..self.states.len()).map(|factor| moved(factor).unwrap_or_else(|| beliefs[factor].clone())).collect()
+        (0..self.states.len())
+            .map(|factor| moved(factor).unwrap_or_else(|| beliefs[factor].clone()))
+            .collect()
     }
 
     /// P(e | s) of each joint state, for a weight per outcome of one modality; every probability raised to `floor`.

@@ -251,6 +251,7 @@ impl Product {
     ) -> Result<f32, Impossible> {
         let mut posterior = Beliefs::<S, G>::EMPTY;
         let mut now = [0; MAX_FACTORS];
+        let mut furthest = None;
         self.shape.for_each_column(|_, states| {
             let mut mass = 1.0;
             for (&factor, &state) in self.factors.iter().zip(states) {
@@ -259,10 +260,11 @@ impl Product {
                 }
                 mass *= beliefs.of(model, factor).get(state).copied().unwrap_or(0.0);
             }
-            for (_, modality, evidence) in couplings.iter() {
+            for (number, modality, evidence) in couplings.iter() {
                 if mass == 0.0 {
                     return;
                 }
+                furthest = furthest.max(Some(number));
                 mass *= modality.probability(evidence, &now);
             }
             for (&factor, &state) in self.factors.iter().zip(states) {
@@ -274,8 +276,8 @@ impl Product {
         let mut surprise = 0.0;
         for &factor in &self.factors {
             let part = model.part_mut(posterior.as_flat_mut(), factor);
-            let number = couplings.iter().map(|coupling| coupling.0).last().unwrap_or(0);
-            surprise = -math::ln(math::normalise(part).ok_or(Impossible { modality: number })?);
+            let impossible = Impossible { modality: furthest.unwrap_or(0) };
+            surprise = -math::ln(math::normalise(part).ok_or(impossible)?);
         }
         for &factor in &self.factors {
             math::assign(model.part_mut(beliefs.as_flat_mut(), factor), posterior.of(model, factor));

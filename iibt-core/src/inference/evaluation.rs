@@ -262,7 +262,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
             }
         }
         if problem.scoring.gain == Gain::Joint {
-            self.gain_jointly(problem, until);
+            self.gain_jointly(problem, until, step);
         }
     }
 
@@ -364,7 +364,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// The joint gain of all modalities that have factors in common, directly or by way of others.
-    fn gain_jointly(&mut self, problem: &Problem<'_, S, G>, until: usize) {
+    fn gain_jointly(&mut self, problem: &Problem<'_, S, G>, until: usize, step: usize) {
         let all = problem.modalities().fold(0, |all, (number, ..)| all | 1 << number);
         for component in gain::components(problem.model, all) {
             self.couple(component.groups, until, |rows, places| {
@@ -373,7 +373,14 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
                     let to = problem.model.part_mut(beliefs.as_flat_mut(), factor);
                     math::assign(to, rows.part(problem, factor, places));
                 }
-                Terms { information_gain: component.gain(problem.model, &beliefs), ..Terms::ZERO }
+                let observed = rows.observed(problem, component.members, places, step);
+                let information_gain = if observed == component.members {
+                    component.gain(problem.model, &beliefs)
+                } else {
+                    let parts = gain::components(problem.model, observed);
+                    parts.map(|part| part.gain(problem.model, &beliefs)).sum()
+                };
+                Terms { information_gain, ..Terms::ZERO }
             });
         }
     }
@@ -442,6 +449,19 @@ impl<'a, const S: usize, const G: usize, const R: usize> Rows<'a, S, G, R> {
     ) -> Option<Action> {
         let (group, row) = Self::place(problem, factor, places);
         action_of(problem, factor, self.policy(group, row), step)
+    }
+
+    /// Which of these modalities are observed at a step, a bit for each: what several groups bring about together is not
+    /// before the first of them arrives, nor after.
+    fn observed(&self, problem: &Problem<'_, S, G>, members: u64, places: &Places<G>, step: usize) -> u64 {
+        if problem.scoring.credit == Credit::EveryStep {
+            return members;
+        }
+        let together = |groups: u16| !groups.is_power_of_two();
+        let left_out = problem.modalities().filter(|&(_, _, groups)| {
+            together(groups) && step + 1 != self.first_arrival(problem, groups, places)
+        });
+        left_out.fold(members, |members, (number, ..)| members & !(1 << number))
     }
 
     fn first_arrival(&self, problem: &Problem<'_, S, G>, groups: u16, places: &Places<G>) -> usize {

@@ -146,11 +146,7 @@ impl Decision {
         let meetings: Vec<&dyn Encounter> = self.meetings.iter().map(|of| of as &dyn Encounter).collect();
         let candidates = Candidates {
             sequences: &sequences,
-            combinations: if self.listed.is_some() {
-                Combinations::Listed(&rows)
-            } else {
-                Combinations::All
-            },
+            combinations: if self.listed.is_some() { Combinations::Listed(&rows) } else { Combinations::All },
             habits: match &self.habits {
                 Habit::Flat => Habits::Flat,
                 Habit::Joint(habits) => Habits::Joint(habits),

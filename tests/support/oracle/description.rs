@@ -205,7 +205,8 @@ impl Description {
     #[must_use]
     pub fn tables(&self) -> Tables {
         let mut tables = Tables { states: self.states(), likelihood: vec![], transition: vec![] };
-        let joint: Vec<Vec<usize>> = (0..tables.joint_states()).map(|joint| tables.states_of(joint)).collect();
+        let joint: Vec<Vec<usize>> =
+            (0..tables.joint_states()).map(|joint| tables.states_of(joint)).collect();
         let picked = |all: &[usize], of: &[usize]| of.iter().map(|&factor| all[factor]).collect::<Vec<_>>();
         for sense in &self.modalities {
             let counts = self.counts(&sense.factors);
@@ -262,7 +263,8 @@ impl Description {
             .collect();
         let motions: Vec<Box<dyn Transition + '_>> =
             rows.iter().enumerate().map(|(factor, row)| self.motion(factor, row)).collect();
-        let factors: Vec<Factor> = motions.iter().enumerate().map(|(at, of)| self.factor(at, &**of)).collect();
+        let factors: Vec<Factor> =
+            motions.iter().enumerate().map(|(at, of)| self.factor(at, &**of)).collect();
         let modalities: Vec<Modality> = self
             .modalities
             .iter()
@@ -296,11 +298,7 @@ impl Description {
         single.map(|((_, of), from)| of.build(values, &self.counts(&[from]), &[])).collect()
     }
 
-    fn motion<'a>(
-        &'a self,
-        factor: usize,
-        row: &'a [(f32, &'a dyn Transition)],
-    ) -> Box<dyn Transition + 'a> {
+    fn motion<'a>(&'a self, factor: usize, row: &'a [(f32, &'a dyn Transition)]) -> Box<dyn Transition + 'a> {
         let of = &self.factors[factor];
         of.motion.build(of.prior.len(), &self.counts(&self.conditions(factor)), row)
     }
