@@ -3,6 +3,7 @@
 
 mod beliefs;
 mod decisions;
+mod garbage;
 
 use iibt_core::inference::{Beliefs, Evaluation, Model};
 use tests::oracle::chance::Chance;
