@@ -4,6 +4,7 @@
 mod beliefs;
 mod decisions;
 mod garbage;
+mod symmetries;
 
 use iibt_core::inference::{Beliefs, Evaluation, Model};
 use tests::oracle::chance::Chance;

@@ -81,7 +81,7 @@ impl<'a> Candidates<'a> {
         match self.combinations {
             Combinations::All => {
                 let faster = (control + 1..self.sequences.len()).map(|control| self.choices(control));
-                policy / faster.product::<usize>().max(1) % self.choices(control)
+                policy / faster.fold(1, usize::saturating_mul) % self.choices(control)
             }
             Combinations::Listed(rows) => {
                 rows.get(policy * self.sequences.len() + control).copied().map_or(0, usize::from)

@@ -105,7 +105,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     /// predictions of each coupled modality per step; candidates that joint policies have in common are rolled out
     /// once, `R` at a time.
     pub fn advance(&mut self, problem: &Problem<'_, S, G>, count: usize) -> bool {
-        let total = problem.candidates.len().min(Self::CAPACITY);
+        let room = if problem.model.groups() > G { 0 } else { Self::CAPACITY };
+        let total = problem.candidates.len().min(room);
         let until = self.done.saturating_add(count).min(total);
         while self.done < until {
             let next = self.gather(problem, until);
@@ -169,17 +170,10 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         let model = problem.model;
         self.groups.iter_mut().for_each(|group| group.used = 0);
         for policy in self.done..until {
-            for group in 0..model.groups().min(G) {
-                let mut key = 0;
-                for control in 0..model.controls() {
-                    if problem.scope >> group & 1 == 1 && model.is_moved(group, control) {
-                        let choices = problem.candidates.choices(control) as u32;
-                        key = key * choices + problem.candidates.sequence(policy, control) as u32;
-                    }
-                }
-                let Some(place) = self.groups.get_mut(group).and_then(|of| of.place(key, policy)) else {
-                    return policy;
-                };
+            for group in 0..model.groups() {
+                let key = key(problem, group, policy);
+                let place = |of: &mut Group<R>| of.place(key?, policy);
+                let Some(place) = self.groups.get_mut(group).and_then(place) else { return policy };
                 if let Some(kept) =
                     self.places.as_flattened_mut().get_mut(policy).and_then(|of| of.get_mut(group))
                 {
@@ -506,6 +500,25 @@ impl<const G: usize, const R: usize> Combinations<'_, G, R> {
         }
         places
     }
+}
+
+/// A number for what a joint policy does to a group; `None` where numbers are too small. Sequences that do not exist stay,
+/// and count as one.
+fn key<const S: usize, const G: usize>(
+    problem: &Problem<'_, S, G>,
+    group: usize,
+    policy: usize,
+) -> Option<u32> {
+    let mut key: u32 = 0;
+    if problem.scope >> group & 1 == 0 {
+        return Some(key);
+    }
+    for control in (0..problem.model.controls()).filter(|&control| problem.model.is_moved(group, control)) {
+        let choices = problem.candidates.choices(control);
+        let sequence = problem.candidates.sequence(policy, control).min(choices);
+        key = key.checked_mul(choices as u32 + 1)?.checked_add(sequence as u32)?;
+    }
+    Some(key)
 }
 
 /// What a joint policy does to a factor at a step; `None` when it leaves it alone.

@@ -1,7 +1,8 @@
 //! A sensor that reads the state itself, and errs evenly.
 
 use super::{Expected, Likelihood};
-use crate::inference::{Evidence, Shape};
+use crate::inference::Shape;
+use crate::inference::evidence::{Evidence, sound};
 use crate::math::{self, Outlook};
 
 /// A = off + (correct - off) I over the first `states` states; the others, which a table of fixed size may have
@@ -103,14 +104,12 @@ impl Likelihood for IdentityNoise {
             }
             return;
         };
-        let background = self.off * weights.iter().take(self.states).sum::<f32>();
-        for (state, (sum, weight)) in message.iter_mut().zip(weights.iter().chain(zeros())).enumerate() {
+        let weights = || weights.iter().map(|&weight| sound(weight));
+        let background = self.off * weights().take(self.states).sum::<f32>();
+        let padded = weights().chain(core::iter::repeat(0.0));
+        for (state, (sum, weight)) in message.iter_mut().zip(padded).enumerate() {
             let noisy = background + (self.correct - self.off) * weight;
-            *sum += if state < self.states { noisy } else { *weight };
+            *sum += if state < self.states { noisy } else { weight };
         }
     }
-}
-
-fn zeros<'a>() -> impl Iterator<Item = &'a f32> {
-    core::iter::repeat(&0.0)
 }
