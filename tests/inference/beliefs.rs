@@ -1,9 +1,9 @@
 //! State inference: posteriors, surprise, the free energy of approximations, impossible observations.
 
 use crate::{Room, assert_distributions, assert_marginals, close, for_seeds, marginals};
-use iibt_core::inference::{Evidence, MAX_SWEEPS, Model, Sweeps, likelihood};
+use iibt_core::inference::{Beliefs, Evidence, MAX_SWEEPS, Model, Sweeps, likelihood};
 use tests::oracle::chance::Chance;
-use tests::oracle::description::{Description, Observed};
+use tests::oracle::description::{Description, Hidden, Motion, Observed, Sense, Sensor};
 use tests::oracle::{Marginals, Tables, generator};
 
 /// The observed modalities with the weight of each outcome, in the order in which they are explained: those of one factor
@@ -219,7 +219,7 @@ fn the_product_of_many_states_is_left_to_coordinate_ascent() {
         let description = big(chance, N);
         let tables = description.tables();
         description.build(|model| {
-            let mut beliefs = iibt_core::inference::Beliefs::<N, 3>::prior(model);
+            let mut beliefs = Beliefs::<N, 3>::prior(model);
             let prior = marginals(&beliefs, model);
             let seen = [Observed::Outcome(0)];
             let explained = in_order(&description, &seen);
@@ -240,7 +240,6 @@ fn the_product_of_many_states_is_left_to_coordinate_ascent() {
 
 /// Three factors that one modality couples, of `states` states each.
 fn big(chance: &mut Chance, states: usize) -> Description {
-    use tests::oracle::description::{Hidden, Motion, Sense, Sensor};
     let hidden = |chance: &mut Chance| Hidden {
         prior: chance.distribution(states),
         coupled_to: vec![],
@@ -260,4 +259,68 @@ fn big(chance: &mut Chance, states: usize) -> Description {
             preference: vec![0.0, 0.0],
         }],
     }
+}
+
+/// Two robots on a grid of 49 cells, each with its own noisy reading, and a result that says whether they stand on
+/// different goals, the same, or none.
+fn two_robots(chance: &mut Chance) -> Description {
+    const CELLS: usize = 49;
+    let goals = chance.order(CELLS);
+    let mut labels = vec![0; CELLS];
+    (labels[goals[0]], labels[goals[1]]) = (1, 2);
+    let robot = |chance: &mut Chance| Hidden {
+        prior: chance.distribution(CELLS),
+        coupled_to: vec![],
+        control: None,
+        actions: 1,
+        motion: Motion::NextState((0..CELLS as u16).collect(), 0.0),
+    };
+    let reading = |chance: &mut Chance, robot| Sense {
+        outcomes: CELLS,
+        factors: vec![robot],
+        sensor: Sensor::IdentityNoise(chance.between(0.3, 0.9999)),
+        preference: vec![0.0; CELLS],
+    };
+    let certain = vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    Description {
+        factors: vec![robot(chance), robot(chance)],
+        modalities: vec![
+            reading(chance, 0),
+            reading(chance, 1),
+            Sense {
+                outcomes: 3,
+                factors: vec![0, 1],
+                sensor: Sensor::OutcomeTable(
+                    vec![labels.clone(), labels],
+                    vec![0, 2, 2, 2, 2, 1, 2, 1, 2],
+                    certain,
+                ),
+                preference: vec![0.0; 3],
+            },
+        ],
+    }
+}
+
+#[test]
+fn the_exact_belief_of_two_robots_on_a_grid_equals_enumeration() {
+    for_seeds(5, 100, |chance| {
+        let description = two_robots(chance);
+        let tables = description.tables();
+        description.build(|model| {
+            for _ in 0..10 {
+                let mut beliefs = Beliefs::<49, 2>::prior(model);
+                let (before, exact) = (beliefs, marginals(&beliefs, model));
+                let seen = [49, 49, 3].map(|outcomes| Observed::Outcome(chance.below(outcomes)));
+                let explained = in_order(&description, &seen);
+                match (beliefs.update(model, &evidence(&seen)), tables.update(&exact, &explained)) {
+                    (Ok(update), Some((posterior, surprise))) => {
+                        assert!(close(update.free_energy, surprise, 1e-4), "{update:?}, {surprise}");
+                        assert_marginals(&marginals(&beliefs, model), &posterior, 1e-5);
+                    }
+                    (Err(_), None) => assert_eq!(beliefs, before),
+                    (ours, reference) => panic!("{ours:?} against {reference:?}"),
+                }
+            }
+        });
+    });
 }

@@ -2,6 +2,7 @@
 //! everything the long way. Every test draws its own models from its own seed.
 
 mod beliefs;
+mod benchmarks;
 mod decisions;
 mod garbage;
 mod symmetries;

@@ -3,6 +3,7 @@
 pub mod elf;
 pub mod oracle;
 pub mod paper;
+pub mod peers;
 pub mod qemu;
 pub mod rig;
 pub mod team;

@@ -1,0 +1,24 @@
+//! Models that the engine is measured and compared with, the same on the host and on the target.
+
+mod digest;
+pub mod random_model;
+pub mod t1;
+pub mod t2;
+
+pub use digest::{MODELS, digest};
+
+use iibt_core::actions::Action;
+use iibt_core::inference::Policy;
+
+/// A policy of these actions, cut off where one does not exist or there are too many.
+const fn policy(actions: &[Action]) -> Policy {
+    let mut policy = Policy::EMPTY;
+    let mut rest = actions;
+    while let [action, others @ ..] = rest {
+        if policy.push(*action).is_err() {
+            return policy;
+        }
+        rest = others;
+    }
+    policy
+}
