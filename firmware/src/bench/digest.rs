@@ -11,8 +11,7 @@ pub const MODELS: u64 = 200;
 
 /// The FNV-1a hash of the bits of all beliefs, free energies, terms and posteriors of T1, T2 and [`MODELS`] random models.
 ///
-/// Exact updates and coordinate ascent; per-modality gain, and joint gain of T1 and of every fourth random model. Takes
-/// some four kilobytes of stack.
+/// Exact updates and coordinate ascent; per-modality gain, and joint gain of T1 and of every fourth random model.
 #[must_use]
 pub fn digest(seed: u64) -> u64 {
     let mut digest = Digest::new();
