@@ -1,6 +1,6 @@
 //! The benchmark models on the emulated chip: their cost there, and the same bits as on the host.
 
-use firmware::benchmarks::{Benchmark, Workspace, t1, t2};
+use firmware::bench::{Benchmark, Workspace, t1, t2};
 use iibt_core::inference::Scoring;
 use tests::qemu::{Robot, image, number};
 
@@ -33,9 +33,9 @@ fn assert_same<const S: usize>(robot: &mut Robot, benchmark: &Benchmark<S>) -> u
 #[test]
 fn the_benchmarks_have_the_same_bits_on_the_chip_and_cost_what_they_may() {
     let mut robot = Robot::boot_counting(&image("benchmark"));
-    let t1 = assert_same(&mut robot, &t1());
-    let t2 = assert_same(&mut robot, &t2());
-    println!("T1: {t1} instructions\nT2: {t2} instructions");
-    assert!(t1 <= 6_000, "T1 takes {t1} instructions");
-    assert!(t2 <= 300_000, "T2 takes {t2} instructions");
+    let first = assert_same(&mut robot, &t1::BENCHMARK);
+    let second = assert_same(&mut robot, &t2::BENCHMARK);
+    println!("T1: {first} instructions\nT2: {second} instructions");
+    assert!(first <= 6_000, "T1 takes {first} instructions");
+    assert!(second <= 300_000, "T2 takes {second} instructions");
 }

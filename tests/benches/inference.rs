@@ -4,7 +4,7 @@
 //! each beside a plain dense implementation in the same run; then how the cost grows. With `--draw FILE.svg` the growth is drawn.
 //! Without valgrind only times are printed.
 
-use firmware::benchmarks::{Benchmark, CELLS, Workspace, t1, t2};
+use firmware::bench::{Benchmark, Workspace, t1, t2};
 use iibt_core::inference::{
     Beliefs, Candidates, Evaluation, Evidence, Factor, IdentityNoise, Modality, Model, NextState,
     OutcomeTable, Policy, Problem, Scoring, decide,
@@ -49,10 +49,10 @@ fn case(name: &str) -> Box<dyn FnMut()> {
     let parts: Vec<&str> = name.split(':').collect();
     let size = |at: usize| parts[at].parse::<usize>().expect("a number");
     match parts[0] {
-        "T1" => benchmark(t1()),
-        "T2" => benchmark(t2()),
-        "T1-dense" => dense(Dense::of(&t1(), 4, [1, 0, 0])),
-        "T2-dense" => dense(Dense::of(&t2(), 4, [8, 36, 0])),
+        "T1" => benchmark(t1::BENCHMARK),
+        "T2" => benchmark(t2::BENCHMARK),
+        "T1-dense" => dense(Dense::of(&t1::BENCHMARK, 4, [1, 0, 0])),
+        "T2-dense" => dense(Dense::of(&t2::BENCHMARK, 4, [8, 36, 0])),
         "states" => match size(1) {
             4 => pair::<4>(4, 6),
             16 => pair::<16>(4, 6),
@@ -61,8 +61,8 @@ fn case(name: &str) -> Box<dyn FnMut()> {
             1024 => pair::<1024>(4, 6),
             other => panic!("no case of {other} states"),
         },
-        "policies" => pair::<CELLS>(size(1), 6),
-        "horizon" => pair::<CELLS>(4, size(1)),
+        "policies" => pair::<{ t2::S }>(size(1), 6),
+        "horizon" => pair::<{ t2::S }>(4, size(1)),
         "robots" => team(size(1)),
         other => panic!("no case {other}"),
     }

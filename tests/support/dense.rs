@@ -1,7 +1,7 @@
 //! Active inference as it is written first: dense tables over both factors, every joint policy rolled out by itself, in
 //! double precision. What the benchmarks measure the core against.
 
-use firmware::benchmarks::Benchmark;
+use firmware::bench::Benchmark;
 use iibt_core::actions::Action;
 
 /// A model of two factors with every table written out.
@@ -50,11 +50,14 @@ impl Dense {
             let row = |action, next| (0..states[factor]).map(|state| entry(action, next, state)).collect();
             (0..actions).map(|action| (0..states[factor]).map(|next| row(action, next)).collect()).collect()
         });
-        let policies = benchmark.candidates[0].iter().flat_map(|first| {
-            let both = |second: &iibt_core::inference::Policy| {
-                first.iter().zip(second.iter()).map(|(a, b)| [a, b]).collect()
-            };
-            benchmark.candidates[1].iter().map(both).collect::<Vec<_>>()
+        let candidates = benchmark.candidates;
+        let actions_of = |policy: usize, control| {
+            let actions = candidates.actions(control, candidates.sequence(policy, control));
+            actions.iter().collect::<Vec<Action>>()
+        };
+        let policies = (0..candidates.len()).map(|policy| {
+            let [first, second] = [0, 1].map(|control| actions_of(policy, control));
+            first.into_iter().zip(second).map(|(first, second)| [first, second]).collect()
         });
         Self {
             states,

@@ -2,7 +2,9 @@
 
 pub mod dense;
 pub mod elf;
+pub mod oracle;
 pub mod paper;
+pub mod peers;
 pub mod qemu;
 pub mod rig;
 pub mod team;

@@ -12,7 +12,7 @@ fn main() {
 mod image {
     use core::hint::black_box;
     use firmware::adapters::Chassis;
-    use firmware::benchmarks::{Benchmark, Workspace, t1, t2};
+    use firmware::bench::{Benchmark, Workspace, t1, t2};
     use firmware::board::{self, Board};
     use iibt_core::inference::Scoring;
 
@@ -20,8 +20,8 @@ mod image {
     fn main() -> ! {
         let chassis = Chassis { cell: 1.0, track: 0.1, speed: 1.0, duty: 0 };
         let Some(board) = Board::take(chassis) else { board::restart() };
-        measure(&t1(), &board);
-        measure(&t2(), &board);
+        measure(&t1::BENCHMARK, &board);
+        measure(&t2::BENCHMARK, &board);
         defmt::info!("done");
         loop {
             board::sleep();

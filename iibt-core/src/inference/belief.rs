@@ -128,12 +128,19 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         Ok(surprise)
     }
 
-    /// The same as [`update`](Self::update), coupled factors always by coordinate ascent.
+    /// The same as [`update`](Self::update), coupled factors always by coordinate ascent, in at most `sweeps` sweeps: a bound on time that is held to
+    /// 1..=[`MAX_SWEEPS`](super::MAX_SWEEPS). More sweeps never end at a higher free energy.
     ///
     /// # Errors
-    /// [`Impossible`] as for [`update`](Self::update).
-    pub fn update_by_ascent(&mut self, model: &Model, evidence: &[Evidence]) -> Result<Update, Impossible> {
-        self.infer(model, evidence, Method::CoordinateAscent)
+    /// [`Impossible`] as for [`update`](Self::update), but each coupled modality is looked at by itself: several that
+    /// contradict each other end at a free energy beyond 36 nats, -ln of the floor under a probability.
+    pub fn update_by_ascent(
+        &mut self,
+        model: &Model,
+        evidence: &[Evidence],
+        sweeps: u8,
+    ) -> Result<Update, Impossible> {
+        self.infer(model, evidence, Method::CoordinateAscent(sweeps))
     }
 
     /// The same by the sweeps of the field's older tools, which update all factors at once from uniform beliefs: kept to

@@ -21,8 +21,8 @@ pub const MAX_SWEEPS: u8 = 32;
 pub(super) enum Method {
     /// Exactly while it fits the limit, else by coordinate ascent.
     Exact,
-    /// By coordinate ascent.
-    CoordinateAscent,
+    /// By coordinate ascent in this many sweeps at the most.
+    CoordinateAscent(u8),
 }
 
 /// How an update went.
@@ -138,7 +138,11 @@ fn update_together(work: &mut Work, couplings: &Couplings, method: Method) -> Re
             return product.update(work, couplings).map(exact);
         }
     }
-    ascent::update(work, couplings)
+    let sweeps = match method {
+        Method::Exact => MAX_SWEEPS,
+        Method::CoordinateAscent(sweeps) => sweeps.clamp(1, MAX_SWEEPS),
+    };
+    ascent::update(work, couplings, sweeps)
 }
 
 /// The exact marginals after one observation: Bayes' rule, and for one that couples factors q(s_f) ∝ p(s_f) Σ Π p(s_g) P(e | s).

@@ -189,7 +189,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         let of = self.groups.get_mut(..groups).unwrap_or_default();
         for (places, policy) in places.iter_mut().zip(self.done..) {
             for ((group, place), number) in of.iter_mut().zip(places).zip(0..) {
-                let key = key(problem, number, &row);
+                let Some(key) = key(problem, number, &row) else { return policy };
                 let found = group.find(key).or_else(|| {
                     let arrival = arrival(problem, number, &row);
                     group.add(Candidate { key, policy: policy as u16, arrival, terms: Terms::ZERO })
@@ -259,7 +259,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
             }
         }
         if problem.scoring.gain == Gain::Joint {
-            self.gain_jointly(problem, until);
+            self.gain_jointly(problem, until, step);
         }
     }
 
@@ -363,7 +363,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// The joint gain of all modalities that have factors in common, directly or by way of others.
-    fn gain_jointly(&mut self, problem: &Problem<'_, S, G>, until: usize) {
+    fn gain_jointly(&mut self, problem: &Problem<'_, S, G>, until: usize, step: usize) {
         let model = problem.model;
         let all = problem.modalities().fold(0, |all, (number, ..)| all | 1 << number);
         for component in gain::components(model, all) {
@@ -375,7 +375,13 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
                         rows.part(model, factor, places),
                     );
                 }
-                Terms { information_gain: component.gain(model, &beliefs), ..Terms::ZERO }
+                let observed = rows.observed(problem, component.members, places, step);
+                let information_gain = if observed == component.members {
+                    component.gain(model, &beliefs)
+                } else {
+                    gain::components(model, observed).map(|part| part.gain(model, &beliefs)).sum()
+                };
+                Terms { information_gain, ..Terms::ZERO }
             });
         }
     }
@@ -483,6 +489,19 @@ impl<'a, const S: usize, const G: usize, const R: usize> Rows<'a, S, G, R> {
         action_of(problem, factor, usize::from(candidate.policy), step)
     }
 
+    /// Which of these modalities are observed at a step, a bit for each: what several groups bring about together is not
+    /// before the first of them arrives, nor after.
+    fn observed(&self, problem: &Problem<'_, S, G>, members: u64, places: &Places<G>, step: usize) -> u64 {
+        if problem.scoring.credit == Credit::EveryStep {
+            return members;
+        }
+        let together = |groups: u16| !groups.is_power_of_two();
+        let left_out = problem
+            .modalities()
+            .filter(|&(_, _, groups)| together(groups) && step + 1 != self.first_arrival(groups, places));
+        left_out.fold(members, |members, (number, ..)| members & !(1 << number))
+    }
+
     fn first_arrival(&self, groups: u16, places: &Places<G>) -> usize {
         let members = (0..G).filter(|group| groups >> group & 1 == 1);
         let arrivals = members.filter_map(|group| self.candidate(group, places)).map(|of| of.arrival);
@@ -536,15 +555,21 @@ fn controls(model: &Model, group: usize) -> impl Iterator<Item = usize> {
     })
 }
 
-/// What tells a group's candidate from the group's others: the numbers of its action sequences.
+/// A number for what a joint policy does to a group; `None` where numbers are too small. Sequences that do not exist stay,
+/// and count as one.
 #[inline]
-fn key<const S: usize, const G: usize>(problem: &Problem<'_, S, G>, group: usize, row: &Row) -> u32 {
+fn key<const S: usize, const G: usize>(problem: &Problem<'_, S, G>, group: usize, row: &Row) -> Option<u32> {
     if problem.scope >> group & 1 == 0 {
-        return 0;
+        return Some(0);
     }
-    controls(problem.model, group).fold(0, |key: u32, control| {
-        let choices = problem.candidates.choices(control) as u32;
-        key.wrapping_mul(choices).wrapping_add(row.get(control) as u32)
+    controls(problem.model, group).try_fold(0, |key: u32, control| {
+        let choices = problem.candidates.choices(control);
+        let sequence = row.get(control).min(choices);
+        if key == 0 {
+            Some(sequence as u32)
+        } else {
+            key.checked_mul(choices as u32 + 1)?.checked_add(sequence as u32)
+        }
     })
 }
 

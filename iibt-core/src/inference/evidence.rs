@@ -8,10 +8,16 @@ pub enum Evidence<'a> {
     Missing,
     /// This outcome was observed.
     Outcome(usize),
-    /// The reading itself is uncertain: a weight for each outcome, none negative.
+    /// The reading itself is uncertain: a weight for each outcome. One that is negative or not finite counts as zero.
     ///
     /// The states are weighed with Σ_o w(o) A(o, ·), Pearl's virtual evidence.
     Soft(&'a [f32]),
+}
+
+/// A weight as it counts.
+#[inline]
+pub(super) fn sound(weight: f32) -> f32 {
+    if weight.is_finite() { weight.max(0.0) } else { 0.0 }
 }
 
 impl Evidence<'_> {
@@ -29,7 +35,7 @@ impl Evidence<'_> {
             Self::Outcome(outcome) if *outcome < outcomes => probability(*outcome),
             Self::Outcome(_) => 0.0,
             Self::Soft(weights) => {
-                let weighed = |(outcome, weight): (usize, &f32)| weight * probability(outcome);
+                let weighed = |(outcome, weight): (usize, &f32)| sound(*weight) * probability(outcome);
                 weights.iter().take(outcomes).enumerate().map(weighed).sum()
             }
         }

@@ -172,10 +172,11 @@ impl Scoring {
         window: f32::INFINITY,
     };
 
-    /// ln E - F - γ G, the log of the policy posterior up to a constant (equation 7), from -G.
+    /// ln E - F - γ G, the log of the policy posterior up to a constant (equation 7), from -G; minus infinity, so that the
+    /// policy is never chosen, where it is no number.
     #[must_use]
     pub fn score(&self, ln_prior: f32, free_energy: f32, value: f32) -> f32 {
-        ln_prior - free_energy + self.precision * value
+        (ln_prior - free_energy + self.precision * value).max(f32::NEG_INFINITY)
     }
 }
 

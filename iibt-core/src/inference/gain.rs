@@ -9,7 +9,7 @@ use crate::math;
 /// Modalities that have factors in common, directly or by way of others, a bit for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Component {
-    members: u64,
+    pub(super) members: u64,
     /// The groups of factors that they depend on, a bit for each.
     pub(super) groups: u16,
 }

@@ -20,8 +20,8 @@ use super::shape::mass;
 use super::{Evidence, Shape, Terms};
 use crate::math::{self, Outlook};
 
-/// The floor under a probability before its logarithm is taken in a mean-field update.
-pub const FLOOR: f32 = 1e-16;
+/// The floor under a probability before its logarithm is taken in a mean-field update: 2^-52, as in JAX pymdp.
+pub const FLOOR: f32 = 2.220_446e-16;
 
 /// P(o | s): how likely each outcome of a modality is in each combination of states of the factors it depends on.
 ///

@@ -7,16 +7,16 @@ use crate::math;
 pub type Policy = Actions;
 
 /// Turns scores into the posterior over policies, their softmax; policies whose score is more than `window` below the best
-/// are pruned (Occam's window, in nats) and get nothing. Without any score all get nothing.
+/// are pruned (Occam's window, in nats, zero at the least) and get nothing, as do those whose score is NaN. Without any
+/// score all get nothing.
 pub fn posterior(scores: &mut [f32], window: f32) {
     let best = scores.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     if best == f32::NEG_INFINITY {
         return scores.fill(0.0);
     }
+    let least = best.min(f32::MAX) - window.max(0.0);
     for score in scores.iter_mut() {
-        if *score < best - window {
-            *score = f32::NEG_INFINITY;
-        }
+        *score = if *score >= least { score.min(f32::MAX) } else { f32::NEG_INFINITY };
     }
     math::softmax(scores);
 }

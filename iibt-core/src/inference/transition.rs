@@ -39,12 +39,20 @@ pub trait Transition: Sync {
                 }
             }
         });
+        stay_without_mass(beliefs, to);
     }
 
     /// I(s'; B | s, u), how much the next state will tell about the transition itself, in nats; zero for a table that
     /// is not being learned.
     fn novelty(&self, _shape: &Shape, _action: Action, _beliefs: &[&[f32]]) -> f32 {
         0.0
+    }
+}
+
+/// Takes a prediction without mass, by an action that the model does not have, for none.
+fn stay_without_mass(beliefs: &[&[f32]], to: &mut [f32]) {
+    if to.iter().all(|mass| *mass == 0.0) {
+        stay(beliefs, to);
     }
 }
 

@@ -1,15 +1,15 @@
 //! Coordinate ascent: approximate inference for couplings that are too large to be exact about.
 
 use super::couplings::{Coupling, Couplings};
-use super::{Impossible, MAX_SWEEPS, Update, Work};
+use super::{Impossible, Update, Work};
 use crate::math;
 
 /// The largest change of a probability in a sweep after which coordinate ascent has converged.
 const TOLERANCE: f32 = 2e-6;
 
 /// Sequential coordinate ascent from the beliefs that each factor's own evidence gives: every factor in turn takes the
-/// belief that minimises F given the others, q(s_f) ∝ p(s_f) exp Σ_m E ln P(e_m | s_f, s').
-pub(super) fn update(work: &mut Work, couplings: &Couplings) -> Result<Update, Impossible> {
+/// belief that minimises F given the others, q(s_f) ∝ p(s_f) exp Σ_m E ln P(e_m | s_f, s'), in `most` sweeps at the most.
+pub(super) fn update(work: &mut Work, couplings: &Couplings, most: u8) -> Result<Update, Impossible> {
     for coupling in couplings.iter() {
         if !is_possible(work, couplings, coupling) {
             return Err(Impossible { modality: coupling.0 });
@@ -17,7 +17,7 @@ pub(super) fn update(work: &mut Work, couplings: &Couplings) -> Result<Update, I
     }
     math::assign(work.prior, work.posterior);
     let mut update = Update { free_energy: f32::INFINITY, exact: false, converged: false, sweeps: 0 };
-    while !update.converged && update.sweeps < MAX_SWEEPS {
+    while !update.converged && update.sweeps < most {
         let change =
             factors(couplings).fold(0.0_f32, |most, factor| most.max(ascend(work, couplings, factor)));
         update.sweeps += 1;

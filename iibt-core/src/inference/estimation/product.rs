@@ -2,7 +2,7 @@
 
 use super::couplings::Couplings;
 use super::{EXACT_LIMIT, Impossible, Work};
-use crate::inference::model::{MAX_FACTORS, Model};
+use crate::inference::model::MAX_FACTORS;
 use crate::inference::shape::{MAX_CONDITIONS, Shape};
 use crate::math;
 use heapless::Vec;
@@ -36,8 +36,9 @@ impl Product {
             model.part_mut(work.scratch, factor).fill(0.0);
         }
         let mut now = [0; MAX_FACTORS];
+        let mut furthest = 0;
         self.shape.for_each_column(|_, states| {
-            let mass = self.mass(work.posterior, model, couplings, states, &mut now);
+            let mass = self.mass(work.posterior, couplings, states, &mut now, &mut furthest);
             for (&factor, &state) in self.factors.iter().zip(states) {
                 if let Some(sum) = model.part_mut(work.scratch, factor).get_mut(state) {
                     *sum += mass;
@@ -47,33 +48,34 @@ impl Product {
         let mut surprise = 0.0;
         for &factor in &self.factors {
             let part = model.part_mut(work.scratch, factor);
-            let modality = couplings.iter().map(|(number, ..)| number).last().unwrap_or(0);
-            surprise = -math::ln(math::normalise(part).ok_or(Impossible { modality })?);
+            surprise = -math::ln(math::normalise(part).ok_or(Impossible { modality: furthest })?);
             math::assign(model.part_mut(work.posterior, factor), part);
         }
         Ok(surprise)
     }
 
-    /// The joint probability of these states and of what was observed.
+    /// The joint probability of these states and of what was observed, as far as it is not zero: `furthest` is the last
+    /// modality that was looked at for any states.
     fn mass(
         &self,
         beliefs: &[f32],
-        model: &Model,
         couplings: &Couplings,
         states: &[usize],
         now: &mut [usize; MAX_FACTORS],
+        furthest: &mut usize,
     ) -> f32 {
         let mut mass = 1.0;
         for (&factor, &state) in self.factors.iter().zip(states) {
             if let Some(now) = now.get_mut(factor) {
                 *now = state;
             }
-            mass *= model.part(beliefs, factor).get(state).copied().unwrap_or(0.0);
+            mass *= couplings.model.part(beliefs, factor).get(state).copied().unwrap_or(0.0);
         }
-        for (_, modality, evidence) in couplings.iter() {
+        for (number, modality, evidence) in couplings.iter() {
             if mass == 0.0 {
                 break;
             }
+            *furthest = number.max(*furthest);
             mass *= modality.probability(evidence, now);
         }
         mass

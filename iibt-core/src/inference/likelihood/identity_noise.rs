@@ -1,7 +1,8 @@
 //! A sensor that reads the state itself, and errs evenly.
 
 use super::Likelihood;
-use crate::inference::{Evidence, Shape, Terms};
+use crate::inference::evidence::{Evidence, sound};
+use crate::inference::{Shape, Terms};
 use crate::math::{self, Outlook};
 
 /// A = off + (correct - off) I.
@@ -89,10 +90,11 @@ impl Likelihood for IdentityNoise {
     fn message(&self, shape: &Shape, evidence: Evidence, _: &[&[f32]], _: usize, message: &mut [f32]) {
         match evidence {
             Evidence::Soft(weights) => {
-                let background = self.off * weights.iter().take(self.states).sum::<f32>();
+                let weights = || weights.iter().map(|&weight| sound(weight));
+                let background = self.off * weights().take(self.states).sum::<f32>();
                 let signal = self.correct - self.off;
                 message.iter_mut().for_each(|sum| *sum += background);
-                message.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += signal * weight);
+                message.iter_mut().zip(weights()).for_each(|(sum, weight)| *sum += signal * weight);
             }
             _ => {
                 for (state, sum) in message.iter_mut().enumerate() {

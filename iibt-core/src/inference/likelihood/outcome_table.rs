@@ -136,12 +136,6 @@ impl<'a> OutcomeTable<'a> {
         let mut masses = [0.0; MAX_KINDS];
         match *beliefs {
             [first] => add_kinds(&mut masses, self.kinds, 1.0, &self.label_masses(0, first)),
-            [first, second] => {
-                let (first, second) = (self.label_masses(0, first), self.label_masses(1, second));
-                for (row, p) in self.rows().zip(first) {
-                    add_kinds(&mut masses, row, p, &second);
-                }
-            }
             _ => self.for_each_combination(beliefs, None, |_, kind, mass| masses[kind % MAX_KINDS] += mass),
         }
         masses
@@ -311,7 +305,13 @@ impl Likelihood for OutcomeTable<'_> {
         if inside { column.get(outcome).copied().unwrap_or(0.0) } else { 0.0 }
     }
 
-    fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
+    fn expect(&self, shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
+        if let &[first, second] = beliefs {
+            // The same sums in the same order, whether a pair comes alone or with others.
+            let mut pair = [Terms::ZERO];
+            self.expect_pairs(shape, &[first], &[second], preference, &mut pair);
+            return pair[0];
+        }
         let masses = self.kind_masses(beliefs);
         let ambiguity = masses.iter().zip(&self.ambiguity).map(|(mass, entropy)| mass * entropy).sum();
         let mut outlook = Outlook::new();

@@ -1,6 +1,6 @@
 //! Motion as a weighted sum of blocks.
 
-use super::{Transition, stay};
+use super::{Transition, stay, stay_without_mass};
 use crate::actions::Action;
 use crate::inference::Shape;
 use crate::inference::likelihood::TableError;
@@ -9,7 +9,8 @@ use crate::inference::likelihood::TableError;
 ///
 /// The first block is the factor's own motion, the others are what the factors coupled to it do to it; the weights
 /// are probabilities that sum to one. Memory and time grow with the number of blocks, not with the product of
-/// the factors' states. Each block has as many values as the factor and the states of its own condition.
+/// the factors' states. Each block has as many values as the factor, the states of its own condition, and the same
+/// actions as the others.
 #[derive(Clone, Copy)]
 pub struct Blocks<'a> {
     blocks: &'a [(f32, &'a dyn Transition)],
@@ -99,5 +100,6 @@ impl Transition for Blocks<'_> {
                 }
             });
         }
+        stay_without_mass(beliefs, to);
     }
 }

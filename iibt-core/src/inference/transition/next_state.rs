@@ -106,7 +106,8 @@ impl<'a> NextState<'a> {
 impl Transition for NextState<'_> {
     fn probability(&self, action: Action, next: usize, states: &[usize]) -> f32 {
         let Some(&state) = states.first() else { return 0.0 };
-        let arrives = if self.successor(action, state) == next { 1.0 - self.slip } else { 0.0 };
+        let Some(&successor) = self.row(action).and_then(|row| row.get(state)) else { return 0.0 };
+        let arrives = if usize::from(successor) == next { 1.0 - self.slip } else { 0.0 };
         let stays = if state == next { self.slip } else { 0.0 };
         arrives + stays
     }

@@ -1,0 +1,122 @@
+//! One number for every bit of many results, to compare the host with the target.
+
+use super::random_model::{RandomModel, Room, Trial};
+use super::{t1, t2};
+use iibt_core::inference::{
+    Beliefs, Candidates, Evaluation, Evidence, MAX_SWEEPS, Model, Problem, Scoring, Sweeps, Update,
+};
+
+/// How many random models a digest has.
+pub const MODELS: u64 = 200;
+
+/// The FNV-1a hash of the bits of all beliefs, free energies, terms and posteriors of T1, T2 and [`MODELS`] random models.
+///
+/// Exact updates and coordinate ascent; per-modality gain, and joint gain of T1 and of every fourth random model.
+#[must_use]
+pub fn digest(seed: u64) -> u64 {
+    let mut digest = Digest::new();
+    digest.add_t1();
+    digest.add_t2();
+    for model in 0..MODELS {
+        digest.add_random(seed.wrapping_add(model));
+    }
+    digest.0
+}
+
+/// How policies are scored where the joint gain is not enumerated.
+const PER_MODALITY: [Scoring; 2] = [Scoring::DEFAULT, Scoring::JAX_PYMDP];
+
+const ALL: [Scoring; 3] = [Scoring::DEFAULT, Scoring::JAX_PYMDP, Scoring::NUMPY_PYMDP];
+
+struct Digest(u64);
+
+impl Digest {
+    const fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn add_bits(&mut self, bits: u32) {
+        for byte in bits.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+
+    fn add_numbers(&mut self, numbers: &[f32]) {
+        numbers.iter().for_each(|number| self.add_bits(number.to_bits()));
+    }
+
+    fn add_update(&mut self, update: &Update) {
+        self.add_numbers(&[update.free_energy]);
+        self.add_bits(u32::from(update.sweeps));
+    }
+
+    #[inline(never)]
+    fn add_t1(&mut self) {
+        let mut beliefs = Beliefs::<{ t1::S }, 2>::prior(&t1::MODEL);
+        for sweeps in [Sweeps::NUMPY_PYMDP, Sweeps::JAX_PYMDP] {
+            let mut beliefs = beliefs;
+            self.add_update(&beliefs.update_in_parallel(&t1::MODEL, &t1::OBSERVED, sweeps));
+            self.add_numbers(beliefs.as_flat());
+        }
+        self.add_beliefs(&mut beliefs, &t1::MODEL, &t1::OBSERVED);
+        let mut evaluation = Evaluation::<{ t1::S }, 2, 4, 4>::new();
+        self.add_decision(&mut evaluation, &t1::MODEL, &beliefs, t1::CANDIDATES, &ALL);
+    }
+
+    #[inline(never)]
+    fn add_t2(&mut self) {
+        let mut beliefs = Beliefs::<{ t2::S }, 2>::prior(&t2::MODEL);
+        self.add_beliefs(&mut beliefs, &t2::MODEL, &t2::OBSERVED);
+        let mut evaluation = Evaluation::<{ t2::S }, 2, 4, 4>::new();
+        self.add_decision(&mut evaluation, &t2::MODEL, &beliefs, t2::CANDIDATES, &PER_MODALITY);
+    }
+
+    #[inline(never)]
+    fn add_random(&mut self, seed: u64) {
+        let built = RandomModel::new(seed).build(|model, candidates, observed| {
+            let mut beliefs = Room::prior(model);
+            self.add_beliefs(&mut beliefs, model, observed);
+            let scorings = if seed % 4 == 0 { &ALL[..] } else { &PER_MODALITY[..] };
+            self.add_decision(&mut Trial::new(), model, &beliefs, candidates, scorings);
+        });
+        self.add_bits(u32::from(built.is_some()));
+    }
+
+    /// What an observation makes of the beliefs, by coordinate ascent and exactly.
+    fn add_beliefs<const S: usize, const G: usize>(
+        &mut self,
+        beliefs: &mut Beliefs<S, G>,
+        model: &Model,
+        observed: &[Evidence],
+    ) {
+        let mut ascended = *beliefs;
+        let updates =
+            [ascended.update_by_ascent(model, observed, MAX_SWEEPS), beliefs.update(model, observed)];
+        for update in updates {
+            match update {
+                Ok(update) => self.add_update(&update),
+                Err(impossible) => self.add_bits(impossible.modality as u32),
+            }
+        }
+        self.add_numbers(ascended.as_flat());
+        self.add_numbers(beliefs.as_flat());
+    }
+
+    fn add_decision<const S: usize, const G: usize, const R: usize, const P: usize>(
+        &mut self,
+        evaluation: &mut Evaluation<S, G, R, P>,
+        model: &Model,
+        beliefs: &Beliefs<S, G>,
+        candidates: Candidates,
+        scorings: &[Scoring],
+    ) {
+        for scoring in scorings {
+            evaluation.evaluate(&Problem::new(model, beliefs, candidates, *scoring));
+            for terms in evaluation.terms() {
+                self.add_numbers(&[terms.utility, terms.information_gain, terms.ambiguity, terms.novelty]);
+            }
+            self.add_numbers(evaluation.scores());
+            self.add_numbers(evaluation.posterior().as_flattened());
+        }
+    }
+}
