@@ -1,6 +1,6 @@
 //! The benchmark models on the emulated chip: their cost there, and the same bits as on the host.
 
-use firmware::bench::{Benchmark, Workspace, t1, t2};
+use firmware::bench::{Benchmark, SEED, Workspace, digest, t1, t2};
 use iibt_core::inference::Scoring;
 use tests::qemu::{Robot, image, number};
 
@@ -35,6 +35,8 @@ fn the_benchmarks_have_the_same_bits_on_the_chip_and_cost_what_they_may() {
     let mut robot = Robot::boot_counting(&image("benchmark"));
     let first = assert_same(&mut robot, &t1::BENCHMARK);
     let second = assert_same(&mut robot, &t2::BENCHMARK);
+    let line = robot.wait_for("digest:").message;
+    assert_eq!(line, format!("digest: {:016x}", digest(SEED)), "T1, T2 and 200 random models");
     println!("T1: {first} instructions\nT2: {second} instructions");
     assert!(first <= 6_000, "T1 takes {first} instructions");
     assert!(second <= 300_000, "T2 takes {second} instructions");

@@ -1,4 +1,5 @@
-//! The benchmark models on the STM32F405: logs how long one belief update and policy posterior takes, and its bits.
+//! The benchmark models on the STM32F405: logs how long one belief update and policy posterior takes, its bits, and the
+//! digest of the bits of 200 random models.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -12,7 +13,7 @@ fn main() {
 mod image {
     use core::hint::black_box;
     use firmware::adapters::Chassis;
-    use firmware::bench::{Benchmark, Workspace, t1, t2};
+    use firmware::bench::{Benchmark, SEED, Workspace, digest, t1, t2};
     use firmware::board::{self, Board};
     use iibt_core::inference::Scoring;
 
@@ -22,7 +23,7 @@ mod image {
         let Some(board) = Board::take(chassis) else { board::restart() };
         measure(&t1::BENCHMARK, &board);
         measure(&t2::BENCHMARK, &board);
-        defmt::info!("done");
+        defmt::info!("digest: {=u64:016x}", digest(SEED));
         loop {
             board::sleep();
         }
