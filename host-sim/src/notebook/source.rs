@@ -250,10 +250,12 @@ impl Source {
         self.line("        assert!(sequence.push(actions[step]).is_ok(), \"a sequence is too long\");");
         self.line("        step += 1;\n    }\n    sequence\n}\n");
         for (control, list) in choices.sequences.iter().enumerate() {
-            self.line(format_args!("static SEQUENCES_{control}: [Policy; {}] = [", list.len()));
+            let skip =
+                if list.iter().any(|sequence| sequence.len() > 24) { "#[rustfmt::skip]\n" } else { "" };
+            self.line(format_args!("{skip}static SEQUENCES_{control}: [Policy; {}] = [", list.len()));
             for sequence in list {
                 let actions = sequence.iter().collect::<Vec<_>>();
-                self.line(format_args!("    sequence(&[\n{}    ]),", wrapped(actions.iter(), "        ")));
+                self.line(format_args!("    sequence(&{}),", bracketed(&actions)));
             }
             self.line("];");
         }
@@ -315,7 +317,15 @@ impl Source {
 
     /// A declaration and its entries.
     fn list(&mut self, declaration: impl Display, items: &[impl Display]) {
-        self.line(format_args!("#[rustfmt::skip]\n{declaration} = [\n{}];", wrapped(items.iter(), "    ")));
+        let short = format!("{declaration} = {};", bracketed(items));
+        if short.len() <= WIDTH {
+            self.line(short);
+        } else {
+            self.line(format_args!(
+                "#[rustfmt::skip]\n{declaration} = [\n{}];",
+                wrapped(items.iter(), "    ")
+            ));
+        }
     }
 
     /// The same for numbers with all their digits.
@@ -328,6 +338,11 @@ impl Source {
 /// A number that Rust reads back to the last bit.
 fn number(value: f32) -> String {
     if value == f32::NEG_INFINITY { "f32::NEG_INFINITY".to_owned() } else { format!("{value:?}") }
+}
+
+/// A list on one line.
+fn bracketed(items: &[impl Display]) -> String {
+    format!("[{}]", items.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))
 }
 
 /// Items with commas, in lines that are indented.

@@ -20,8 +20,9 @@ use super::shape::mass;
 use super::{Evidence, Shape};
 use crate::math::{self, Outlook};
 
-/// The floor under a probability before its logarithm is taken in a mean-field update.
-pub const FLOOR: f32 = 1e-16;
+/// The floor under a probability before its logarithm is taken in a mean-field update: the spacing of double-precision
+/// numbers at one, as in JAX pymdp.
+pub const FLOOR: f32 = f64::EPSILON as f32;
 
 /// P(o | s): how likely each outcome of a modality is in each combination of states of the factors it depends on.
 ///
