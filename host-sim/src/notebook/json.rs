@@ -105,7 +105,8 @@ impl Reader<'_> {
             Some(_) => {
                 let rest = String::from_utf8_lossy(&self.text[self.at..(self.at + 4).min(self.text.len())])
                     .into_owned();
-                self.fault(format!("'{}' where {wanted} should be", rest.chars().next().unwrap_or(' ')))
+                let found = rest.chars().next().unwrap_or(' ').escape_debug();
+                self.fault(format!("'{found}' where {wanted} should be"))
             }
         }
     }
