@@ -14,6 +14,7 @@
 extern crate std;
 
 pub mod adapters;
+pub mod benchmarks;
 #[cfg(all(feature = "stm32f405", target_os = "none"))]
 pub mod board;
 pub mod controller;

@@ -46,7 +46,8 @@ pub use scenario::{
     Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Obstacle, Radio, Robot, Scenario, ScenarioError, When,
 };
 
-/// The code in the README is compiled and run with the tests.
+/// The code in the README and in the documents is compiled and run with the tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
-struct Readme;
+#[doc = include_str!("../../docs/inference.md")]
+struct Documents;

@@ -9,7 +9,10 @@
 //! | E = P(π) | [`Habits`] | policies |
 //! | q(s) | [`Beliefs`] | states |
 //! | G | [`Terms`] | by policy |
-//! | γ | [`Scoring::precision`] | |
+//! | γ | [`Scoring::precision`], updated by a [`Precision`] | |
+//! | a, counts of A | [`LikelihoodCounts`](learning::LikelihoodCounts), itself a [`Likelihood`] | outcomes x states |
+//! | b, counts of B | [`TransitionCounts`](learning::TransitionCounts), itself a [`Transition`] | states x states per action |
+//! | c, d, e, counts of C, D, E | [`PreferenceCounts`](learning::PreferenceCounts), [`PriorCounts`](learning::PriorCounts), [`HabitCounts`](learning::HabitCounts) | outcomes; states; policies |
 //!
 //! A [`Model`] never changes after it is built; beliefs, preferences and counts are state. Data flows
 //! model → beliefs → problem → evaluation → choice, and the room knows neither trees nor robots.
@@ -21,9 +24,12 @@ mod evaluation;
 mod evidence;
 mod free_energy;
 mod gain;
+mod joint;
+pub mod learning;
 pub mod likelihood;
 mod model;
 pub mod policy;
+mod precision;
 mod preference;
 mod problem;
 mod published;
@@ -37,9 +43,11 @@ pub use estimation::{EXACT_LIMIT, Impossible, MAX_SWEEPS, Update};
 pub use evaluation::Evaluation;
 pub use evidence::Evidence;
 pub use free_energy::{Convention, Credit, Gain, Padding, Scoring, Terms};
+pub use joint::{JointChoice, decide};
 pub use likelihood::{IdentityNoise, Likelihood, OutcomeTable, TableError};
 pub use model::{Control, Factor, MAX_FACTORS, MAX_MODALITIES, Modality, Model, ModelError};
 pub use policy::{Choice, Policy, Star};
+pub use precision::Precision;
 pub use preference::Preference;
 pub use problem::{Encounter, Problem};
 pub use published::Sweeps;

@@ -1,6 +1,6 @@
 //! q(s), what a robot believes about the hidden factors, and how actions and observations change it.
 
-use super::estimation::{self, Impossible, Update};
+use super::estimation::{self, Impossible, Method, Update, Work};
 use super::evidence::Evidence;
 use super::model::Model;
 use super::published::{self, Sweeps};
@@ -75,7 +75,7 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         let before = *self;
         let from = before.as_flat();
         for factor in 0..model.factors().len() {
-            let action = match model.control_of(factor) {
+            let action = match model.control(factor) {
                 Some(control) => actions.get(control).copied().flatten(),
                 None => Some(0),
             };
@@ -106,15 +106,34 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
     /// # Errors
     /// [`Impossible`] when the observation has probability zero; the beliefs are left as they were.
     pub fn update(&mut self, model: &Model, evidence: &[Evidence]) -> Result<Update, Impossible> {
-        estimation::update(self, model, evidence, estimation::Method::Exact)
+        self.infer(model, evidence, Method::Exact)
     }
 
-    /// The same, coupled factors always by coordinate ascent.
+    /// The beliefs after an observation through one modality, by its messages to the factors that it depends on: exactly, at
+    /// any cost. Returns the surprise -ln P(o), in nats.
+    ///
+    /// Less code than [`update`](Self::update), which it equals where a model's modalities have no coupled factors in common.
+    ///
+    /// # Errors
+    /// [`Impossible`] when the observation has probability zero; the beliefs are left as they were.
+    pub fn observe(&mut self, model: &Model, modality: usize, evidence: Evidence) -> Result<f32, Impossible> {
+        let (mut posterior, mut prior, mut scratch) = (*self, Self::EMPTY, Self::EMPTY);
+        let mut work = Work {
+            posterior: posterior.as_flat_mut(),
+            prior: prior.as_flat_mut(),
+            scratch: scratch.as_flat_mut(),
+        };
+        let surprise = estimation::observe(&mut work, model, modality, evidence)?;
+        *self = posterior;
+        Ok(surprise)
+    }
+
+    /// The same as [`update`](Self::update), coupled factors always by coordinate ascent.
     ///
     /// # Errors
     /// [`Impossible`] as for [`update`](Self::update).
     pub fn update_by_ascent(&mut self, model: &Model, evidence: &[Evidence]) -> Result<Update, Impossible> {
-        estimation::update(self, model, evidence, estimation::Method::CoordinateAscent)
+        self.infer(model, evidence, Method::CoordinateAscent)
     }
 
     /// The same by the sweeps of the field's older tools, which update all factors at once from uniform beliefs: kept to
@@ -122,5 +141,17 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
     /// Nothing is impossible to them, because every probability has a floor.
     pub fn update_in_parallel(&mut self, model: &Model, evidence: &[Evidence], sweeps: Sweeps) -> Update {
         published::update(self, model, evidence, sweeps)
+    }
+
+    fn infer(&mut self, model: &Model, evidence: &[Evidence], method: Method) -> Result<Update, Impossible> {
+        let (mut posterior, mut prior, mut scratch) = (*self, Self::EMPTY, Self::EMPTY);
+        let mut work = Work {
+            posterior: posterior.as_flat_mut(),
+            prior: prior.as_flat_mut(),
+            scratch: scratch.as_flat_mut(),
+        };
+        let update = estimation::update(&mut work, model, evidence, method)?;
+        *self = posterior;
+        Ok(update)
     }
 }

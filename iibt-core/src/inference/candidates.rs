@@ -1,12 +1,13 @@
 //! The joint policies that a decision is made among.
 
+use super::model::MAX_FACTORS;
 use super::policy::Policy;
 
 /// Joint policies: one action sequence for each control of a model.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidates<'a> {
     /// For each control the action sequences that may be chosen for it. A teammate that has announced what it will do
-    /// has one; an empty list, or none at all, stands for a control that stays.
+    /// has one; an empty list, or none at all, stands for a control that stays. A control has 256 at the most.
     pub sequences: &'a [&'a [Policy]],
     /// Which combinations of them are considered.
     pub combinations: Combinations<'a>,
@@ -32,6 +33,23 @@ pub enum Habits<'a> {
     Joint(&'a [f32]),
     /// One for each sequence of each control, which add up.
     PerSequence(&'a [&'a [f32]]),
+}
+
+/// The number of the sequence that a joint policy has for each control.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row([u8; MAX_FACTORS]);
+
+impl Row {
+    #[inline]
+    pub(super) fn get(&self, control: usize) -> usize {
+        self.0.get(control).copied().map_or(0, usize::from)
+    }
+
+    fn set(&mut self, control: usize, number: usize) {
+        if let Some(slot) = self.0.get_mut(control) {
+            *slot = number as u8;
+        }
+    }
 }
 
 impl<'a> Candidates<'a> {
@@ -78,21 +96,63 @@ impl<'a> Candidates<'a> {
     /// The number of a control's sequence in a joint policy.
     #[must_use]
     pub fn sequence(&self, policy: usize, control: usize) -> usize {
+        self.row(policy).get(control)
+    }
+
+    /// The number of each control's sequence in a joint policy.
+    pub(super) fn row(&self, policy: usize) -> Row {
+        let mut row = Row([0; MAX_FACTORS]);
         match self.combinations {
             Combinations::All => {
-                let faster = (control + 1..self.sequences.len()).map(|control| self.choices(control));
-                policy / faster.product::<usize>().max(1) % self.choices(control)
+                let mut rest = policy;
+                for control in (0..self.sequences.len().min(MAX_FACTORS)).rev() {
+                    let choices = self.choices(control);
+                    row.set(control, rest.checked_rem(choices).unwrap_or(0));
+                    rest = rest.checked_div(choices).unwrap_or(0);
+                }
             }
-            Combinations::Listed(rows) => {
-                rows.get(policy * self.sequences.len() + control).copied().map_or(0, usize::from)
-            }
+            Combinations::Listed(_) => self.read(policy, &mut row),
         }
+        row
+    }
+
+    /// Makes the row of joint policy `next` from that of the one before it.
+    #[inline]
+    pub(super) fn go_on(&self, next: usize, row: &mut Row) {
+        match self.combinations {
+            Combinations::All => {
+                for (number, list) in row.0.iter_mut().zip(self.sequences).rev() {
+                    *number += 1;
+                    if usize::from(*number) < list.len() {
+                        return;
+                    }
+                    *number = 0;
+                }
+            }
+            Combinations::Listed(_) => self.read(next, row),
+        }
+    }
+
+    fn read(&self, policy: usize, row: &mut Row) {
+        let Combinations::Listed(rows) = self.combinations else { return };
+        let width = self.sequences.len().max(1);
+        row.0.iter_mut().zip(rows.iter().skip(policy * width).take(width)).for_each(|(to, from)| *to = *from);
     }
 
     /// A control's sequence of this number; without actions where there is none.
     #[must_use]
     pub fn actions(&self, control: usize, sequence: usize) -> Policy {
         self.sequences.get(control).and_then(|list| list.get(sequence)).copied().unwrap_or(Policy::EMPTY)
+    }
+
+    /// ln E of one sequence of one control, where habits are about sequences.
+    pub(super) fn habit_of(&self, control: usize, sequence: usize) -> f32 {
+        match self.habits {
+            Habits::PerSequence(habits) => {
+                habits.get(control).and_then(|list| list.get(sequence)).copied().unwrap_or(0.0)
+            }
+            Habits::Flat | Habits::Joint(_) => 0.0,
+        }
     }
 
     /// ln E of a joint policy, up to a constant.

@@ -5,10 +5,11 @@
 //! robots with `R` candidates each and `T` steps that is `2 R T` predictions instead of `2 R R T`.
 
 use super::belief::Beliefs;
+use super::candidates::Row;
 use super::free_energy::{Credit, Gain, Terms};
 use super::gain;
-use super::model::{MAX_MODALITIES, Modality, Parts};
-use super::policy;
+use super::model::{Modality, Model, Parts};
+use super::policy::{self, Policy};
 use super::problem::Problem;
 use crate::actions::Action;
 use crate::math;
@@ -16,15 +17,13 @@ use crate::math;
 /// An evaluation under way, and its results so far.
 ///
 /// `S` and `G` are those of the [`Beliefs`], `R` is the most candidates of one group that are rolled out side by side, and there
-/// is room for `R * P` joint policies. Memory is about `4 S G R + 24 G R + 36 R P` bytes and a third of a kilobyte. A model
-/// with more than `G` groups is not evaluated: no joint policy is scored.
+/// is room for `R * P` joint policies. Memory is about `4 S G R + 24 G R + 36 R P` bytes. A model with more than `G` groups is
+/// not evaluated: no joint policy is scored.
 #[derive(Clone, Debug)]
 pub struct Evaluation<const S: usize, const G: usize, const R: usize, const P: usize> {
     /// The predicted beliefs: in row `r`, each group's `r`-th candidate.
     rows: [Beliefs<S, G>; R],
     groups: [Group<R>; G],
-    /// ln Σ exp C of each modality, when it counts in full and under way.
-    normalisers: [[f32; 2]; MAX_MODALITIES],
     /// The row of each group's candidate, for each joint policy.
     places: [[Places<G>; R]; P],
     terms: [[Terms; R]; P],
@@ -35,29 +34,54 @@ pub struct Evaluation<const S: usize, const G: usize, const R: usize, const P: u
     window: f32,
 }
 
+/// The row of each group's candidate.
+type Places<const G: usize> = [u8; G];
+
 /// The candidates of one group that are in the rows.
 #[derive(Clone, Copy, Debug)]
 struct Group<const R: usize> {
     used: usize,
-    keys: [u32; R],
-    /// A joint policy that each candidate is part of.
-    policies: [u16; R],
-    terms: [Terms; R],
+    candidates: [Candidate; R],
+}
+
+/// One candidate of a group.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    /// What tells it from the others.
+    key: u32,
+    /// A joint policy that it is part of.
+    policy: u16,
+    /// After how many steps it arrives.
+    arrival: u8,
+    /// Its own part of G.
+    terms: Terms,
 }
 
 impl<const R: usize> Group<R> {
-    const EMPTY: Self = Self { used: 0, keys: [0; R], policies: [0; R], terms: [Terms::ZERO; R] };
+    const EMPTY: Self =
+        Self { used: 0, candidates: [Candidate { key: 0, policy: 0, arrival: 0, terms: Terms::ZERO }; R] };
 
-    /// The row of the candidate with this key; a new one where there is room.
-    fn place(&mut self, key: u32, policy: usize) -> Option<usize> {
-        let known = self.keys.iter().take(self.used).position(|&known| known == key);
-        known.or_else(|| {
-            let row = self.used;
-            *self.keys.get_mut(row)? = key;
-            *self.policies.get_mut(row)? = policy as u16;
-            self.used += 1;
-            Some(row)
-        })
+    /// The candidates that are in the rows.
+    fn iter(&self) -> impl Iterator<Item = &Candidate> {
+        self.candidates.iter().take(self.used)
+    }
+
+    /// The row of the candidate with this key.
+    #[inline]
+    fn find(&self, key: u32) -> Option<usize> {
+        let in_order = self.candidates.get(key as usize).is_some_and(|candidate| candidate.key == key);
+        if in_order && (key as usize) < self.used {
+            return Some(key as usize);
+        }
+        self.iter().position(|candidate| candidate.key == key)
+    }
+
+    /// Gives a new candidate a row; `None` when there is no room.
+    fn add(&mut self, candidate: Candidate) -> Option<usize> {
+        let row = self.used;
+        *self.candidates.get_mut(row)? = candidate;
+        self.used += 1;
+        Some(row)
     }
 }
 
@@ -72,7 +96,6 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         Self {
             rows: [Beliefs::EMPTY; R],
             groups: [Group::EMPTY; G],
-            normalisers: [[0.0; 2]; MAX_MODALITIES],
             places: [[[0; G]; R]; P],
             terms: [[Terms::ZERO; R]; P],
             combinations: [[Terms::ZERO; R]; P],
@@ -87,15 +110,6 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         self.done = 0;
         self.window = problem.scoring.window;
         self.scores = [[f32::NEG_INFINITY; R]; P];
-        for (number, modality, _) in problem.modalities() {
-            if let Some([full, under_way]) = self.normalisers.get_mut(number) {
-                *full = math::log_sum_exp(problem.preference(number, modality, true));
-                *under_way = match problem.scoring.credit {
-                    Credit::EveryStep => *full,
-                    Credit::OnArrival => math::log_sum_exp(problem.preference(number, modality, false)),
-                };
-            }
-        }
     }
 
     /// Scores up to `count` more joint policies; returns whether there are more. Joint policies beyond the
@@ -139,9 +153,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// The terms of one group's own part for each of its candidates among those scored last, in the order in which joint
     /// policies brought them up.
-    #[must_use]
-    pub fn own_terms(&self, group: usize) -> &[Terms] {
-        self.groups.get(group).and_then(|group| group.terms.get(..group.used)).unwrap_or(&[])
+    pub fn own_terms(&self, group: usize) -> impl Iterator<Item = &Terms> {
+        self.groups.iter().skip(group).take(1).flat_map(Group::iter).map(|candidate| &candidate.terms)
     }
 
     /// ln E - F - γ G of the joint policies scored so far: their log posterior up to a constant.
@@ -166,26 +179,27 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// Gathers joint policies from `self.done` on whose candidates find room, and returns where they end.
     fn gather(&mut self, problem: &Problem<'_, S, G>, until: usize) -> usize {
-        let model = problem.model;
+        let groups = problem.model.groups();
+        if groups > G {
+            return self.done;
+        }
         self.groups.iter_mut().for_each(|group| group.used = 0);
-        for policy in self.done..until {
-            for group in 0..model.groups().min(G) {
-                let mut key = 0;
-                for control in 0..model.controls() {
-                    if problem.scope >> group & 1 == 1 && model.is_moved(group, control) {
-                        let choices = problem.candidates.choices(control) as u32;
-                        key = key * choices + problem.candidates.sequence(policy, control) as u32;
-                    }
-                }
-                let Some(place) = self.groups.get_mut(group).and_then(|of| of.place(key, policy)) else {
-                    return policy;
-                };
-                if let Some(kept) =
-                    self.places.as_flattened_mut().get_mut(policy).and_then(|of| of.get_mut(group))
-                {
-                    *kept = place as u8;
+        let mut row = problem.candidates.row(self.done);
+        let places = self.places.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
+        let of = self.groups.get_mut(..groups).unwrap_or_default();
+        for (places, policy) in places.iter_mut().zip(self.done..) {
+            for ((group, place), number) in of.iter_mut().zip(places).zip(0..) {
+                let key = key(problem, number, &row);
+                let found = group.find(key).or_else(|| {
+                    let arrival = arrival(problem, number, &row);
+                    group.add(Candidate { key, policy: policy as u16, arrival, terms: Terms::ZERO })
+                });
+                match found {
+                    Some(row) => *place = row as u8,
+                    None => return policy,
                 }
             }
+            problem.candidates.go_on(policy + 1, &mut row);
         }
         until
     }
@@ -193,58 +207,41 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     /// Rolls out what was gathered, all in step.
     fn roll_out(&mut self, problem: &Problem<'_, S, G>, until: usize) {
         self.rows = [*problem.beliefs; R];
-        self.groups.iter_mut().for_each(|group| group.terms = [Terms::ZERO; R]);
-        for terms in self.gathered(until) {
-            *terms = Terms::ZERO;
-        }
+        self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or_default().fill(Terms::ZERO);
         for step in 0..problem.horizon {
             self.meet(problem, until, Some(step));
             self.step(problem, step);
             self.meet(problem, until, None);
             self.observe(problem, until, step);
         }
-        for policy in self.done..until {
-            let own = self.own_parts(policy, problem.model.groups());
-            if let Some(terms) = self.terms.as_flattened_mut().get_mut(policy) {
-                *terms += own;
+        let terms = self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
+        let places = self.places.as_flattened().get(self.done..until).unwrap_or_default();
+        let groups = self.groups.get(..problem.model.groups()).unwrap_or_default();
+        for (terms, places) in terms.iter_mut().zip(places) {
+            for (group, &place) in groups.iter().zip(places) {
+                if let Some(candidate) = group.candidates.get(usize::from(place)) {
+                    *terms += candidate.terms;
+                }
             }
         }
-    }
-
-    fn gathered(&mut self, until: usize) -> &mut [Terms] {
-        self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or(&mut [])
-    }
-
-    /// The sum of all groups' own parts of a joint policy.
-    fn own_parts(&self, policy: usize, groups: usize) -> Terms {
-        let mut sum = Terms::ZERO;
-        for (group, of) in self.groups.iter().enumerate().take(groups) {
-            if let Some(terms) = of.terms.get(self.place(policy, group)) {
-                sum += *terms;
-            }
-        }
-        sum
-    }
-
-    fn place(&self, policy: usize, group: usize) -> usize {
-        self.places.as_flattened().get(policy).and_then(|of| of.get(group)).copied().map_or(0, usize::from)
     }
 
     /// Moves every candidate of every group by one step.
     fn step(&mut self, problem: &Problem<'_, S, G>, step: usize) {
         let model = problem.model;
+        let mut before = Beliefs::<S, G>::EMPTY;
         for (number, group) in self.groups.iter_mut().enumerate().take(model.groups()) {
             if problem.scope >> number & 1 == 0 {
                 continue;
             }
-            let rows = self.rows.iter_mut().zip(group.policies).zip(&mut group.terms).take(group.used);
-            for ((row, policy), terms) in rows {
-                let from = *row;
+            for (row, candidate) in self.rows.iter_mut().zip(&mut group.candidates).take(group.used) {
                 for factor in model.in_group(number) {
-                    if let Some(action) = action_of(problem, factor, usize::from(policy), step) {
-                        terms.novelty += model.novelty_of_move(factor, action, from.as_flat());
+                    math::assign(model.part_mut(before.as_flat_mut(), factor), row.of(model, factor));
+                }
+                for factor in model.in_group(number) {
+                    if let Some(action) = action_of(problem, factor, usize::from(candidate.policy), step) {
                         let to = model.part_mut(row.as_flat_mut(), factor);
-                        model.move_factor(factor, action, from.as_flat(), to);
+                        candidate.terms.novelty += model.move_factor(factor, action, before.as_flat(), to);
                     }
                 }
             }
@@ -254,11 +251,11 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     /// Adds what every modality is expected to bring after a step.
     fn observe(&mut self, problem: &Problem<'_, S, G>, until: usize, step: usize) {
         for (number, modality, groups) in problem.modalities() {
-            let at = (number, modality, groups);
+            let sense = Sense::new(problem, number, modality);
             if groups.is_power_of_two() {
-                self.observe_own(problem, at, step);
+                self.observe_own(problem.model, &sense, groups, step);
             } else {
-                self.observe_coupled(problem, at, until, step);
+                self.observe_coupled(problem.model, &sense, groups, until, step);
             }
         }
         if problem.scoring.gain == Gain::Joint {
@@ -267,32 +264,58 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// A modality that one group's states determine: once for each of its candidates.
-    fn observe_own(
-        &mut self,
-        problem: &Problem<'_, S, G>,
-        (number, modality, groups): At<'_, '_>,
-        step: usize,
-    ) {
+    fn observe_own(&mut self, model: &Model, sense: &Sense, groups: u16, step: usize) {
         let Some(group) = self.groups.get_mut(groups.trailing_zeros() as usize) else { return };
-        let [full, under_way] = self.normalisers.get(number).copied().unwrap_or_default();
-        let candidates = self.rows.iter().zip(group.policies).zip(&mut group.terms).take(group.used);
-        for ((row, policy), terms) in candidates {
-            let arrives = step + 1 == arrival(problem, groups.trailing_zeros() as usize, usize::from(policy));
-            let normaliser = if arrives { full } else { under_way };
-            let mut now = match modality.factors() {
-                &[factor] => {
-                    problem.terms((number, modality), &[row.of(problem.model, factor)], arrives, normaliser)
-                }
-                factors => {
-                    let parts = problem.model.parts(row.as_flat(), factors);
-                    problem.terms((number, modality), parts.as_slice(), arrives, normaliser)
-                }
-            };
-            if problem.scoring.gain == Gain::Joint {
-                now.information_gain = 0.0;
-            }
-            *terms += now;
+        for (row, candidate) in self.rows.iter().zip(&mut group.candidates).take(group.used) {
+            let arrives = step + 1 == usize::from(candidate.arrival);
+            candidate.terms += sense.expect(|factor| row.of(model, factor), arrives);
         }
+    }
+
+    /// A modality that several groups' states determine. What they bring about together is judged once, when the first of
+    /// them arrives, if arrivals count.
+    fn observe_coupled(&mut self, model: &Model, sense: &Sense, groups: u16, until: usize, step: usize) {
+        if !sense.on_arrival
+            && let &[first, second] = sense.modality.factors()
+            && self.observe_pairs(model, sense, [first, second], until)
+        {
+            return;
+        }
+        self.couple(groups, until, |rows, places| {
+            let arrives = sense.on_arrival && step + 1 == rows.first_arrival(groups, places);
+            if sense.on_arrival && !arrives {
+                return Terms::ZERO;
+            }
+            sense.expect(|factor| rows.part(model, factor, places), arrives)
+        });
+    }
+
+    /// A modality of two factors in different groups, for all pairs of their candidates at once; returns whether there are as
+    /// many as joint policies at the most.
+    fn observe_pairs(&mut self, model: &Model, sense: &Sense, factors: [usize; 2], until: usize) -> bool {
+        let groups = factors.map(|factor| model.group(factor));
+        let used = groups.map(|group| self.groups.get(group).map_or(0, |group| group.used));
+        let Some(pairs) = self.combinations.as_flattened_mut().get_mut(..used[0] * used[1]) else {
+            return false;
+        };
+        if pairs.len() > until - self.done {
+            return false;
+        }
+        let beliefs = factors.map(|factor| self.rows.each_ref().map(|row| row.of(model, factor)));
+        let [Some(firsts), Some(seconds)] = [beliefs[0].get(..used[0]), beliefs[1].get(..used[1])] else {
+            return false;
+        };
+        let (form, shape, liking) = (sense.modality.likelihood(), sense.modality.shape(), sense.under_way);
+        form.expect_pairs(shape, firsts, seconds, liking.preference, pairs);
+        let places = self.places.as_flattened().get(self.done..until).unwrap_or(&[]);
+        let terms = self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or(&mut []);
+        for (places, terms) in places.iter().zip(terms) {
+            let [first, second] = groups.map(|group| places.get(group).copied().map_or(0, usize::from));
+            if let Some(&expected) = pairs.get(first * used[1] + second) {
+                *terms += sense.weigh_up(expected, liking.normaliser);
+            }
+        }
+        true
     }
 
     /// Adds terms that several groups' candidates bring about together: found once for each combination of them that is
@@ -301,44 +324,20 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         let combinations = Combinations { groups, used: &self.groups };
         let (from, gathered) = (self.done, until - self.done);
         let rows = Rows { beliefs: &self.rows, groups: &self.groups };
-        let places =
-            self.places.as_flattened().iter().zip(self.terms.as_flattened_mut()).skip(from).take(gathered);
+        let places = self.places.as_flattened().get(from..until).unwrap_or_default().iter();
+        let places = places.zip(self.terms.as_flattened_mut().get_mut(from..until).unwrap_or_default());
         match combinations.count().filter(|&count| count < gathered) {
             Some(count) => {
                 for (at, kept) in self.combinations.as_flattened_mut().iter_mut().enumerate().take(count) {
                     *kept = of(&rows, &combinations.places(at));
                 }
+                let combined = self.combinations.as_flattened();
                 for (places, terms) in places {
-                    *terms += self
-                        .combinations
-                        .as_flattened()
-                        .get(combinations.at(places))
-                        .copied()
-                        .unwrap_or_default();
+                    *terms += combined.get(combinations.at(places)).copied().unwrap_or_default();
                 }
             }
             None => places.for_each(|(places, terms)| *terms += of(&rows, places)),
         }
-    }
-
-    /// A modality that several groups' states determine.
-    fn observe_coupled(&mut self, problem: &Problem<'_, S, G>, at: At<'_, '_>, until: usize, step: usize) {
-        let (number, modality, groups) = at;
-        let [full, under_way] = self.normalisers.get(number).copied().unwrap_or_default();
-        self.couple(groups, until, |rows, places| {
-            // What several bring about together is judged once: when the first of them arrives.
-            let arrives = step + 1 == rows.first_arrival(problem, groups, places);
-            if !arrives && problem.scoring.credit == Credit::OnArrival {
-                return Terms::ZERO;
-            }
-            let parts = rows.parts(problem, modality.factors(), places);
-            let normaliser = if arrives { full } else { under_way };
-            let mut now = problem.terms((number, modality), parts.as_slice(), arrives, normaliser);
-            if problem.scoring.gain == Gain::Joint {
-                now.information_gain = 0.0;
-            }
-            now
-        });
     }
 
     /// The encounters, before a step when there is one and after it otherwise.
@@ -350,7 +349,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
                 continue;
             }
             self.couple(groups, until, |rows, places| {
-                let beliefs = factors.map(|factor| rows.part(problem, factor, places));
+                let beliefs = factors.map(|factor| rows.part(problem.model, factor, places));
                 let utility = match departing {
                     Some(step) => {
                         let actions = factors.map(|factor| rows.action(problem, factor, places, step));
@@ -365,29 +364,27 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// The joint gain of all modalities that have factors in common, directly or by way of others.
     fn gain_jointly(&mut self, problem: &Problem<'_, S, G>, until: usize) {
+        let model = problem.model;
         let all = problem.modalities().fold(0, |all, (number, ..)| all | 1 << number);
-        for component in gain::components(problem.model, all) {
+        for component in gain::components(model, all) {
             self.couple(component.groups, until, |rows, places| {
                 let mut beliefs = Beliefs::<S, G>::EMPTY;
-                for factor in 0..problem.model.factors().len() {
-                    let to = problem.model.part_mut(beliefs.as_flat_mut(), factor);
-                    math::assign(to, rows.part(problem, factor, places));
+                for factor in 0..model.factors().len() {
+                    math::assign(
+                        model.part_mut(beliefs.as_flat_mut(), factor),
+                        rows.part(model, factor, places),
+                    );
                 }
-                Terms { information_gain: component.gain(problem.model, &beliefs), ..Terms::ZERO }
+                Terms { information_gain: component.gain(model, &beliefs), ..Terms::ZERO }
             });
         }
     }
 
     /// Works out the log posterior of what was rolled out.
     fn score(&mut self, problem: &Problem<'_, S, G>, until: usize) {
-        let results = self
-            .scores
-            .as_flattened_mut()
-            .iter_mut()
-            .zip(self.terms.as_flattened())
-            .enumerate()
-            .skip(self.done);
-        for (policy, (score, terms)) in results.take(until - self.done) {
+        let scores = self.scores.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
+        let terms = self.terms.as_flattened().get(self.done..until).unwrap_or_default();
+        for ((score, terms), policy) in scores.iter_mut().zip(terms).zip(self.done..) {
             let value = -terms.expected_free_energy(problem.scoring.convention);
             *score = problem.scoring.score(problem.candidates.ln_prior(policy), 0.0, value);
         }
@@ -400,11 +397,61 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Default for
     }
 }
 
-/// A modality: its number, itself, and the groups it depends on.
-type At<'a, 'm> = (usize, &'a Modality<'m>, u16);
+/// A modality and what is preferred in it.
+struct Sense<'a> {
+    modality: &'a Modality<'a>,
+    on_arrival: bool,
+    joint: bool,
+    arriving: Liking<'a>,
+    under_way: Liking<'a>,
+}
 
-/// The row of each group's candidate.
-type Places<const G: usize> = [u8; G];
+/// C, and ln Σ exp C.
+#[derive(Clone, Copy)]
+struct Liking<'a> {
+    preference: &'a [f32],
+    normaliser: f32,
+}
+
+impl<'a> Sense<'a> {
+    fn new<const S: usize, const G: usize>(
+        problem: &Problem<'a, S, G>,
+        number: usize,
+        modality: &'a Modality<'a>,
+    ) -> Self {
+        let liking = |arrives| {
+            let preference = problem.preference(number, modality, arrives);
+            Liking { preference, normaliser: math::log_sum_exp(preference) }
+        };
+        let on_arrival = problem.scoring.credit == Credit::OnArrival;
+        let arriving = liking(true);
+        let under_way = if on_arrival { liking(false) } else { arriving };
+        Self { modality, on_arrival, joint: problem.scoring.gain == Gain::Joint, arriving, under_way }
+    }
+
+    /// The terms under these beliefs, at a step at which a policy arrives or at another.
+    #[inline]
+    fn expect<'b>(&self, belief: impl Fn(usize) -> &'b [f32], arrives: bool) -> Terms {
+        let liking = if arrives { self.arriving } else { self.under_way };
+        let (form, shape) = (self.modality.likelihood(), self.modality.shape());
+        let expected = match *self.modality.factors() {
+            [factor] => form.expect(shape, &[belief(factor)], liking.preference),
+            [first, second] => form.expect(shape, &[belief(first), belief(second)], liking.preference),
+            ref factors => {
+                let parts = Parts::new(factors.iter().map(|&factor| belief(factor)));
+                form.expect(shape, parts.as_slice(), liking.preference)
+            }
+        };
+        self.weigh_up(expected, liking.normaliser)
+    }
+
+    /// Terms as they count: with the preferences normalised, and without a gain that is found jointly.
+    #[inline]
+    fn weigh_up(&self, expected: Terms, normaliser: f32) -> Terms {
+        let information_gain = if self.joint { 0.0 } else { expected.information_gain };
+        Terms { utility: expected.utility - normaliser, information_gain, ..expected }
+    }
+}
 
 /// What was rolled out so far.
 struct Rows<'a, const S: usize, const G: usize, const R: usize> {
@@ -413,24 +460,16 @@ struct Rows<'a, const S: usize, const G: usize, const R: usize> {
 }
 
 impl<'a, const S: usize, const G: usize, const R: usize> Rows<'a, S, G, R> {
-    fn place(problem: &Problem<'_, S, G>, factor: usize, places: &Places<G>) -> (usize, usize) {
-        let group = problem.model.group(factor);
-        (group, places.get(group).copied().map_or(0, usize::from))
-    }
-
     /// The predicted belief about a factor.
-    fn part(&self, problem: &Problem<'_, S, G>, factor: usize, places: &Places<G>) -> &'a [f32] {
-        let (_, row) = Self::place(problem, factor, places);
-        self.beliefs.get(row).map_or(&[], |row| row.of(problem.model, factor))
+    #[inline]
+    fn part(&self, model: &Model, factor: usize, places: &Places<G>) -> &'a [f32] {
+        let row = places.get(model.group(factor)).copied().map_or(0, usize::from);
+        self.beliefs.get(row).map_or(&[], |row| row.of(model, factor))
     }
 
-    fn parts(&self, problem: &Problem<'_, S, G>, factors: &[usize], places: &Places<G>) -> Parts<'a> {
-        Parts::new(factors.iter().map(|&factor| self.part(problem, factor, places)))
-    }
-
-    /// A joint policy that the candidate in a group's row is part of.
-    fn policy(&self, group: usize, row: usize) -> usize {
-        self.groups.get(group).and_then(|of| of.policies.get(row)).copied().map_or(0, usize::from)
+    fn candidate(&self, group: usize, places: &Places<G>) -> Option<&Candidate> {
+        let row = places.get(group).copied().map_or(0, usize::from);
+        self.groups.get(group).and_then(|of| of.candidates.get(row))
     }
 
     fn action(
@@ -440,15 +479,14 @@ impl<'a, const S: usize, const G: usize, const R: usize> Rows<'a, S, G, R> {
         places: &Places<G>,
         step: usize,
     ) -> Option<Action> {
-        let (group, row) = Self::place(problem, factor, places);
-        action_of(problem, factor, self.policy(group, row), step)
+        let candidate = self.candidate(problem.model.group(factor), places)?;
+        action_of(problem, factor, usize::from(candidate.policy), step)
     }
 
-    fn first_arrival(&self, problem: &Problem<'_, S, G>, groups: u16, places: &Places<G>) -> usize {
-        let members = places.iter().enumerate().filter(|(group, _)| groups >> group & 1 == 1);
-        let arrivals =
-            members.map(|(group, &row)| arrival(problem, group, self.policy(group, usize::from(row))));
-        arrivals.min().unwrap_or(problem.horizon)
+    fn first_arrival(&self, groups: u16, places: &Places<G>) -> usize {
+        let members = (0..G).filter(|group| groups >> group & 1 == 1);
+        let arrivals = members.filter_map(|group| self.candidate(group, places)).map(|of| of.arrival);
+        arrivals.min().map_or(0, usize::from)
     }
 }
 
@@ -478,7 +516,7 @@ impl<const G: usize, const R: usize> Combinations<'_, G, R> {
         let mut places = [0; G];
         let mut faster = self.count().unwrap_or(1);
         for (group, used) in self.members() {
-            faster /= used;
+            faster = faster.checked_div(used).unwrap_or(1).max(1);
             if let Some(place) = places.get_mut(group) {
                 *place = (at / faster) as u8;
             }
@@ -488,6 +526,28 @@ impl<const G: usize, const R: usize> Combinations<'_, G, R> {
     }
 }
 
+/// The controls that move a group.
+fn controls(model: &Model, group: usize) -> impl Iterator<Item = usize> {
+    let mut left = model.moved_by(group);
+    core::iter::from_fn(move || {
+        let control = left.trailing_zeros();
+        left &= left.wrapping_sub(1);
+        (control < u16::BITS).then_some(control as usize)
+    })
+}
+
+/// What tells a group's candidate from the group's others: the numbers of its action sequences.
+#[inline]
+fn key<const S: usize, const G: usize>(problem: &Problem<'_, S, G>, group: usize, row: &Row) -> u32 {
+    if problem.scope >> group & 1 == 0 {
+        return 0;
+    }
+    controls(problem.model, group).fold(0, |key: u32, control| {
+        let choices = problem.candidates.choices(control) as u32;
+        key.wrapping_mul(choices).wrapping_add(row.get(control) as u32)
+    })
+}
+
 /// What a joint policy does to a factor at a step; `None` when it leaves it alone.
 fn action_of<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
@@ -495,21 +555,23 @@ fn action_of<const S: usize, const G: usize>(
     policy: usize,
     step: usize,
 ) -> Option<Action> {
-    let Some(control) = problem.model.control_of(factor) else { return Some(0) };
-    let sequence = problem.candidates.sequence(policy, control);
-    problem.action(&problem.candidates.actions(control, sequence), step)
+    let Some(control) = problem.model.control(factor) else { return Some(0) };
+    problem.action(sequence(problem, control, &problem.candidates.row(policy)), step)
 }
 
-/// After how many steps a group arrives under a joint policy: when the last of its action sequences ends.
-fn arrival<const S: usize, const G: usize>(
-    problem: &Problem<'_, S, G>,
-    group: usize,
-    policy: usize,
-) -> usize {
-    let controls = (0..problem.model.controls()).filter(|&control| problem.model.is_moved(group, control));
-    let arrivals = controls.map(|control| {
-        let sequence = problem.candidates.sequence(policy, control);
-        problem.arrival(&problem.candidates.actions(control, sequence))
-    });
-    arrivals.max().unwrap_or(problem.horizon)
+/// After how many steps a group arrives: when the last of its action sequences ends.
+fn arrival<const S: usize, const G: usize>(problem: &Problem<'_, S, G>, group: usize, row: &Row) -> u8 {
+    let arrivals =
+        controls(problem.model, group).map(|control| problem.arrival(sequence(problem, control, row)));
+    arrivals.max().unwrap_or(problem.horizon).min(usize::from(u8::MAX)) as u8
+}
+
+fn sequence<'a, const S: usize, const G: usize>(
+    problem: &Problem<'a, S, G>,
+    control: usize,
+    row: &Row,
+) -> &'a Policy {
+    const STAY: &Policy = &Policy::EMPTY;
+    let list = problem.candidates.sequences.get(control).copied().unwrap_or(&[]);
+    list.get(row.get(control)).unwrap_or(STAY)
 }

@@ -1,7 +1,7 @@
 //! Expected free energy, in named terms, and the conventions by which it is scored.
 
-use super::likelihood::Expected;
 use crate::actions::Action;
+use crate::math::Outlook;
 
 /// What a policy is expected to bring, in nats, summed over modalities and steps.
 ///
@@ -24,15 +24,22 @@ impl Terms {
     /// Nothing yet.
     pub const ZERO: Self = Self { utility: 0.0, information_gain: 0.0, ambiguity: 0.0, novelty: 0.0 };
 
-    /// The terms of one modality at one step, where `normaliser` is ln Σ exp C.
+    /// The terms of one modality at one step, from its predicted outcomes and its ambiguity.
+    #[inline]
     #[must_use]
-    pub fn of(expected: &Expected, normaliser: f32) -> Self {
+    pub const fn of(outlook: &Outlook, ambiguity: f32) -> Self {
         Self {
-            utility: expected.utility - normaliser,
-            information_gain: expected.entropy - expected.ambiguity,
-            ambiguity: expected.ambiguity,
+            utility: outlook.utility(),
+            information_gain: outlook.entropy() - ambiguity,
+            ambiguity,
             novelty: 0.0,
         }
+    }
+
+    /// H[q(o)], the entropy of the predicted outcomes.
+    #[must_use]
+    pub const fn entropy(&self) -> f32 {
+        self.information_gain + self.ambiguity
     }
 
     /// KL[q(o) || P(o)]: how far the predicted outcomes are from the preferred ones.
@@ -48,6 +55,15 @@ impl Terms {
             Convention::Standard => -self.utility - self.information_gain - self.novelty,
             Convention::AsPrinted => self.risk() - self.ambiguity - self.novelty,
         }
+    }
+}
+
+impl core::ops::Add for Terms {
+    type Output = Self;
+
+    fn add(mut self, other: Self) -> Self {
+        self += other;
+        self
     }
 }
 

@@ -27,13 +27,16 @@ pub(super) fn components(model: &Model, all: u64) -> impl Iterator<Item = Compon
             let reached = reach(model, left, factors(model, members));
             if reached == members {
                 left &= !members;
-                let groups =
-                    members_of(model, members).fold(0, |groups, modality| groups | model.scope(modality));
+                let groups = numbers(members).fold(0, |groups, number| groups | model.scope(number));
                 return Some(Component { members, groups });
             }
             members = reached;
         }
     })
+}
+
+fn numbers(members: u64) -> impl Iterator<Item = usize> {
+    (0..MAX_MODALITIES).filter(move |number| members >> number & 1 == 1)
 }
 
 fn members_of<'m>(model: &Model<'m>, members: u64) -> impl Iterator<Item = &'m Modality<'m>> {
@@ -69,7 +72,7 @@ impl Component {
                 modality.likelihood().expect(modality.shape(), parts.as_slice(), modality.preference());
             ambiguity += expected.ambiguity;
             if self.members.is_power_of_two() {
-                return expected.entropy - ambiguity;
+                return expected.entropy() - ambiguity;
             }
         }
         self.entropy(model, beliefs) - ambiguity
@@ -161,7 +164,7 @@ impl<'m> Outcomes<'m> {
         let expected = last.likelihood().expect(last.shape(), parts.as_slice(), last.preference());
         let mass = parts.as_slice().iter().map(|part| math::sum(part)).product::<f32>();
         // With p = rest * w: -Σ p ln p = rest * (-Σ w ln w) - Σ w * rest ln rest.
-        rest * expected.entropy - mass * math::p_ln_p(rest)
+        rest * expected.entropy() - mass * math::p_ln_p(rest)
     }
 
     /// The mass of the factors that these depend on and `last` does not.

@@ -17,7 +17,7 @@ pub use identity_noise::IdentityNoise;
 pub use outcome_table::{MAX_KINDS, MAX_LABELS, OutcomeTable};
 
 use super::shape::mass;
-use super::{Evidence, Shape};
+use super::{Evidence, Shape, Terms};
 use crate::math::{self, Outlook};
 
 /// The floor under a probability before its logarithm is taken in a mean-field update: the spacing of double-precision
@@ -33,12 +33,12 @@ pub trait Likelihood: Sync {
     /// P(o = `outcome` | `states`); zero outside the table.
     fn probability(&self, outcome: usize, states: &[usize]) -> f32;
 
-    /// What is to be expected of the outcomes under independent beliefs: the entropy of the predicted outcomes
-    /// q(o) = Σ_s A(o, s) q(s), their expected preference, and the ambiguity.
+    /// What is to be expected of the outcomes under independent beliefs, where q(o) = Σ_s A(o, s) q(s): the utility, not yet
+    /// normalised, Σ_o q(o) C(o), the information gain H[q(o)] - ambiguity, the ambiguity and the novelty.
     ///
-    /// With weights in place of distributions it is linear in each, except for the entropy, which is that of
+    /// With weights in place of distributions it is linear in each, except for the entropy in the gain, which is that of
     /// the weights: -Σ w ln w.
-    fn expect(&self, shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Expected {
+    fn expect(&self, shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
         let mut outlook = Outlook::new();
         let mut ambiguity = 0.0;
         for (block, preferences) in preference.chunks(4).enumerate() {
@@ -53,7 +53,23 @@ pub trait Likelihood: Sync {
             });
             outlook.add_some(probabilities.into_iter(), preferences);
         }
-        Expected { utility: outlook.utility(), entropy: outlook.entropy(), ambiguity }
+        Terms { novelty: self.novelty(shape, beliefs), ..Terms::of(&outlook, ambiguity) }
+    }
+
+    /// The same for every pair of a belief in `firsts` and one in `seconds`, of a likelihood with two conditions, into
+    /// `pairs`, row by row: what a form with structure can do with less than that many calls.
+    fn expect_pairs(
+        &self,
+        shape: &Shape,
+        firsts: &[&[f32]],
+        seconds: &[&[f32]],
+        preference: &[f32],
+        pairs: &mut [Terms],
+    ) {
+        let beliefs = firsts.iter().flat_map(|first| seconds.iter().map(move |second| [*first, *second]));
+        for (terms, beliefs) in pairs.iter_mut().zip(beliefs) {
+            *terms = self.expect(shape, &beliefs, preference);
+        }
     }
 
     /// Adds to `message`, one number per state of condition `to`, the evidence under the beliefs about the other
@@ -88,17 +104,6 @@ pub trait Likelihood: Sync {
     fn novelty(&self, _shape: &Shape, _beliefs: &[&[f32]]) -> f32 {
         0.0
     }
-}
-
-/// What is to be expected of one modality's outcomes, in nats.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Expected {
-    /// Σ_o q(o) C(o), the expected preference, on the log scale of C.
-    pub utility: f32,
-    /// H[q(o)].
-    pub entropy: f32,
-    /// Σ_s q(s) H[A(·, s)].
-    pub ambiguity: f32,
 }
 
 /// [`Likelihood::message`] by a visit of every combination of states.

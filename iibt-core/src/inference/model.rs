@@ -72,6 +72,12 @@ impl<'a> Factor<'a> {
         self
     }
 
+    /// P(s' = `next` | `states`, u = `action`), with a state for the factor itself and each that it is coupled to.
+    #[must_use]
+    pub fn probability(&self, action: Action, next: usize, states: &[usize]) -> f32 {
+        self.transition.probability(action, next, states)
+    }
+
     /// How many states it has.
     #[must_use]
     pub const fn states(&self) -> usize {
@@ -199,6 +205,10 @@ pub struct Model<'a> {
     groups: [u8; MAX_FACTORS],
     group_count: u8,
     controls: u8,
+    /// The action sequences that move each group, a bit for each.
+    moved_by: [u16; MAX_FACTORS],
+    /// The groups that each modality depends on, a bit for each.
+    scopes: [u16; MAX_MODALITIES],
 }
 
 /// What does not fit together in a model.
@@ -269,6 +279,8 @@ impl<'a> Model<'a> {
             groups: [0; MAX_FACTORS],
             group_count: 0,
             controls: 0,
+            moved_by: [0; MAX_FACTORS],
+            scopes: [0; MAX_MODALITIES],
         };
         let (mut factor, mut total) = (0, 0);
         while factor < factors.len() {
@@ -283,33 +295,81 @@ impl<'a> Model<'a> {
             model.offsets[factor] = total as u16;
         }
         model.find_groups();
+        model.find_scopes();
         Ok(model)
     }
 
-    /// Numbers the groups: factors that are coupled in motion, or moved by the same actions, are in one.
+    /// Numbers the groups in the order of their first factors: factors that are coupled in motion, or moved by the same
+    /// actions, are in one.
     const fn find_groups(&mut self) {
+        let mut grouped: u32 = 0;
         let mut factor = 0;
-        while factor < self.factors.len() {
-            self.groups[factor] = factor as u8;
+        while factor < self.factors.len() && factor < MAX_FACTORS {
             if let Some(control) = self.control(factor)
                 && control >= self.controls as usize
             {
                 self.controls = control as u8 + 1;
             }
+            if grouped >> factor & 1 == 0 {
+                let members = self.moved_with(1 << factor);
+                self.assign_group(members);
+                grouped |= members;
+            }
             factor += 1;
         }
-        let mut first = 0;
-        while first < self.factors.len() {
-            let mut second = 0;
-            while second < self.factors.len() {
-                if self.move_together(first, second) {
-                    self.merge(first, second);
+    }
+
+    const fn assign_group(&mut self, members: u32) {
+        let mut factor = 0;
+        while factor < MAX_FACTORS {
+            if members >> factor & 1 == 1 {
+                self.groups[factor] = self.group_count;
+                if let Some(control) = self.control(factor)
+                    && (self.group_count as usize) < MAX_FACTORS
+                {
+                    self.moved_by[self.group_count as usize] |= 1 << control;
                 }
-                second += 1;
             }
-            first += 1;
+            factor += 1;
         }
-        self.number_groups();
+        self.group_count += 1;
+    }
+
+    const fn find_scopes(&mut self) {
+        let mut modality = 0;
+        while modality < self.modalities.len() && modality < MAX_MODALITIES {
+            let factors = self.modalities[modality].factors;
+            let mut at = 0;
+            while at < factors.len() {
+                if factors[at] < MAX_FACTORS {
+                    self.scopes[modality] |= 1 << self.groups[factors[at]];
+                }
+                at += 1;
+            }
+            modality += 1;
+        }
+    }
+
+    /// The factors that move together with `members`, themselves included, a bit for each.
+    const fn moved_with(&self, mut members: u32) -> u32 {
+        loop {
+            let before = members;
+            let mut first = 0;
+            while first < self.factors.len() {
+                let mut second = 0;
+                while second < self.factors.len() {
+                    let one = members >> first & 1 == 1 || members >> second & 1 == 1;
+                    if one && self.move_together(first, second) {
+                        members |= 1 << first | 1 << second;
+                    }
+                    second += 1;
+                }
+                first += 1;
+            }
+            if members == before {
+                return members;
+            }
+        }
     }
 
     const fn move_together(&self, first: usize, second: usize) -> bool {
@@ -317,37 +377,14 @@ impl<'a> Model<'a> {
             (Some(one), Some(other)) => one == other,
             _ => false,
         };
-        shared || contains(self.factors[first].coupled_to, second)
-    }
-
-    const fn merge(&mut self, first: usize, second: usize) {
-        let (from, to) = (self.groups[second], self.groups[first]);
-        let mut factor = 0;
-        while factor < self.factors.len() {
-            if self.groups[factor] == from {
-                self.groups[factor] = to;
-            }
-            factor += 1;
-        }
-    }
-
-    /// Makes the groups' numbers count from zero, in the order of their first factors.
-    const fn number_groups(&mut self) {
-        let mut names = [u8::MAX; MAX_FACTORS];
-        let mut factor = 0;
-        while factor < self.factors.len() {
-            let old = self.groups[factor] as usize;
-            if names[old] == u8::MAX {
-                names[old] = self.group_count;
-                self.group_count += 1;
-            }
-            self.groups[factor] = names[old];
-            factor += 1;
-        }
+        shared || (first < self.factors.len() && contains(self.factors[first].coupled_to, second))
     }
 
     /// The action sequence that moves a factor.
-    const fn control(&self, factor: usize) -> Option<usize> {
+    pub(super) const fn control(&self, factor: usize) -> Option<usize> {
+        if factor >= self.factors.len() {
+            return None;
+        }
         match self.factors[factor].control {
             Control::Own => Some(factor),
             Control::Shared(control) => Some(control as usize),
@@ -370,7 +407,7 @@ impl<'a> Model<'a> {
     /// How many states all factors have together: the size of [`Beliefs`](super::Beliefs).
     #[must_use]
     pub const fn states(&self) -> usize {
-        self.offsets[self.factors.len()] as usize
+        if self.factors.len() <= MAX_FACTORS { self.offsets[self.factors.len()] as usize } else { 0 }
     }
 
     /// How many action sequences a joint policy has.
@@ -385,9 +422,14 @@ impl<'a> Model<'a> {
         self.group_count as usize
     }
 
-    /// Whether action sequence `control` moves a factor of `group`.
-    pub(super) fn is_moved(&self, group: usize, control: usize) -> bool {
-        self.in_group(group).any(|factor| self.control_of(factor) == Some(control))
+    /// The group that an action sequence moves.
+    pub(super) fn group_of_control(&self, control: usize) -> Option<usize> {
+        (0..self.groups()).find(|&group| self.moved_by(group) >> control & 1 == 1)
+    }
+
+    /// The action sequences that move a group, a bit for each.
+    pub(super) fn moved_by(&self, group: usize) -> u16 {
+        self.moved_by.get(group).copied().unwrap_or(0)
     }
 
     /// The numbers of a group's factors.
@@ -402,16 +444,8 @@ impl<'a> Model<'a> {
     }
 
     /// The groups that a modality depends on, a bit for each.
-    pub(super) fn scope(&self, modality: &Modality) -> u16 {
-        modality.factors.iter().fold(0, |scope, &factor| scope | 1 << self.group(factor))
-    }
-
-    pub(super) fn control_of(&self, factor: usize) -> Option<usize> {
-        self.factors.get(factor).and_then(|of| match of.control {
-            Control::Own => Some(factor),
-            Control::Shared(control) => Some(usize::from(control)),
-            Control::None => None,
-        })
+    pub(super) fn scope(&self, modality: usize) -> u16 {
+        self.scopes.get(modality).copied().unwrap_or(0)
     }
 
     /// A factor's part of a flat list of states.
@@ -438,21 +472,20 @@ impl<'a> Model<'a> {
         Parts::new(factors.iter().map(|&factor| self.part(flat, factor)))
     }
 
-    /// One step of one factor: q(s') = Σ_s B_u(s', s) q(s), from the flat beliefs `from` into `to`.
+    /// One step of one factor: q(s') = Σ_s B_u(s', s) q(s), from the flat beliefs `from` into `to`. Returns how much the step
+    /// will tell about the transition itself.
     #[inline]
-    pub(super) fn move_factor(&self, factor: usize, action: Action, from: &[f32], to: &mut [f32]) {
-        let Some(of) = self.factors.get(factor) else { return };
-        if of.coupled_to.is_empty() {
-            of.transition.predict(&of.shape, action, &[self.part(from, factor)], to);
-        } else {
-            of.transition.predict(&of.shape, action, self.conditions(factor, from).as_slice(), to);
-        }
-    }
-
-    /// How much a step of one factor will tell about its transition, see [`Transition::novelty`].
-    pub(super) fn novelty_of_move(&self, factor: usize, action: Action, from: &[f32]) -> f32 {
+    pub(super) fn move_factor(&self, factor: usize, action: Action, from: &[f32], to: &mut [f32]) -> f32 {
         let Some(of) = self.factors.get(factor) else { return 0.0 };
-        of.transition.novelty(&of.shape, action, self.conditions(factor, from).as_slice())
+        let step = |beliefs: &[&[f32]], to: &mut [f32]| {
+            of.transition.predict(&of.shape, action, beliefs, to);
+            of.transition.novelty(&of.shape, action, beliefs)
+        };
+        if of.coupled_to.is_empty() {
+            step(&[self.part(from, factor)], to)
+        } else {
+            step(self.conditions(factor, from).as_slice(), to)
+        }
     }
 
     /// The beliefs that a factor's transition is conditioned on, its own first.

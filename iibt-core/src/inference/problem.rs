@@ -2,7 +2,7 @@
 
 use super::belief::Beliefs;
 use super::candidates::Candidates;
-use super::free_energy::{Credit, Padding, Scoring, Terms};
+use super::free_energy::{Credit, Padding, Scoring};
 use super::model::{Modality, Model};
 use super::policy::Policy;
 use crate::actions::Action;
@@ -78,10 +78,9 @@ impl<'a, const S: usize, const G: usize> Problem<'a, S, G> {
 
     /// The modalities in scope, with their numbers and groups.
     pub(super) fn modalities(&self) -> impl Iterator<Item = (usize, &'a Modality<'a>, u16)> + '_ {
-        let model = self.model;
-        let numbered = model.modalities().iter().enumerate();
+        let numbered = self.model.modalities().iter().enumerate();
         numbered
-            .map(move |(number, modality)| (number, modality, model.scope(modality)))
+            .map(|(number, modality)| (number, modality, self.model.scope(number)))
             .filter(|(_, _, groups)| groups & !self.scope == 0)
     }
 
@@ -96,20 +95,5 @@ impl<'a, const S: usize, const G: usize> Problem<'a, S, G> {
     /// After how many steps an action sequence arrives; one without actions never does, and is judged at the horizon.
     pub(super) fn arrival(&self, actions: &Policy) -> usize {
         if actions.is_empty() { self.horizon } else { actions.len().min(self.horizon) }
-    }
-
-    /// The terms of one modality at one step, `normaliser` being ln Σ exp of the preference that counts.
-    #[inline]
-    pub(super) fn terms(
-        &self,
-        (number, modality): (usize, &Modality<'a>),
-        beliefs: &[&[f32]],
-        arrives: bool,
-        normaliser: f32,
-    ) -> Terms {
-        let preference = self.preference(number, modality, arrives);
-        let expected = modality.likelihood().expect(modality.shape(), beliefs, preference);
-        let novelty = modality.likelihood().novelty(modality.shape(), beliefs);
-        Terms { novelty, ..Terms::of(&expected, normaliser) }
     }
 }

@@ -53,7 +53,8 @@ impl Shape {
     /// The states of one condition; one where there is no such condition.
     #[must_use]
     pub const fn states(&self, condition: usize) -> usize {
-        if condition < self.conditions() { self.states[condition] as usize } else { 1 }
+        let known = condition < self.conditions() && condition < MAX_CONDITIONS;
+        if known { self.states[condition] as usize } else { 1 }
     }
 
     /// How many columns the table has: the product of the conditions' states, or `None` where that is no `usize`.
@@ -69,6 +70,23 @@ impl Shape {
             index += 1;
         }
         Some(product)
+    }
+
+    /// The place of a combination of states among the columns, row-major; `None` outside the table.
+    #[must_use]
+    pub fn column(&self, states: &[usize]) -> Option<usize> {
+        self.place(0, states)
+    }
+
+    /// The place of a value and a combination of states in a table with a row per value; `None` for states outside it.
+    #[inline]
+    pub(super) fn place(&self, value: usize, states: &[usize]) -> Option<usize> {
+        if states.len() != self.conditions() {
+            return None;
+        }
+        states.iter().enumerate().try_fold(value, |at, (condition, &state)| {
+            (state < self.states(condition)).then_some(at * self.states(condition) + state)
+        })
     }
 
     /// Calls `visit` with every combination of states, the last condition running fastest, and with its place.
@@ -119,7 +137,9 @@ mod tests {
         let mut seen = Vec::new();
         shape.for_each_column(|column, states| seen.push((column, states.to_vec())));
         let expected: Vec<_> = (0..6).map(|column| (column, [column / 3, column % 3].to_vec())).collect();
+        assert!(seen.iter().all(|(column, states)| shape.column(states) == Some(*column)));
         assert_eq!(seen, expected);
+        assert_eq!((shape.column(&[2, 0]), shape.column(&[0]), shape.column(&[0, 0, 0])), (None, None, None));
     }
 
     #[test]

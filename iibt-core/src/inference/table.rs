@@ -34,17 +34,10 @@ pub(super) const fn check(table: &[f32], shape: &Shape) -> Result<(), TableError
 
 /// One entry; zero outside the table.
 pub(super) fn entry(table: &[f32], shape: &Shape, value: usize, states: &[usize]) -> f32 {
-    if value >= shape.values() || states.len() != shape.conditions() {
+    if value >= shape.values() {
         return 0.0;
     }
-    let mut at = value;
-    for (condition, &state) in states.iter().enumerate() {
-        if state >= shape.states(condition) {
-            return 0.0;
-        }
-        at = at * shape.states(condition) + state;
-    }
-    table.get(at).copied().unwrap_or(0.0)
+    shape.place(value, states).and_then(|at| table.get(at)).copied().unwrap_or(0.0)
 }
 
 /// Σ row(s1, ..., sn) q1(s1) ... qn(sn).

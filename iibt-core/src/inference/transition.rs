@@ -49,7 +49,7 @@ pub trait Transition: Sync {
 }
 
 /// Copies the belief about the factor itself.
-fn stay(beliefs: &[&[f32]], to: &mut [f32]) {
+pub(super) fn stay(beliefs: &[&[f32]], to: &mut [f32]) {
     let from = beliefs.first().copied().unwrap_or(&[]);
     to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
 }

@@ -1,6 +1,6 @@
 //! The choice of a policy together with the teammates: the posterior over joint policies.
 
-use super::world::{Collision, OWN, World};
+use super::world::{Collision, OWN, PEER, TEAM, World};
 use super::{Candidate, Mission};
 use crate::bounded::up_to;
 use crate::grid::Cell;
@@ -69,14 +69,13 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         let outcome = self.world.outcome(here, cell);
         let update = |model: &Model| {
             let mut beliefs = Beliefs::prior(model);
-            beliefs.set(model, OWN, own);
+            beliefs.set(model, OWN, self.world.cells(own));
             // An impossible announcement leaves the prior, which is what is then known of the teammate.
-            let _ = beliefs.update(model, &[Evidence::Missing, Evidence::Outcome(cell.index())]);
-            let _ =
-                beliefs.update(model, &[Evidence::Missing, Evidence::Missing, Evidence::Outcome(outcome)]);
+            let _ = beliefs.observe(model, PEER, Evidence::Outcome(cell.index()));
+            let _ = beliefs.observe(model, TEAM, Evidence::Outcome(outcome));
             beliefs
         };
-        self.world.with_model(update).unwrap_or(Beliefs::EMPTY)
+        self.world.with_pair_model(update).unwrap_or(Beliefs::EMPTY)
     }
 
     /// Forgets the last decision, so that another can begin.
@@ -86,9 +85,9 @@ impl<const S: usize, const P: usize> Decision<S, P> {
 
     /// Decides without teammates.
     pub(super) fn decide_alone(&mut self, own: &[f32], ours: Party<'_, S>, timing: Timing) {
-        let beliefs = self.world.with_model(|model| {
+        let beliefs = self.world.with_pair_model(|model| {
             let mut beliefs = Beliefs::prior(model);
-            beliefs.set(model, OWN, own);
+            beliefs.set(model, OWN, self.world.cells(own));
             beliefs
         });
         self.evaluate(&beliefs.unwrap_or(Beliefs::EMPTY), ours, None, timing);
@@ -108,11 +107,9 @@ impl<const S: usize, const P: usize> Decision<S, P> {
             self.begin(ours, timing);
         }
         let count = theirs.candidates.len().min(P);
-        let own = self.evaluation.own_terms(OWN);
+        let own = self.evaluation.own_terms(OWN).zip(ours.candidates);
         let scores = self.evaluation.scores().chunks_exact(count.max(1));
-        for ((row, scores), (terms, candidate)) in
-            self.rows.iter_mut().zip(scores).zip(own.iter().zip(ours.candidates))
-        {
+        for ((row, scores), (terms, candidate)) in self.rows.iter_mut().zip(scores).zip(own) {
             let own = score_of(&self.scoring, ln_prior(self.haste, candidate, timing), terms);
             row.iter_mut().zip(scores).for_each(|(score, total)| *score = total - own);
         }
@@ -139,10 +136,10 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         let encounters: [&dyn Encounter; 1] = [&collision];
         let evaluation = &mut self.evaluation;
         let (scoring, avoids) = (self.scoring, self.collision != 0.0);
-        self.world.with_model(|model| {
+        self.world.with_pair_model(|model| {
             evaluation.evaluate(&Problem {
-                preferences: &wanted.each_ref().map(|values| values.as_slice()),
-                aversions: &unwanted.each_ref().map(|values| values.as_slice()),
+                preferences: &wanted.each_ref().map(|values| self.world.cells(values)),
+                aversions: &unwanted.each_ref().map(|values| self.world.cells(values)),
                 encounters: if avoids { &encounters } else { &[] },
                 horizon: timing.horizon,
                 scope: if theirs.is_some() { u16::MAX } else { 1 << OWN },
@@ -168,7 +165,7 @@ impl<const S: usize, const P: usize> Decision<S, P> {
     /// Begins a decision with the values of the robot's own candidates, which are in the evaluation.
     fn begin(&mut self, ours: Party<'_, S>, timing: Timing) {
         self.own = [f32::NEG_INFINITY; P];
-        let parts = self.evaluation.own_terms(OWN).iter().zip(ours.candidates);
+        let parts = self.evaluation.own_terms(OWN).zip(ours.candidates);
         for (score, (terms, candidate)) in self.own.iter_mut().zip(parts) {
             *score = score_of(&self.scoring, ln_prior(self.haste, candidate, timing), terms);
         }

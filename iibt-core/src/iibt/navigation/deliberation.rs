@@ -76,12 +76,12 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         let mut own = self.belief;
         for (_, path, _) in &partners {
             let pair = self.decision.beliefs(own.as_flat(), here, path.start);
-            math::assign(own.as_flat_mut(), pair.as_flat());
+            math::assign(own.as_flat_mut(), self.decision.world().cells(pair.as_flat()));
         }
         self.decision.clear();
         for &(robot, path, chosen) in &partners {
             let mut pair = self.decision.beliefs(self.belief.as_flat(), here, path.start);
-            math::assign(pair.as_flat_mut(), own.as_flat());
+            math::assign(pair.as_flat_mut(), self.decision.world().cells(own.as_flat()));
             self.propose(situation, robot, path, chosen);
             let ours = Party { preference: &wanted, candidates: &self.candidates };
             let theirs = Party { preference: &wanted, candidates: &self.teammates };

@@ -1,6 +1,7 @@
 //! Where the robot is and how far it has come: the belief, the obstacles in mind, and its place in the team's
 //! plan.
 
+use super::world::OWN;
 use super::{Navigation, intentions};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Move, Path};
@@ -62,7 +63,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         // The first reading after a move may be from before it: whether the move failed, the next one tells.
         let reading = self.percept.reading.filter(|&reading| left != Some(reading));
         let (belief, surprise) = (&mut self.belief, &mut self.surprise);
-        self.decision.world().with_model(|model| {
+        self.decision.world().with_own_model(|model| {
             if let Some(step) = step {
                 let before = *belief;
                 belief.predict(model, &[Some(step.code())]);
@@ -70,8 +71,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             }
             belief.mix(&Beliefs::prior(model), Self::DOUBT);
             if let Some(reading) = reading {
-                let update = belief.update(model, &[Evidence::Outcome(reading.index())]);
-                *surprise = update.map(|update| update.free_energy);
+                *surprise = belief.observe(model, OWN, Evidence::Outcome(reading.index()));
             }
         });
     }

@@ -14,10 +14,13 @@ pub(super) const OWN: usize = 0;
 /// The factor and the modality of the teammate's place.
 pub(super) const PEER: usize = 1;
 
+/// The modality of what the two places mean for the team.
+pub(super) const TEAM: usize = 2;
+
 /// The tables of the model, for maps of `S` cells at the most. A robot judges its teammates by its own.
 #[derive(Clone, Debug)]
 pub(super) struct World<const S: usize> {
-    /// B: the next cell per move and cell.
+    /// B: the next cell per move and cell, a row of `cells` per move.
     next: [[u16; S]; Move::ALL.len()],
     /// D: every free cell is equally likely.
     prior: [f32; S],
@@ -30,6 +33,7 @@ pub(super) struct World<const S: usize> {
     sensor: IdentityNoise,
     peer_sensor: IdentityNoise,
     goals: usize,
+    cells: usize,
 }
 
 /// Every outcome is certain given the labels.
@@ -37,7 +41,7 @@ const COLUMNS: [f32; OUTCOMES * OUTCOMES] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 
 
 impl<const S: usize> World<S> {
     pub(super) fn new<const W: usize>(mission: &Mission<'_, W>) -> Self {
-        let cells = mission.map.len();
+        let cells = mission.map.len().clamp(1, S);
         let free = |state: usize| mission.map.is_free(Cell(state as u16));
         let free_cells = (0..S).filter(|&state| free(state)).count() as f32;
         let goal = |state: usize| mission.goals.iter().position(|&goal| goal == Cell(state as u16));
@@ -46,8 +50,12 @@ impl<const S: usize> World<S> {
             if mission.map.is_free(next) && next.index() < S { next.0 } else { state as u16 }
         };
         let labels = mission.goals.len() + 1;
+        let mut moves = [[0; S]; Move::ALL.len()];
+        for (row, step) in moves.as_flattened_mut().chunks_exact_mut(cells).zip(Move::ALL) {
+            row.iter_mut().enumerate().for_each(|(state, to)| *to = next(state, step));
+        }
         Self {
-            next: Move::ALL.map(|step| core::array::from_fn(|state| next(state, step))),
+            next: moves,
             prior: core::array::from_fn(|state| if free(state) { 1.0 / free_cells } else { 0.0 }),
             preference: core::array::from_fn(|state| if goal(state).is_some() { 1.0 } else { 0.0 }),
             labels: core::array::from_fn(|state| goal(state).map_or(0, |goal| goal as u8 + 1)),
@@ -55,6 +63,7 @@ impl<const S: usize> World<S> {
             sensor: IdentityNoise::among(mission.sensor, cells),
             peer_sensor: IdentityNoise::among(mission.peer_sensor, cells),
             goals: mission.goals.len(),
+            cells,
         }
     }
 
@@ -65,7 +74,7 @@ impl<const S: usize> World<S> {
 
     /// D.
     pub(super) fn initial(&self) -> Beliefs<S, 1> {
-        self.with_model(Beliefs::prior).unwrap_or(Beliefs::EMPTY)
+        self.with_own_model(Beliefs::prior).unwrap_or(Beliefs::EMPTY)
     }
 
     /// The outcome of two cells for the team.
@@ -76,22 +85,37 @@ impl<const S: usize> World<S> {
     }
 
     /// B: each move leads to the neighbour, or nowhere at a wall or border.
-    pub(super) const fn motion(&self) -> NextState<'_> {
-        NextState::trusted(self.next.as_flattened(), S)
+    pub(super) fn motion(&self) -> NextState<'_> {
+        let rows = self.next.as_flattened().get(..Move::ALL.len() * self.cells);
+        NextState::trusted(rows.unwrap_or(&[]), self.cells)
     }
 
-    /// Puts the model together for `then`: two robots that each read their own cell, and the outcome for the team that both
-    /// cells determine. `None` for tables that are no model, which a checked mission does not make.
-    pub(super) fn with_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
-        let labels = [self.labels.as_slice(); 2];
+    /// The part of a list of `S` that is about cells of the map.
+    pub(super) fn cells<'a, T>(&self, list: &'a [T]) -> &'a [T] {
+        list.get(..self.cells).unwrap_or(list)
+    }
+
+    /// Puts the model of this robot alone together for `then`; `None` for tables that are no model, which a checked
+    /// mission does not make.
+    pub(super) fn with_own_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
+        let (motion, place) = (self.motion(), Shape::new(self.cells, &[self.cells])?);
+        let factors = [Factor::try_new(&motion, place, self.cells(&self.prior))?];
+        let modalities = [Modality::try_new(&self.sensor, place, &[OWN], self.cells(&self.preference))?];
+        Model::try_new(&factors, &modalities).ok().map(|model| then(&model))
+    }
+
+    /// The same for this robot and a teammate: each reads its own cell, and both cells determine the team's outcome.
+    pub(super) fn with_pair_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
+        let labels = [self.cells(&self.labels); 2];
         let pairs = (self.goals + 1) * (self.goals + 1);
         let outcomes =
             OutcomeTable::try_new(&labels, self.outcomes.get(..pairs)?, &COLUMNS, OUTCOMES).ok()?;
-        let (motion, place) = (self.motion(), Shape::new(S, &[S])?);
-        let factors = [Factor::try_new(&motion, place, &self.prior)?; 2];
+        let (motion, place) = (self.motion(), Shape::new(self.cells, &[self.cells])?);
+        let (prior, preference) = (self.cells(&self.prior), self.cells(&self.preference));
+        let factors = [Factor::try_new(&motion, place, prior)?; 2];
         let modalities = [
-            Modality::try_new(&self.sensor, place, &[OWN], &self.preference)?,
-            Modality::try_new(&self.peer_sensor, place, &[PEER], &self.preference)?,
+            Modality::try_new(&self.sensor, place, &[OWN], preference)?,
+            Modality::try_new(&self.peer_sensor, place, &[PEER], preference)?,
             Modality::try_new(&outcomes, outcomes.shape(), &[OWN, PEER], &Mission::<0>::OUTCOME_PREFERENCE)?,
         ];
         Model::try_new(&factors, &modalities).ok().map(|model| then(&model))

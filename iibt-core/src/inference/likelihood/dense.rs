@@ -1,8 +1,8 @@
 //! Any likelihood at all, entry by entry.
 
-use super::{Expected, Likelihood, TableError};
+use super::{Likelihood, TableError};
 use crate::inference::table;
-use crate::inference::{Evidence, Shape};
+use crate::inference::{Evidence, Shape, Terms};
 use crate::math::{self, Outlook};
 
 /// A full table: a row per outcome, in each row a column per combination of states, the last condition's states
@@ -65,7 +65,7 @@ impl Likelihood for Dense<'_> {
         table::entry(self.table, &self.shape, outcome, states)
     }
 
-    fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Expected {
+    fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
         let mut outlook = Outlook::new();
         let mut ambiguity = 0.0;
         let mut rows = self.rows();
@@ -77,7 +77,7 @@ impl Likelihood for Dense<'_> {
             }
             outlook.add_some(outcomes.into_iter(), preferences);
         }
-        Expected { utility: outlook.utility(), entropy: outlook.entropy(), ambiguity }
+        Terms::of(&outlook, ambiguity)
     }
 
     fn message(&self, shape: &Shape, evidence: Evidence, beliefs: &[&[f32]], to: usize, message: &mut [f32]) {

@@ -1,11 +1,10 @@
 //! A sensor that reads the state itself, and errs evenly.
 
-use super::{Expected, Likelihood};
-use crate::inference::{Evidence, Shape};
+use super::Likelihood;
+use crate::inference::{Evidence, Shape, Terms};
 use crate::math::{self, Outlook};
 
-/// A = off + (correct - off) I over the first `states` states; the others, which a table of fixed size may have
-/// left over, read themselves.
+/// A = off + (correct - off) I.
 ///
 /// Four numbers whatever the number of states, and every method costs that number at the most.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,11 +65,10 @@ impl IdentityNoise {
     }
 
     fn read(&self, outcome: usize, state: usize) -> f32 {
-        match (outcome == state, outcome < self.states && state < self.states) {
-            (true, true) => self.correct,
-            (true, false) => 1.0,
-            (false, true) => self.off,
-            (false, false) => 0.0,
+        match outcome {
+            _ if outcome >= self.states || state >= self.states => 0.0,
+            _ if outcome == state => self.correct,
+            _ => self.off,
         }
     }
 }
@@ -80,37 +78,27 @@ impl Likelihood for IdentityNoise {
         states.first().map_or(0.0, |&state| self.read(outcome, state))
     }
 
-    fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Expected {
+    fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
         let belief = beliefs.first().copied().unwrap_or(&[]);
-        let (noisy, exact) = belief.split_at_checked(self.states).unwrap_or((belief, &[]));
-        let (likes, others) = preference.split_at_checked(self.states).unwrap_or((preference, &[]));
-        let mass = math::sum(noisy);
+        let mass = math::sum(belief);
         let (background, signal) = (self.off * mass, self.correct - self.off);
-        let mut expected = Expected { ambiguity: self.column_entropy * mass, ..Expected::default() };
-        for outlook in
-            [Outlook::of(noisy, likes, |q| background + signal * q), Outlook::of(exact, others, |q| q)]
-        {
-            expected.utility += outlook.utility();
-            expected.entropy += outlook.entropy();
-        }
-        expected
+        let outlook = Outlook::of(belief, preference, |q| background + signal * q);
+        Terms::of(&outlook, self.column_entropy * mass)
     }
 
     fn message(&self, shape: &Shape, evidence: Evidence, _: &[&[f32]], _: usize, message: &mut [f32]) {
-        let Evidence::Soft(weights) = evidence else {
-            for (state, sum) in message.iter_mut().enumerate() {
-                *sum += evidence.probability(shape.values(), |outcome| self.read(outcome, state));
+        match evidence {
+            Evidence::Soft(weights) => {
+                let background = self.off * weights.iter().take(self.states).sum::<f32>();
+                let signal = self.correct - self.off;
+                message.iter_mut().for_each(|sum| *sum += background);
+                message.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += signal * weight);
             }
-            return;
-        };
-        let background = self.off * weights.iter().take(self.states).sum::<f32>();
-        for (state, (sum, weight)) in message.iter_mut().zip(weights.iter().chain(zeros())).enumerate() {
-            let noisy = background + (self.correct - self.off) * weight;
-            *sum += if state < self.states { noisy } else { *weight };
+            _ => {
+                for (state, sum) in message.iter_mut().enumerate() {
+                    *sum += evidence.probability(shape.values(), |outcome| self.read(outcome, state));
+                }
+            }
         }
     }
-}
-
-fn zeros<'a>() -> impl Iterator<Item = &'a f32> {
-    core::iter::repeat(&0.0)
 }

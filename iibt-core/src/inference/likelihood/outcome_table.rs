@@ -1,8 +1,8 @@
 //! An outcome that labels of the states determine, exactly or with noise.
 
-use super::{Expected, FLOOR, Likelihood, TableError};
+use super::{FLOOR, Likelihood, TableError};
 use crate::inference::table;
-use crate::inference::{Evidence, Shape};
+use crate::inference::{Evidence, Shape, Terms};
 use crate::math::{self, Outlook};
 
 /// The most labels that the states of one condition carry.
@@ -24,6 +24,7 @@ pub struct OutcomeTable<'a> {
     shape: Shape,
     combinations: Shape,
     ambiguity: [f32; MAX_KINDS],
+    count: usize,
 }
 
 impl<'a> OutcomeTable<'a> {
@@ -89,7 +90,7 @@ impl<'a> OutcomeTable<'a> {
             rest = others;
             kind += 1;
         }
-        Ok(Self { labels, kinds, columns, shape, combinations, ambiguity })
+        Ok(Self { labels, kinds, columns, shape, combinations, ambiguity, count })
     }
 
     /// Its shape.
@@ -110,39 +111,85 @@ impl<'a> OutcomeTable<'a> {
 
     /// The distribution of outcomes of one kind.
     fn column(&self, kind: usize) -> &[f32] {
-        self.columns.chunks_exact(self.shape.values()).nth(kind).unwrap_or(&[])
+        self.columns.chunks_exact(self.shape.values().max(1)).nth(kind).unwrap_or(&[])
     }
 
-    /// The mass of each label under each condition's belief.
-    fn label_masses(&self, beliefs: &[&[f32]]) -> Masses {
-        let mut masses = [[0.0; MAX_LABELS]; 2];
-        for ((masses, labels), belief) in masses.iter_mut().zip(self.labels).zip(beliefs) {
-            add_labels(masses, labels, belief);
+    /// The mass of each label of one condition under its belief.
+    #[inline]
+    fn label_masses(&self, condition: usize, belief: &[f32]) -> [f32; MAX_LABELS] {
+        let mut masses = [0.0; MAX_LABELS];
+        let labels = self.labels.get(condition).copied().unwrap_or(&[]);
+        for (&label, q) in labels.iter().zip(belief) {
+            masses[usize::from(label) % MAX_LABELS] += q;
         }
         masses
+    }
+
+    /// The kinds in rows, one for each label of the first of two conditions.
+    fn rows(&self) -> impl Iterator<Item = &'a [u8]> {
+        self.kinds.chunks_exact(self.combinations.states(1).max(1))
     }
 
     /// The mass of each kind under independent beliefs.
+    #[inline]
     fn kind_masses(&self, beliefs: &[&[f32]]) -> [f32; MAX_KINDS] {
         let mut masses = [0.0; MAX_KINDS];
-        match beliefs {
-            [_] | [_, _] => {
-                let [first, second] = self.label_masses(beliefs);
-                match beliefs {
-                    [_] => add_kinds(&mut masses, self.kinds, 1.0, &first),
-                    _ => {
-                        let rows = self.kinds.chunks_exact(self.combinations.states(1).max(1));
-                        rows.zip(first).for_each(|(row, p)| add_kinds(&mut masses, row, p, &second));
-                    }
+        match *beliefs {
+            [first] => add_kinds(&mut masses, self.kinds, 1.0, &self.label_masses(0, first)),
+            [first, second] => {
+                let (first, second) = (self.label_masses(0, first), self.label_masses(1, second));
+                for (row, p) in self.rows().zip(first) {
+                    add_kinds(&mut masses, row, p, &second);
                 }
             }
-            _ => self.for_each_combination(beliefs, None, |_, kind, mass| {
-                if let Some(sum) = masses.get_mut(kind) {
-                    *sum += mass;
-                }
-            }),
+            _ => self.for_each_combination(beliefs, None, |_, kind, mass| masses[kind % MAX_KINDS] += mass),
         }
         masses
+    }
+
+    /// Four outcomes' probabilities of one kind; zero beyond the last outcome.
+    #[inline]
+    fn block(&self, kind: usize, block: usize) -> Lanes {
+        let mut lanes = [0.0; LANES];
+        let outcomes = self.shape.values();
+        let from = kind * outcomes + LANES * block;
+        let column = self.columns.get(from..(from + LANES).min((kind + 1) * outcomes)).unwrap_or(&[]);
+        math::assign(&mut lanes, column);
+        lanes
+    }
+
+    /// What is left of the columns, and of their entropies, for each label of the second condition when the first is summed
+    /// out.
+    #[inline]
+    fn sum_out(&self, first: &[f32; MAX_LABELS], columns: &[Lanes; MAX_KINDS]) -> [(Lanes, f32); MAX_LABELS] {
+        let mut left = [([0.0; LANES], 0.0); MAX_LABELS];
+        for (kinds, p) in self.rows().zip(first) {
+            for (&kind, (sums, ambiguity)) in kinds.iter().zip(&mut left) {
+                let kind = usize::from(kind) % MAX_KINDS;
+                add_scaled(sums, *p, &columns[kind]);
+                *ambiguity += p * self.ambiguity[kind];
+            }
+        }
+        left
+    }
+
+    /// The terms of four outcomes of a pair; the ambiguity, which is about all outcomes, only when asked for.
+    #[inline]
+    fn pair(
+        &self,
+        left: &[(Lanes, f32); MAX_LABELS],
+        second: &[f32; MAX_LABELS],
+        liked: &Lanes,
+        with_ambiguity: bool,
+    ) -> Terms {
+        let (mut outcomes, mut noise) = ([0.0; LANES], 0.0);
+        for (mass, (sums, ambiguity)) in second.iter().zip(left).take(self.combinations.states(1)) {
+            add_scaled(&mut outcomes, *mass, sums);
+            noise += mass * ambiguity;
+        }
+        let mut outlook = Outlook::new();
+        outlook.add(&outcomes, liked);
+        Terms::of(&outlook, if with_ambiguity { noise } else { 0.0 })
     }
 
     /// Visits every combination of labels with its kind and its mass, one condition's mass left out.
@@ -153,8 +200,8 @@ impl<'a> OutcomeTable<'a> {
         mut visit: impl FnMut(&[usize], usize, f32),
     ) {
         let mut masses = [[0.0; MAX_LABELS]; super::super::shape::MAX_CONDITIONS];
-        for ((masses, labels), belief) in masses.iter_mut().zip(self.labels).zip(beliefs) {
-            add_labels(masses, labels, belief);
+        for (condition, (masses, belief)) in masses.iter_mut().zip(beliefs).enumerate() {
+            *masses = self.label_masses(condition, belief);
         }
         self.combinations.for_each_column(|at, labels| {
             let mut product = 1.0;
@@ -170,24 +217,23 @@ impl<'a> OutcomeTable<'a> {
     /// Adds to `message` what each state's label is told, where `of` is said about each kind.
     fn tell(&self, of: &[f32; MAX_KINDS], beliefs: &[&[f32]], to: usize, message: &mut [f32]) {
         let mut told = [0.0; MAX_LABELS];
-        let about = |kind: &u8| of.get(usize::from(*kind)).copied().unwrap_or(0.0);
-        match (beliefs.len(), to) {
-            (1, _) => told.iter_mut().zip(self.kinds).for_each(|(told, kind)| *told = about(kind)),
-            (2, _) => {
-                let masses = self.label_masses(beliefs);
-                let rows = self.kinds.chunks_exact(self.combinations.states(1).max(1));
-                for ((row, p), first) in rows.zip(masses[0]).zip(0..) {
-                    for ((kind, q), second) in row.iter().zip(masses[1]).zip(0..) {
-                        let (label, mass) = if to == 0 { (first, q) } else { (second, p) };
-                        if let Some(told) = told.get_mut::<usize>(label) {
-                            *told += mass * about(kind);
-                        }
-                    }
+        let about = |kind: u8| of[usize::from(kind) % MAX_KINDS];
+        match (beliefs, to) {
+            ([_], _) => told.iter_mut().zip(self.kinds).for_each(|(told, &kind)| *told = about(kind)),
+            ([_, second], 0) => {
+                let masses = self.label_masses(1, second);
+                for (told, row) in told.iter_mut().zip(self.rows()) {
+                    *told = row.iter().zip(masses).map(|(&kind, q)| q * about(kind)).sum();
+                }
+            }
+            ([first, _], _) => {
+                for (row, p) in self.rows().zip(self.label_masses(0, first)) {
+                    told.iter_mut().zip(row).for_each(|(told, &kind)| *told += p * about(kind));
                 }
             }
             _ => self.for_each_combination(beliefs, Some(to), |labels, kind, mass| {
                 if let Some(told) = labels.get(to).and_then(|&label| told.get_mut(label)) {
-                    *told += mass * of.get(kind).copied().unwrap_or(0.0);
+                    *told += mass * of[kind % MAX_KINDS];
                 }
             }),
         }
@@ -200,14 +246,23 @@ impl<'a> OutcomeTable<'a> {
     /// P(e | kind) of each kind.
     fn evidence(&self, evidence: Evidence) -> [f32; MAX_KINDS] {
         let mut of = [0.0; MAX_KINDS];
-        for (of, column) in of.iter_mut().zip(self.columns.chunks_exact(self.shape.values())) {
+        for (of, column) in of.iter_mut().zip(self.columns.chunks_exact(self.shape.values().max(1))) {
             *of = evidence.probability(column.len(), |outcome| column.get(outcome).copied().unwrap_or(0.0));
         }
         of
     }
 }
 
-type Masses = [[f32; MAX_LABELS]; 2];
+/// How many outcomes are looked at side by side.
+const LANES: usize = 4;
+
+/// The numbers of four outcomes.
+type Lanes = [f32; LANES];
+
+#[inline]
+fn add_scaled(sums: &mut Lanes, by: f32, terms: &Lanes) {
+    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += by * term);
+}
 
 /// The shape over states, and the one over labels with its kinds left open.
 const fn shapes(labels: &[&[u8]], outcomes: usize) -> Result<(Shape, Shape), TableError> {
@@ -240,20 +295,11 @@ const fn shapes(labels: &[&[u8]], outcomes: usize) -> Result<(Shape, Shape), Tab
     }
 }
 
-fn add_labels(masses: &mut [f32; MAX_LABELS], labels: &[u8], belief: &[f32]) {
-    for (&label, q) in labels.iter().zip(belief) {
-        if let Some(mass) = masses.get_mut(usize::from(label)) {
-            *mass += q;
-        }
-    }
-}
-
+/// Adds what the labels of a row give to the kinds that they have there.
 #[inline]
-fn add_kinds(masses: &mut [f32; MAX_KINDS], kinds: &[u8], p: f32, labels: &[f32; MAX_LABELS]) {
-    for (&kind, q) in kinds.iter().zip(labels) {
-        if let Some(mass) = masses.get_mut(usize::from(kind)) {
-            *mass += p * q;
-        }
+fn add_kinds(masses: &mut [f32; MAX_KINDS], row: &[u8], p: f32, labels: &[f32; MAX_LABELS]) {
+    for (&kind, q) in row.iter().zip(labels) {
+        masses[usize::from(kind) % MAX_KINDS] += p * q;
     }
 }
 
@@ -265,20 +311,41 @@ impl Likelihood for OutcomeTable<'_> {
         if inside { column.get(outcome).copied().unwrap_or(0.0) } else { 0.0 }
     }
 
-    fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Expected {
+    fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
         let masses = self.kind_masses(beliefs);
+        let ambiguity = masses.iter().zip(&self.ambiguity).map(|(mass, entropy)| mass * entropy).sum();
         let mut outlook = Outlook::new();
-        for (block, preferences) in preference.chunks(4).enumerate() {
-            let mut outcomes = [0.0; 4];
-            for (column, mass) in self.columns.chunks_exact(self.shape.values()).zip(&masses) {
-                for (sum, p) in outcomes.iter_mut().zip(column.iter().skip(4 * block)) {
-                    *sum += mass * p;
+        for (block, preferences) in preference.chunks(LANES).enumerate() {
+            let mut sums = [0.0; LANES];
+            for (kind, mass) in (0..self.count).zip(&masses) {
+                add_scaled(&mut sums, *mass, &self.block(kind, block));
+            }
+            outlook.add_some(sums.into_iter(), preferences);
+        }
+        Terms::of(&outlook, ambiguity)
+    }
+
+    fn expect_pairs(
+        &self,
+        _shape: &Shape,
+        firsts: &[&[f32]],
+        seconds: &[&[f32]],
+        preference: &[f32],
+        pairs: &mut [Terms],
+    ) {
+        for (block, preferences) in preference.chunks(LANES).enumerate() {
+            let columns: [Lanes; MAX_KINDS] = core::array::from_fn(|kind| self.block(kind, block));
+            let mut liked = [0.0; LANES];
+            math::assign(&mut liked, preferences);
+            let rows = pairs.chunks_exact_mut(seconds.len().max(1));
+            for (first, row) in firsts.iter().zip(rows) {
+                let left = self.sum_out(&self.label_masses(0, first), &columns);
+                for (second, terms) in seconds.iter().zip(row) {
+                    let now = self.pair(&left, &self.label_masses(1, second), &liked, block == 0);
+                    *terms = if block == 0 { now } else { *terms + now };
                 }
             }
-            outlook.add_some(outcomes.into_iter(), preferences);
         }
-        let ambiguity = masses.iter().zip(&self.ambiguity).map(|(mass, entropy)| mass * entropy).sum();
-        Expected { utility: outlook.utility(), entropy: outlook.entropy(), ambiguity }
     }
 
     fn message(&self, _: &Shape, evidence: Evidence, beliefs: &[&[f32]], to: usize, message: &mut [f32]) {

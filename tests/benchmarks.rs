@@ -1,0 +1,41 @@
+//! The benchmark models on the emulated chip: their cost there, and the same bits as on the host.
+
+use firmware::benchmarks::{Benchmark, Workspace, t1, t2};
+use iibt_core::inference::Scoring;
+use tests::qemu::{Robot, image, number};
+
+/// What the image logged after `marker`, word by word.
+fn bits(robot: &mut Robot, marker: &str, words: usize) -> Vec<u32> {
+    let mut read = || {
+        let line = robot.wait_for(marker).message;
+        let word = line.rsplit(' ').next().expect("a word at the end");
+        u32::from_str_radix(word, 16).expect("eight hexadecimal digits")
+    };
+    (0..words).map(|_| read()).collect()
+}
+
+fn assert_same<const S: usize>(robot: &mut Robot, benchmark: &Benchmark<S>) -> u64 {
+    let took = robot.wait_for(&format!("{}: took", benchmark.name)).message;
+    let mut workspace = Workspace::new(benchmark);
+    let posterior = benchmark.run(&mut workspace, Scoring::JAX_PYMDP).expect("the observation is possible");
+    let theirs = bits(robot, &format!("{}: posterior", benchmark.name), posterior.len());
+    assert_eq!(theirs, posterior.map(f32::to_bits), "{}", benchmark.name);
+    let beliefs: Vec<u32> = workspace.beliefs.as_flat().iter().map(|q| q.to_bits()).collect();
+    assert_eq!(
+        bits(robot, &format!("{}: belief", benchmark.name), beliefs.len()),
+        beliefs,
+        "{}",
+        benchmark.name
+    );
+    u64::from(number(&took, "took ")) * 1000 / 168
+}
+
+#[test]
+fn the_benchmarks_have_the_same_bits_on_the_chip_and_cost_what_they_may() {
+    let mut robot = Robot::boot_counting(&image("benchmark"));
+    let t1 = assert_same(&mut robot, &t1());
+    let t2 = assert_same(&mut robot, &t2());
+    println!("T1: {t1} instructions\nT2: {t2} instructions");
+    assert!(t1 <= 6_000, "T1 takes {t1} instructions");
+    assert!(t2 <= 300_000, "T2 takes {t2} instructions");
+}
