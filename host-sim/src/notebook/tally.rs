@@ -50,8 +50,8 @@ impl Tally {
             let parts: Vec<_> =
                 modality.factors().iter().map(|&factor| predicted.of(model, factor)).collect();
             let preference = modality.preference();
-            let expected = modality.likelihood().expect(modality.shape(), &parts, preference);
-            let terms = Terms::of(&expected, math::log_sum_exp(preference));
+            let mut terms = modality.likelihood().expect(modality.shape(), &parts, preference);
+            terms.utility -= math::log_sum_exp(preference);
             *total += terms;
             sum += terms;
         }
