@@ -1,5 +1,7 @@
 //! The verbs, what they read and what they print.
 
+mod notebook;
+
 use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand};
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, summary};
@@ -26,6 +28,8 @@ Examples:
   host-sim list               see what else is built in
   host-sim run detour --loss 0.3 --seed 7
   host-sim run my-warehouse.toml --json > flight.json
+  host-sim infer model.json   run an active-inference model from a notebook
+  host-sim export model.json > src/model.rs
 From a checkout, `host-sim run ...` is `cargo run --release -- run ...`.
 
 Exit status:
@@ -76,6 +80,12 @@ enum Verb {
     /// Fly a scenario
     #[command(after_help = RUN_EXAMPLES)]
     Run(Run),
+    /// Run a model from a notebook: beliefs, expected free energies and a decision, as JSON
+    #[command(after_help = notebook::INFER_EXAMPLES)]
+    Infer(notebook::Infer),
+    /// Write a model from a notebook as Rust source for firmware
+    #[command(after_help = notebook::EXPORT_EXAMPLES)]
+    Export(notebook::Export),
 }
 
 #[derive(Args, Debug, PartialEq)]
@@ -115,6 +125,8 @@ impl Cli {
         match self.verb {
             Some(Verb::List) => list(),
             Some(Verb::Run(run)) => run.run(),
+            Some(Verb::Infer(infer)) => infer.run().map(|()| ExitCode::SUCCESS),
+            Some(Verb::Export(export)) => export.run().map(|()| ExitCode::SUCCESS),
             None => self.run.run(),
         }
     }

@@ -27,6 +27,7 @@ mod chance;
 mod flight;
 pub mod library;
 mod news;
+pub mod notebook;
 mod radio;
 mod record;
 mod referee;

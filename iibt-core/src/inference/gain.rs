@@ -84,13 +84,17 @@ impl Component {
         let others = self.members & !(1 << last);
         let couples = members_of(model, others).any(|modality| modality.factors().len() > 1);
         let mut outcomes = Outcomes::new(model, others);
-        let mut entropy = 0.0;
+        // Thousands of small terms: what a sum loses is carried on to the next.
+        let (mut entropy, mut lost) = (0.0, 0.0);
         loop {
-            entropy += if couples {
+            let term = if couples {
                 outcomes.entropy_by_states(model, beliefs, last)
             } else {
                 outcomes.entropy_of_last(model, beliefs, last)
-            };
+            } - lost;
+            let sum = entropy + term;
+            lost = (sum - entropy) - term;
+            entropy = sum;
             if !outcomes.advance() {
                 return entropy;
             }

@@ -3,6 +3,7 @@
 use super::belief::Beliefs;
 use super::estimation::Update;
 use super::evidence::Evidence;
+use super::likelihood;
 use super::model::{MAX_FACTORS, Modality, Model};
 use crate::math;
 
@@ -28,8 +29,18 @@ pub struct Sweeps {
 pub enum Floor {
     /// Under the product of all modalities' likelihoods: ln(Π A + 1e-16). Costs a visit of every combination of states.
     Product,
-    /// Under each modality's likelihood: Σ ln max(A, floor).
+    /// Under each modality's likelihood: Σ ln max(A, 2.2e-16).
     Each,
+}
+
+impl Floor {
+    /// ln p of a belief or prior, kept finite.
+    fn ln(self, p: f32) -> f32 {
+        match self {
+            Self::Product => math::ln(p + FLOOR),
+            Self::Each => math::ln(p.max(likelihood::FLOOR)),
+        }
+    }
 }
 
 impl Sweeps {
@@ -58,12 +69,16 @@ pub(super) fn update<const S: usize, const G: usize>(
         part.fill(1.0 / part.len().max(1) as f32);
     }
     let observed = Observed { model, evidence, floor: sweeps.floor };
-    let mut update =
-        Update { free_energy: complexity(beliefs, &prior, model), exact: false, converged: false, sweeps: 0 };
+    let mut update = Update {
+        free_energy: complexity(beliefs, &prior, model, sweeps.floor),
+        exact: false,
+        converged: false,
+        sweeps: 0,
+    };
     let mut change = f32::INFINITY;
     while update.sweeps < sweeps.most && change >= sweeps.tolerance {
         *beliefs = sweep(beliefs, &prior, &observed);
-        let now = complexity(beliefs, &prior, model) - observed.accuracy(beliefs);
+        let now = complexity(beliefs, &prior, model, sweeps.floor) - observed.accuracy(beliefs);
         change = (update.free_energy - now).abs();
         update.free_energy = now;
         update.sweeps += 1;
@@ -82,14 +97,14 @@ fn sweep<const S: usize, const G: usize>(
     for factor in 0..observed.model.factors().len() {
         let part = observed.model.part_mut(scores.as_flat_mut(), factor);
         for (score, p) in part.iter_mut().zip(prior.of(observed.model, factor)) {
-            *score += math::ln(p + FLOOR);
+            *score += observed.floor.ln(*p);
         }
         math::softmax(part);
     }
     scores
 }
 
-/// The floor of the older tools.
+/// The floor of numpy pymdp.
 const FLOOR: f32 = 1e-16;
 
 /// Σ_f KL[q_f || p_f], with the floor.
@@ -97,10 +112,11 @@ fn complexity<const S: usize, const G: usize>(
     beliefs: &Beliefs<S, G>,
     prior: &Beliefs<S, G>,
     model: &Model,
+    floor: Floor,
 ) -> f32 {
     let of = |factor: usize| -> f32 {
         let pairs = beliefs.of(model, factor).iter().zip(prior.of(model, factor));
-        pairs.map(|(q, p)| q * (math::ln(q + FLOOR) - math::ln(p + FLOOR))).sum()
+        pairs.map(|(&q, &p)| q * (floor.ln(q) - floor.ln(p))).sum()
     };
     (0..model.factors().len()).map(of).sum()
 }

@@ -1,0 +1,63 @@
+//! From a notebook to flash: a model as JSON, run through the core or written as Rust source.
+//!
+//! ```text
+//! JSON ─► Notebook ─┬─ infer ─► Report      beliefs, expected free energies, a decision
+//!                   └─ to_rust ─► source    tables for the firmware
+//! ```
+
+mod assembly;
+mod choices;
+mod convention;
+mod fault;
+mod json;
+mod model;
+mod numpy;
+mod observations;
+mod observing;
+mod policies;
+mod reading;
+mod report;
+mod running;
+mod source;
+mod structure;
+mod tally;
+mod tensor;
+
+pub use convention::{Beliefs, Convention};
+pub use fault::NotebookError;
+pub use model::Notebook;
+pub use report::{Outcome, PolicyReport, Report, StepReport, StructureReport, TermsReport, Why};
+pub use running::{Progress, Run};
+pub use structure::Forms;
+
+impl Notebook {
+    /// Reads a model from JSON. `file` is what errors call it.
+    ///
+    /// # Errors
+    /// A [`NotebookError`] that names what is wrong and where.
+    pub fn read(file: &str, text: &[u8]) -> Result<Self, NotebookError> {
+        json::read(text).and_then(|value| reading::model(file, &value)).map_err(|fault| fault.in_file(file))
+    }
+
+    /// The same model with one observation in place of the file's: for each modality an outcome, null or a list of
+    /// weights, as the entries of a JSON list, with or without its brackets.
+    ///
+    /// # Errors
+    /// A [`NotebookError`] that names what is wrong and where.
+    pub fn observing(mut self, text: &str) -> Result<Self, NotebookError> {
+        let read = |text: &str| observations::observation(&json::read(text.as_bytes())?, "obs", &self);
+        let bare = read(&format!("[{text}]"));
+        let observation = bare.or_else(|fault| read(text).map_err(|_| fault));
+        self.observations = model::Observations::Once(observation.map_err(|fault| fault.in_file("--obs"))?);
+        Ok(self)
+    }
+
+    /// The same model with another precision γ.
+    ///
+    /// # Errors
+    /// A [`NotebookError`] when it is negative, too large or no number.
+    pub fn with_precision(mut self, gamma: f64) -> Result<Self, NotebookError> {
+        self.precision = reading::precision(gamma).map_err(|fault| fault.in_file("--gamma"))?;
+        Ok(self)
+    }
+}

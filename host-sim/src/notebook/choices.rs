@@ -1,0 +1,75 @@
+//! The policies of a notebook as the core's candidates.
+
+use super::fault::Fault;
+use super::model::Notebook;
+use iibt_core::inference::{Candidates, Combinations, Habits, Policy};
+
+/// The different action sequences of each factor, and which of them each policy combines.
+pub(super) struct Choices {
+    /// By control; none for a factor that moves by itself.
+    pub(super) sequences: Vec<Vec<Policy>>,
+    /// By policy the number of each control's sequence.
+    pub(super) rows: Vec<Vec<usize>>,
+}
+
+impl Choices {
+    /// Those of some of a notebook's policies, for a model with this many controls.
+    pub(super) fn new(notebook: &Notebook, policies: &[Vec<Vec<u8>>], controls: usize) -> Self {
+        let mut choices = Self { sequences: vec![Vec::new(); controls.max(1)], rows: Vec::new() };
+        for policy in policies {
+            let mut row = vec![0; controls.max(1)];
+            for (control, place) in row.iter_mut().enumerate().take(controls) {
+                if !notebook.is_uncontrolled(control) {
+                    let actions: Vec<u8> = policy.iter().map(|step| step[control]).collect();
+                    *place = choices.place(control, Policy::new(&actions).unwrap_or_default());
+                }
+            }
+            choices.rows.push(row);
+        }
+        choices
+    }
+
+    fn place(&mut self, control: usize, sequence: Policy) -> usize {
+        let known = &mut self.sequences[control];
+        known.iter().position(|known| *known == sequence).unwrap_or_else(|| {
+            known.push(sequence);
+            known.len() - 1
+        })
+    }
+
+    /// Whether the policies are all combinations of the sequences, in the core's order.
+    pub(super) fn are_all(&self) -> bool {
+        let lists = self.lists();
+        let all = Candidates::all(&lists);
+        let same = |(policy, row): (usize, &Vec<usize>)| {
+            row.iter().enumerate().all(|(control, &place)| all.sequence(policy, control) == place)
+        };
+        all.len() == self.rows.len() && self.rows.iter().enumerate().all(same)
+    }
+
+    /// The sequences as slices.
+    pub(super) fn lists(&self) -> Vec<&[Policy]> {
+        self.sequences.iter().map(Vec::as_slice).collect()
+    }
+
+    /// The rows in the core's numbers.
+    pub(super) fn numbers(&self) -> Result<Vec<u8>, Fault> {
+        let numbers = self.rows.iter().flatten().map(|&place| u8::try_from(place));
+        numbers.collect::<Result<_, _>>().map_err(|_| {
+            let most = self.sequences.iter().map(Vec::len).max().unwrap_or(0);
+            Fault::new(format!(
+                "a factor has {most} different action sequences: a list of policies takes 256"
+            ))
+        })
+    }
+}
+
+/// The listed combinations, with ln E.
+pub(super) fn candidates<'a>(
+    lists: &'a [&'a [Policy]],
+    rows: &'a [u8],
+    habits: Option<&'a [f32]>,
+) -> Candidates<'a> {
+    let habits = habits.map_or(Habits::Flat, Habits::Joint);
+    Candidates { sequences: lists, combinations: Combinations::Listed(rows), habits }
+}

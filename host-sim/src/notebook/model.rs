@@ -1,0 +1,110 @@
+//! The model of a notebook: full tables, checked, each reduced to the factors it depends on.
+
+use super::tensor::Tensor;
+
+/// The most states of all factors together.
+pub(super) const MAX_STATES: usize = 4096;
+
+/// The most policies.
+pub(super) const MAX_POLICIES: usize = 4096;
+
+/// The most steps that one file has observations for.
+pub(super) const MAX_STEPS: usize = 10_000;
+
+/// A model as a notebook has it, ready to run.
+#[derive(Clone, Debug)]
+pub struct Notebook {
+    pub(super) file: String,
+    pub(super) name: String,
+    pub(super) likelihoods: Vec<Likelihood>,
+    pub(super) transitions: Vec<Transition>,
+    /// C by modality.
+    pub(super) preferences: Vec<Vec<f32>>,
+    /// D by factor.
+    pub(super) priors: Vec<Vec<f32>>,
+    /// ln E by policy; nothing where all are alike.
+    pub(super) habits: Option<Vec<f32>>,
+    pub(super) precision: f32,
+    /// By policy and step an action for each factor.
+    pub(super) policies: Vec<Vec<Vec<u8>>>,
+    pub(super) horizon: usize,
+    pub(super) observations: Observations,
+}
+
+/// A of one modality.
+#[derive(Clone, Debug)]
+pub(super) struct Likelihood {
+    /// Outcomes first, then the states of each factor.
+    pub(super) table: Tensor,
+    pub(super) factors: Vec<usize>,
+}
+
+/// B of one factor.
+#[derive(Clone, Debug)]
+pub(super) struct Transition {
+    /// Actions, next states, the factor's own states, then those of each factor it is coupled to.
+    pub(super) table: Tensor,
+    pub(super) coupled_to: Vec<usize>,
+}
+
+impl Transition {
+    pub(super) fn actions(&self) -> usize {
+        self.table.shape()[0]
+    }
+
+    pub(super) fn states(&self) -> usize {
+        self.table.shape()[1]
+    }
+}
+
+/// What was observed.
+#[derive(Clone, Debug)]
+pub(super) enum Observations {
+    /// The file says nothing of observations.
+    None,
+    /// `obs`: at one time.
+    Once(Vec<Observation>),
+    /// `steps`: time after time.
+    Steps(Vec<Step>),
+}
+
+/// One time step of a record.
+#[derive(Clone, Debug)]
+pub(super) struct Step {
+    /// What was done before the observation, by factor, and nothing for a factor that was left alone; without it no
+    /// time went by.
+    pub(super) action: Option<Vec<Option<u8>>>,
+    pub(super) observation: Vec<Observation>,
+}
+
+/// What was observed of one modality.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Observation {
+    Missing,
+    Outcome(usize),
+    /// A weight for each outcome.
+    Soft(Vec<f32>),
+}
+
+impl Notebook {
+    /// What the model is called.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether a factor moves by itself: it has one action.
+    pub(super) fn is_uncontrolled(&self, factor: usize) -> bool {
+        self.transitions[factor].actions() == 1
+    }
+
+    /// The bytes of all numbers in single precision, each likelihood a full table over all factors.
+    pub(super) fn dense_bytes(&self) -> usize {
+        let states = self.transitions.iter().map(Transition::states).fold(1, usize::saturating_mul);
+        let outcomes: usize = self.likelihoods.iter().map(|likelihood| likelihood.table.shape()[0]).sum();
+        let transitions: usize =
+            self.transitions.iter().map(|transition| transition.table.values().len()).sum();
+        let vectors: usize = self.priors.iter().chain(&self.preferences).map(Vec::len).sum();
+        outcomes.saturating_mul(states).saturating_add(transitions + vectors).saturating_mul(size_of::<f32>())
+    }
+}

@@ -1,0 +1,98 @@
+//! One observation: which update the beliefs take, and how it went.
+
+use super::convention;
+use iibt_core::inference::{Beliefs, Evidence, Impossible, Model, Sweeps, Update};
+
+/// The most combinations of states for which parallel sweeps are tried.
+const MAX_COMBINATIONS: usize = 1 << 20;
+
+/// How the beliefs were updated.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Observed {
+    /// What was used in the end.
+    pub(super) method: &'static str,
+    /// Nothing for an observation that is impossible.
+    pub(super) update: Option<Update>,
+    /// -ln P(o), where it was worked out exactly.
+    pub(super) surprise: Option<f32>,
+    pub(super) impossible: Option<Impossible>,
+    /// Why the method is not the one asked for.
+    pub(super) note: Option<String>,
+}
+
+/// Updates `beliefs` by what was observed.
+pub(super) fn observe<const S: usize, const G: usize>(
+    beliefs: &mut Beliefs<S, G>,
+    model: &Model,
+    evidence: &[Evidence],
+    method: convention::Beliefs,
+    sweeps: Sweeps,
+) -> Observed {
+    let mut exact = *beliefs;
+    let result = exact.update(model, evidence);
+    let surprise = result.ok().filter(|update| update.exact).map(|update| update.free_energy);
+    let mut ascended = *beliefs;
+    let (after, result, note) = match method {
+        convention::Beliefs::Exact => (exact, result, None),
+        convention::Beliefs::Ascent => {
+            let result = ascended.update_by_ascent(model, evidence, iibt_core::inference::MAX_SWEEPS);
+            (ascended, result, None)
+        }
+        convention::Beliefs::Sweeps => match sweep(beliefs, model, evidence, sweeps) {
+            Ok(update) => return Observed { surprise, impossible: result.err(), ..swept(update, None) },
+            Err(Unswept { after, update, reason }) => {
+                if let (Some(after), Some(update), Err(impossible)) = (after, update, result) {
+                    *beliefs = after;
+                    return Observed {
+                        surprise,
+                        impossible: Some(impossible),
+                        ..swept(update, Some(reason))
+                    };
+                }
+                (exact, result, Some(reason))
+            }
+        },
+    };
+    *beliefs = after;
+    let exact = result.is_ok_and(|update| update.exact) || result.is_err();
+    Observed {
+        method: if exact { "exact" } else { "coordinate ascent" },
+        update: result.ok(),
+        surprise,
+        impossible: result.err(),
+        note,
+    }
+}
+
+fn swept(update: Update, note: Option<String>) -> Observed {
+    Observed { method: "parallel sweeps", update: Some(update), surprise: None, impossible: None, note }
+}
+
+/// Sweeps whose result is not to be used.
+struct Unswept<const S: usize, const G: usize> {
+    after: Option<Beliefs<S, G>>,
+    update: Option<Update>,
+    reason: String,
+}
+
+fn sweep<const S: usize, const G: usize>(
+    beliefs: &mut Beliefs<S, G>,
+    model: &Model,
+    evidence: &[Evidence],
+    sweeps: Sweeps,
+) -> Result<Update, Unswept<S, G>> {
+    let combinations = model.factors().iter().map(|factor| factor.states()).fold(1, usize::saturating_mul);
+    if combinations > MAX_COMBINATIONS {
+        let reason =
+            format!("parallel sweeps visit every combination of states, more than {MAX_COMBINATIONS}");
+        return Err(Unswept { after: None, update: None, reason });
+    }
+    let mut after = *beliefs;
+    let update = after.update_in_parallel(model, evidence, sweeps);
+    if update.converged {
+        *beliefs = after;
+        return Ok(update);
+    }
+    let reason = format!("the parallel sweeps did not come to rest in {}", update.sweeps);
+    Err(Unswept { after: Some(after), update: Some(update), reason })
+}

@@ -1,0 +1,236 @@
+//! A model run through the core: beliefs by observation, decisions by policy.
+
+use super::assembly::Assembly;
+use super::choices::{Choices, candidates};
+use super::convention::{self, Convention};
+use super::fault::{Fault, NotebookError};
+use super::model::{MAX_STATES, Notebook, Observation, Observations, Step};
+use super::numpy::Floors;
+use super::observing::{Observed, observe};
+use super::report::{Outcome, PolicyReport, Ranking, Report, StepReport, StructureReport};
+use super::structure::Forms;
+use super::tally::Tally;
+use iibt_core::inference::{
+    Beliefs, Evaluation, Evidence, MAX_FACTORS, Model, Problem, Scoring, Terms, policy,
+};
+use iibt_core::math;
+
+/// How a model is run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Run {
+    /// By whose conventions.
+    pub convention: Convention,
+    /// How beliefs are updated, in place of the convention's way.
+    pub beliefs: Option<convention::Beliefs>,
+    /// Whether structure is looked for.
+    pub forms: Forms,
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// The observations that are done.
+    pub step: usize,
+    /// All observations.
+    pub steps: usize,
+    /// The policies that are scored after the next one.
+    pub policy: usize,
+    /// All policies.
+    pub policies: usize,
+}
+
+/// The stack for the largest sizes: tables lie in it on their way to the heap.
+const STACK: usize = 64 << 20;
+
+/// The factors' states that the small size has room for, by group.
+const SMALL: usize = 8;
+
+/// The same for the large size.
+const LARGE: usize = MAX_STATES / MAX_FACTORS;
+
+/// The candidates that are rolled out side by side, and the policies by candidate.
+const ROWS: usize = 64;
+const PLANES: usize = 4;
+
+/// The policies that are scored before progress is told.
+const BATCH: usize = ROWS * PLANES;
+
+impl Notebook {
+    /// Runs the model and says what came of it, telling `progress` about it on the way.
+    ///
+    /// # Errors
+    /// A [`NotebookError`] when there is no observation, or too many combinations for the joint information gain.
+    pub fn infer(
+        &self,
+        run: Run,
+        progress: &mut (dyn FnMut(Progress) + Send),
+    ) -> Result<Report, NotebookError> {
+        let work = || self.run(run, progress).map_err(|fault| fault.in_file(&self.file));
+        std::thread::scope(|scope| {
+            let worker = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
+            let failed = |reason: &str| Fault::new(reason).in_file(&self.file);
+            worker
+                .map_err(|error| failed(&error.to_string()))?
+                .join()
+                .map_err(|_| failed("the run broke off"))?
+        })
+    }
+
+    fn run(&self, run: Run, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Report, Fault> {
+        let (steps, once) = match &self.observations {
+            Observations::None => return Err(Fault::new("obs and steps are missing: what was observed?")),
+            Observations::Once(observation) => {
+                (vec![Step { action: None, observation: observation.clone() }], true)
+            }
+            Observations::Steps(steps) => (steps.clone(), false),
+        };
+        let assembly = Assembly::new(self, run.forms);
+        let floors = if run.convention == Convention::Joint { Some(Floors::new(self)?) } else { None };
+        let structure = StructureReport {
+            A: assembly.likelihoods.iter().map(|form| form.name()).collect(),
+            B: assembly.transitions.iter().map(|form| form.name()).collect(),
+            bytes: assembly.bytes(),
+            dense_bytes: self.dense_bytes(),
+        };
+        let reports = assembly.with_model(|model| {
+            let scoring = Scoring { precision: self.precision, ..run.convention.scoring() };
+            let runner = Runner { notebook: self, model, run, scoring, floors: floors.as_ref() };
+            Ok(if model.states() <= SMALL * MAX_FACTORS {
+                runner.all::<SMALL>(&steps, progress)
+            } else {
+                runner.all::<LARGE>(&steps, progress)
+            })
+        })?;
+        let (name, convention) = (self.name.clone(), run.convention.name());
+        let result = match <[StepReport; 1]>::try_from(reports) {
+            Ok([report]) if once => Outcome::Once(Box::new(report)),
+            Ok(reports) => Outcome::Record { steps: reports.into() },
+            Err(steps) => Outcome::Record { steps },
+        };
+        Ok(Report { name, convention, gamma: self.precision, structure, result })
+    }
+}
+
+struct Runner<'a> {
+    notebook: &'a Notebook,
+    model: &'a Model<'a>,
+    run: Run,
+    scoring: Scoring,
+    floors: Option<&'a Floors<'a>>,
+}
+
+impl Runner<'_> {
+    /// Every step, in beliefs of `S` states by group.
+    fn all<const S: usize>(
+        &self,
+        steps: &[Step],
+        progress: &mut (dyn FnMut(Progress) + Send),
+    ) -> Vec<StepReport> {
+        let mut beliefs = Beliefs::<S, MAX_FACTORS>::prior(self.model);
+        let mut evaluation = Box::new(Evaluation::<S, MAX_FACTORS, ROWS, PLANES>::new());
+        let mut reports = Vec::new();
+        for (number, step) in steps.iter().enumerate() {
+            if let Some(action) = &step.action {
+                beliefs.predict(self.model, action);
+            }
+            let observed = self.observe(&mut beliefs, &step.observation);
+            let policies = self.notebook.policies.len();
+            let mut tell = |policy| progress(Progress { step: number, steps: steps.len(), policy, policies });
+            let decided = self.decide(&beliefs, &mut evaluation, &mut tell);
+            reports.push(self.report(&beliefs, observed, decided));
+        }
+        reports
+    }
+
+    fn observe<const S: usize>(
+        &self,
+        beliefs: &mut Beliefs<S, MAX_FACTORS>,
+        observation: &[Observation],
+    ) -> Observed {
+        let evidence: Vec<Evidence> = observation.iter().map(Observation::evidence).collect();
+        let convention = self.run.convention;
+        let method = self.run.beliefs.unwrap_or(convention.beliefs());
+        observe(beliefs, self.model, &evidence, method, convention.sweeps())
+    }
+
+    /// The terms of every policy from the core, and their parts.
+    fn decide<const S: usize>(
+        &self,
+        beliefs: &Beliefs<S, MAX_FACTORS>,
+        evaluation: &mut Evaluation<S, MAX_FACTORS, ROWS, PLANES>,
+        tell: &mut dyn FnMut(usize),
+    ) -> Decided {
+        let notebook = self.notebook;
+        let mut decided = Decided { terms: Vec::new(), tallies: Vec::new() };
+        for batch in notebook.policies.chunks(BATCH) {
+            let choices = Choices::new(notebook, batch, self.model.controls());
+            let (lists, rows) = (choices.lists(), choices.numbers().unwrap_or_default());
+            let candidates = candidates(&lists, &rows, None);
+            let problem = Problem::new(self.model, beliefs, candidates, self.scoring);
+            let problem = Problem { horizon: notebook.horizon, ..problem };
+            evaluation.begin(&problem);
+            while evaluation.advance(&problem, ROWS) {
+                tell(decided.terms.len() + evaluation.done());
+            }
+            decided.terms.extend_from_slice(evaluation.terms());
+            for policy in batch {
+                tell(decided.tallies.len());
+                decided.tallies.push(Tally::of(self.model, beliefs, policy, notebook.horizon, self.floors));
+            }
+        }
+        for (terms, tally) in decided.terms.iter_mut().zip(&decided.tallies) {
+            terms.information_gain += tally.floors as f32;
+            terms.ambiguity -= tally.floors as f32;
+        }
+        decided
+    }
+
+    fn report<const S: usize>(
+        &self,
+        beliefs: &Beliefs<S, MAX_FACTORS>,
+        observed: Observed,
+        decided: Decided,
+    ) -> StepReport {
+        let habits = self.notebook.habits.as_deref();
+        let ln_prior = |policy: usize| habits.map_or(0.0, |habits| habits[policy]);
+        let free_energies: Vec<f32> =
+            decided.terms.iter().map(|terms| terms.expected_free_energy(self.scoring.convention)).collect();
+        let values: Vec<f32> = free_energies.iter().map(|free_energy| -free_energy).collect();
+        let numbered = values.iter().enumerate();
+        let scores: Vec<f32> =
+            numbered.map(|(policy, &value)| self.scoring.score(ln_prior(policy), 0.0, value)).collect();
+        let mut q_pi = scores.clone();
+        policy::posterior(&mut q_pi, self.scoring.window);
+        let chosen = math::argmax(&scores);
+        let convention = self.scoring.convention;
+        let ranking =
+            Ranking { scores: &scores, values: &values, habits, tallies: &decided.tallies, convention };
+        let floors = |tally: &Tally| self.floors.map(|_| tally.floors);
+        let parts = decided.terms.iter().zip(&decided.tallies);
+        StepReport {
+            beliefs: observed.method,
+            note: observed.note,
+            qs: (0..self.model.factors().len())
+                .map(|factor| beliefs.of(self.model, factor).to_vec())
+                .collect(),
+            F: observed.update.map(|update| update.free_energy),
+            surprise: observed.surprise,
+            converged: observed.update.is_some_and(|update| update.converged),
+            sweeps: observed.update.map_or(0, |update| update.sweeps),
+            impossible: observed.impossible.map(|impossible| impossible.to_string()),
+            why: ranking.why(chosen),
+            terms: parts.map(|(&terms, tally)| PolicyReport::new(terms, tally, floors(tally))).collect(),
+            policy: chosen,
+            actions: self.notebook.policies[chosen].clone(),
+            G: values,
+            expected_free_energy: free_energies,
+            q_pi,
+        }
+    }
+}
+
+/// What is known about every policy.
+struct Decided {
+    terms: Vec<Terms>,
+    tallies: Vec<Tally>,
+}

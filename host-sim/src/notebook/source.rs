@@ -1,0 +1,369 @@
+//! A model as Rust source: tables for the firmware, each in its smallest form.
+
+use super::assembly::Assembly;
+use super::choices::Choices;
+use super::convention::Convention;
+use super::fault::{Fault, NotebookError, refuse};
+use super::model::Notebook;
+use super::structure::{Forms, LikelihoodForm, TransitionForm};
+use iibt_core::actions::BYTES;
+use iibt_core::inference::{Model, Terms};
+use std::collections::BTreeSet;
+use std::fmt::{Display, Write};
+
+/// The columns of a line of source.
+const WIDTH: usize = 100;
+
+/// The most candidates of one group that are rolled out side by side.
+const MAX_ROWS: usize = 64;
+
+impl Notebook {
+    /// The model as a module of Rust source, for a crate that depends on `iibt-core` and on nothing else.
+    ///
+    /// # Errors
+    /// A [`NotebookError`] when a factor has more than 256 different action sequences that are not simply all of them.
+    pub fn to_rust(&self, forms: Forms) -> Result<String, NotebookError> {
+        self.write(forms).map_err(|fault| fault.in_file(&self.file))
+    }
+
+    /// The same model under another name.
+    #[must_use]
+    pub fn named(mut self, name: &str) -> Self {
+        name.clone_into(&mut self.name);
+        self
+    }
+
+    fn write(&self, forms: Forms) -> Result<String, Fault> {
+        let assembly = Assembly::new(self, forms);
+        let sizes = assembly.with_model(|model| Ok(Sizes::of(self, model)))?;
+        let choices = Choices::new(self, &self.policies, sizes.controls);
+        let mut source = Source { text: String::new(), used: BTreeSet::new() };
+        for (number, form) in assembly.transitions.iter().enumerate() {
+            source.transition(number, form);
+        }
+        for (number, form) in assembly.likelihoods.iter().enumerate() {
+            source.likelihood(number, form);
+        }
+        source.factors(self, &assembly);
+        source.modalities(self, &assembly);
+        source.policies(self, &choices)?;
+        source.sizes(self, &sizes);
+        Ok(self.heading(&assembly, &sizes, &choices) + &source.uses() + &source.text)
+    }
+
+    fn heading(&self, assembly: &Assembly, sizes: &Sizes, choices: &Choices) -> String {
+        let states = assembly.transitions.iter().zip(&self.transitions).enumerate();
+        let factors = states.map(|(number, (form, of))| {
+            format!(
+                "//! - factor {number}: {} states, {} actions, {}\n",
+                of.states(),
+                of.actions(),
+                form.name()
+            )
+        });
+        let outcomes = assembly.likelihoods.iter().zip(&self.likelihoods).enumerate();
+        let modalities = outcomes.map(|(number, (form, of))| {
+            let (outcomes, on) = (of.table.shape()[0], joined(&of.factors));
+            format!("//! - modality {number}: {outcomes} outcomes of factor {on}, {}\n", form.name())
+        });
+        let name: String = self.name.chars().map(|sign| if sign.is_control() { ' ' } else { sign }).collect();
+        format!(
+            "//! The model \"{name}\", written by `host-sim export`.\n//!\n{}{}//!\n\
+             //! The numbers of A, B, C and D take {} bytes, as full tables {}; {} policies take {}. `Beliefs` takes {} \
+             bytes of\n//! RAM and `Evaluation` about {}.\n\n",
+            factors.collect::<String>(),
+            modalities.collect::<String>(),
+            assembly.bytes(),
+            self.dense_bytes(),
+            self.policies.len(),
+            policy_bytes(choices),
+            4 * sizes.states * sizes.groups,
+            sizes.evaluation_bytes(),
+        )
+    }
+}
+
+/// The bytes of the sequences and, where the policies are not simply all of them, the rows.
+fn policy_bytes(choices: &Choices) -> usize {
+    let sequences: usize = choices.sequences.iter().map(Vec::len).sum();
+    let rows = if choices.are_all() { 0 } else { choices.rows.iter().map(Vec::len).sum() };
+    sequences * (BYTES + 1) + rows
+}
+
+/// The size parameters of beliefs and evaluation.
+struct Sizes {
+    controls: usize,
+    states: usize,
+    groups: usize,
+    rows: usize,
+    planes: usize,
+}
+
+impl Sizes {
+    fn of(notebook: &Notebook, model: &Model) -> Self {
+        let groups = model.groups();
+        let choices = Choices::new(notebook, &notebook.policies, model.controls());
+        let rows = choices.rows.iter().collect::<BTreeSet<_>>().len();
+        let coupled = notebook.transitions.iter().any(|of| !of.coupled_to.is_empty());
+        let most = choices.sequences.iter().map(Vec::len).max().unwrap_or(1);
+        let rows = if coupled { rows } else { most }.clamp(1, MAX_ROWS);
+        Self {
+            controls: model.controls(),
+            states: model.states().div_ceil(groups),
+            groups,
+            rows,
+            planes: notebook.policies.len().div_ceil(rows),
+        }
+    }
+
+    /// About what the evaluation takes on the robot.
+    fn evaluation_bytes(&self) -> usize {
+        let terms = size_of::<Terms>();
+        let candidates = self.rows * (4 * self.states * self.groups + self.groups * (terms + 6));
+        candidates + self.rows * self.planes * (self.groups + 2 * terms + 4) + 344
+    }
+}
+
+/// The text so far, and the names that it uses.
+struct Source {
+    text: String,
+    used: BTreeSet<&'static str>,
+}
+
+impl Source {
+    fn line(&mut self, line: impl Display) {
+        writeln!(self.text, "{line}").expect("writing to memory");
+    }
+
+    fn uses(&mut self) -> String {
+        let mut lines = String::new();
+        for (path, names) in [
+            ("iibt_core::inference::likelihood", &["Dense as DenseLikelihood"][..]),
+            ("iibt_core::inference::transition", &["Dense as DenseTransition"]),
+        ] {
+            for name in names.iter().filter(|name| self.used.contains(**name)) {
+                lines += &format!("use {path}::{name};\n");
+            }
+        }
+        let plain: Vec<_> = self.used.iter().filter(|name| !name.contains(' ')).copied().collect();
+        let list = wrapped(plain.iter(), "    ");
+        format!("{lines}use iibt_core::inference::{{\n{list}}};\n\n")
+    }
+
+    fn transition(&mut self, number: usize, form: &TransitionForm) {
+        match form {
+            TransitionForm::NextState { table, states, slip } => {
+                self.used.insert("NextState");
+                self.list(format_args!("static B_{number}_NEXT: [u16; {}]", table.len()), table);
+                let new = if *slip == 0.0 {
+                    format!("NextState::new(&B_{number}_NEXT, {states})")
+                } else {
+                    format!("NextState::with_slip(&B_{number}_NEXT, {states}, {slip:?})")
+                };
+                self.line(format_args!("static B_{number}: NextState = {new};\n"));
+            }
+            TransitionForm::Dense { table, actions, states } => {
+                self.used.insert("Dense as DenseTransition");
+                self.numbers(format_args!("static B_{number}_TABLE: [f32; {}]", table.len()), table);
+                let new = format!("DenseTransition::new(&B_{number}_TABLE, {actions}, &{states:?})");
+                self.line(format_args!("static B_{number}: DenseTransition = {new};\n"));
+            }
+        }
+    }
+
+    fn likelihood(&mut self, number: usize, form: &LikelihoodForm) {
+        match form {
+            LikelihoodForm::IdentityNoise { correct, states } => {
+                self.used.insert("IdentityNoise");
+                let new = format!("IdentityNoise::new({correct:?}, {states})");
+                self.line(format_args!("static A_{number}: IdentityNoise = {new};\n"));
+            }
+            LikelihoodForm::OutcomeTable { labels, kinds, columns, outcomes } => {
+                self.used.insert("OutcomeTable");
+                for (condition, labels) in labels.iter().enumerate() {
+                    let declaration = format!("static A_{number}_LABELS_{condition}: [u8; {}]", labels.len());
+                    self.list(declaration, labels);
+                }
+                self.list(format_args!("static A_{number}_KINDS: [u8; {}]", kinds.len()), kinds);
+                self.numbers(format_args!("static A_{number}_COLUMNS: [f32; {}]", columns.len()), columns);
+                let names = (0..labels.len()).map(|condition| format!("&A_{number}_LABELS_{condition}"));
+                let names = names.collect::<Vec<_>>().join(", ");
+                self.line(format_args!("static A_{number}: OutcomeTable = OutcomeTable::new("));
+                self.line(format_args!("    &[{names}],\n    &A_{number}_KINDS,\n    &A_{number}_COLUMNS,"));
+                self.line(format_args!("    {outcomes},\n);\n"));
+            }
+            LikelihoodForm::Dense { table, outcomes, states } => {
+                self.used.insert("Dense as DenseLikelihood");
+                self.numbers(format_args!("static A_{number}_TABLE: [f32; {}]", table.len()), table);
+                let new = format!("DenseLikelihood::new(&A_{number}_TABLE, {outcomes}, &{states:?})");
+                self.line(format_args!("static A_{number}: DenseLikelihood = {new};\n"));
+            }
+        }
+    }
+
+    fn factors(&mut self, notebook: &Notebook, assembly: &Assembly) {
+        self.used.insert("Factor");
+        for (number, prior) in notebook.priors.iter().enumerate() {
+            self.numbers(format_args!("static D_{number}: [f32; {}]", prior.len()), prior);
+        }
+        let count = assembly.transitions.len();
+        self.line("\n/// The hidden factors: B and D.");
+        self.line(format_args!("pub static FACTORS: [Factor; {count}] = ["));
+        for (number, of) in notebook.transitions.iter().enumerate() {
+            let mut factor = format!("    Factor::new(&B_{number}, B_{number}.shape(), &D_{number})");
+            if !of.coupled_to.is_empty() {
+                factor += &format!(".coupled_to(&{:?})", of.coupled_to);
+            }
+            if notebook.is_uncontrolled(number) {
+                self.used.insert("Control");
+                factor += ".controlled_by(Control::None)";
+            }
+            self.line(format_args!("{factor},"));
+        }
+        self.line("];\n");
+    }
+
+    fn modalities(&mut self, notebook: &Notebook, assembly: &Assembly) {
+        self.used.extend(["Modality", "Model"]);
+        for (number, preference) in notebook.preferences.iter().enumerate() {
+            self.numbers(format_args!("static C_{number}: [f32; {}]", preference.len()), preference);
+        }
+        let count = assembly.likelihoods.len();
+        self.line("\n/// The modalities: A and C.");
+        self.line(format_args!("pub static MODALITIES: [Modality; {count}] = ["));
+        for (number, of) in notebook.likelihoods.iter().enumerate() {
+            let on = &of.factors;
+            self.line(format_args!(
+                "    Modality::new(&A_{number}, A_{number}.shape(), &{on:?}, &C_{number}),"
+            ));
+        }
+        self.line("];\n\n/// The generative model.");
+        self.line("pub static MODEL: Model = Model::new(&FACTORS, &MODALITIES);\n");
+    }
+
+    fn policies(&mut self, notebook: &Notebook, choices: &Choices) -> Result<(), Fault> {
+        self.used.extend(["Candidates", "Combinations", "Habits", "Policy"]);
+        self.line("/// An action sequence.");
+        self.line("const fn sequence(actions: &[u8]) -> Policy {");
+        self.line("    let mut sequence = Policy::EMPTY;\n    let mut step = 0;");
+        self.line("    while step < actions.len() {");
+        self.line("        assert!(sequence.push(actions[step]).is_ok(), \"a sequence is too long\");");
+        self.line("        step += 1;\n    }\n    sequence\n}\n");
+        for (control, list) in choices.sequences.iter().enumerate() {
+            let skip =
+                if list.iter().any(|sequence| sequence.len() > 24) { "#[rustfmt::skip]\n" } else { "" };
+            self.line(format_args!("{skip}static SEQUENCES_{control}: [Policy; {}] = [", list.len()));
+            for sequence in list {
+                let actions = sequence.iter().collect::<Vec<_>>();
+                self.line(format_args!("    sequence(&{}),", bracketed(&actions)));
+            }
+            self.line("];");
+        }
+        let combinations = if choices.are_all() {
+            "Combinations::All".to_owned()
+        } else {
+            let rows = choices.numbers()?;
+            self.list(format_args!("static ROWS: [u8; {}]", rows.len()), &rows);
+            "Combinations::Listed(&ROWS)".to_owned()
+        };
+        let habits = match &notebook.habits {
+            None => "Habits::Flat",
+            Some(habits) => {
+                self.numbers(format_args!("static LN_E: [f32; {}]", habits.len()), habits);
+                "Habits::Joint(&LN_E)"
+            }
+        };
+        if notebook.policies.len() > usize::from(u16::MAX) {
+            refuse!("{} policies are more than an evaluation takes", notebook.policies.len());
+        }
+        let names = (0..choices.sequences.len()).map(|control| format!("&SEQUENCES_{control}"));
+        let names = names.collect::<Vec<_>>().join(", ");
+        self.line("\n/// The policies to choose from, in the order of the notebook.");
+        self.line("pub static CANDIDATES: Candidates = Candidates {");
+        self.line(format_args!(
+            "    sequences: &[{names}],\n    combinations: {combinations},\n    habits: {habits},"
+        ));
+        self.line("};\n");
+        Ok(())
+    }
+
+    fn sizes(&mut self, notebook: &Notebook, sizes: &Sizes) {
+        self.used.extend(["Problem", "Scoring"]);
+        let Sizes { states, groups, rows, planes, .. } = sizes;
+        let scoring = Convention::Default.scoring();
+        debug_assert!(scoring == iibt_core::inference::Scoring::JAX_PYMDP);
+        self.line(
+            "/// How policies are scored: every preference at every step, per-modality information gain.",
+        );
+        self.line(format_args!(
+            "pub const SCORING: Scoring = Scoring {{ precision: {:?}, ..Scoring::JAX_PYMDP }};\n",
+            notebook.precision
+        ));
+        self.line("/// How many steps are looked at.");
+        self.line(format_args!("pub const HORIZON: usize = {};\n", notebook.horizon));
+        self.line("/// Beliefs of the model's size.");
+        self.line(format_args!("pub type Beliefs = iibt_core::inference::Beliefs<{states}, {groups}>;\n"));
+        self.line("/// An evaluation that holds all policies.");
+        self.line(format_args!(
+            "pub type Evaluation = iibt_core::inference::Evaluation<{states}, {groups}, {rows}, {planes}>;\n"
+        ));
+        self.line("/// The decision to be made under these beliefs.");
+        self.line("#[must_use]");
+        self.line(format_args!(
+            "pub fn problem(beliefs: &Beliefs) -> Problem<'_, {states}, {groups}> {{\n    let problem = \
+             Problem::new(&MODEL, beliefs, CANDIDATES, SCORING);\n    Problem {{ horizon: HORIZON, ..problem }}\n}}"
+        ));
+    }
+
+    /// A declaration and its entries.
+    fn list(&mut self, declaration: impl Display, items: &[impl Display]) {
+        let short = format!("{declaration} = {};", bracketed(items));
+        if short.len() <= WIDTH {
+            self.line(short);
+        } else {
+            self.line(format_args!(
+                "#[rustfmt::skip]\n{declaration} = [\n{}];",
+                wrapped(items.iter(), "    ")
+            ));
+        }
+    }
+
+    /// The same for numbers with all their digits.
+    fn numbers(&mut self, declaration: impl Display, items: &[f32]) {
+        let items: Vec<String> = items.iter().map(|&item| number(item)).collect();
+        self.list(declaration, &items);
+    }
+}
+
+/// A number that Rust reads back to the last bit.
+fn number(value: f32) -> String {
+    if value == f32::NEG_INFINITY { "f32::NEG_INFINITY".to_owned() } else { format!("{value:?}") }
+}
+
+/// A list on one line.
+fn bracketed(items: &[impl Display]) -> String {
+    format!("[{}]", items.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))
+}
+
+/// Items with commas, in lines that are indented.
+fn wrapped(items: impl Iterator<Item = impl Display>, indent: &str) -> String {
+    let mut text = String::new();
+    let mut line = indent.to_owned();
+    for item in items {
+        let item = format!("{item},");
+        if line.len() > indent.len() && line.len() + 1 + item.len() > WIDTH {
+            text += &(line + "\n");
+            line = indent.to_owned();
+        }
+        if line.len() > indent.len() {
+            line.push(' ');
+        }
+        line += &item;
+    }
+    text + &line + "\n"
+}
+
+/// Numbers in words: `0`, or `0 and 1`.
+fn joined(numbers: &[usize]) -> String {
+    numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(" and ")
+}
