@@ -22,6 +22,7 @@ mod candidates;
 mod estimation;
 mod evaluation;
 mod evidence;
+pub mod explanation;
 mod free_energy;
 mod gain;
 mod joint;

@@ -173,9 +173,9 @@ impl Runner<'_> {
                 tell(decided.terms.len() + evaluation.done());
             }
             decided.terms.extend_from_slice(evaluation.terms());
-            for policy in batch {
+            for policy in 0..batch.len() {
                 tell(decided.tallies.len());
-                decided.tallies.push(Tally::of(self.model, beliefs, policy, notebook.horizon, self.floors));
+                decided.tallies.push(Tally::of(&problem, policy, self.floors));
             }
         }
         for (terms, tally) in decided.terms.iter_mut().zip(&decided.tallies) {

@@ -1,8 +1,8 @@
 //! The terms of one joint policy by modality and by step, which the core sums up.
 
 use super::numpy::Floors;
-use iibt_core::inference::{Beliefs, Model, Terms};
-use iibt_core::math;
+use iibt_core::inference::explanation::{Source, trace};
+use iibt_core::inference::{Gain, Problem, Scoring, Terms};
 
 /// The terms of one policy, in parts.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,45 +16,42 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Rolls out one policy, an action of each factor by step, over `horizon` steps.
+    /// Rolls out one of a problem's joint policies by itself, every modality's gain its own.
     pub(super) fn of<const S: usize, const G: usize>(
-        model: &Model,
-        beliefs: &Beliefs<S, G>,
-        policy: &[Vec<u8>],
-        horizon: usize,
+        problem: &Problem<'_, S, G>,
+        policy: usize,
         floors: Option<&Floors>,
     ) -> Self {
         let mut tally = Self {
-            by_modality: vec![Terms::ZERO; model.modalities().len()],
-            by_step: Vec::new(),
-            floors: 0.0,
+            by_modality: vec![Terms::ZERO; problem.model.modalities().len()],
+            by_step: vec![Terms::ZERO; problem.horizon],
+            floors: floors.map_or(0.0, |floors| correction(problem, policy, floors)),
         };
-        let mut predicted = *beliefs;
-        for step in 0..horizon {
-            let actions: Vec<Option<u8>> =
-                (0..model.factors().len()).map(|factor| policy.get(step).map(|row| row[factor])).collect();
-            predicted.predict(model, &actions);
-            tally.add(model, &predicted);
-            if let Some(floors) = floors {
-                let parts: Vec<_> =
-                    (0..model.factors().len()).map(|factor| predicted.of(model, factor)).collect();
-                tally.floors += floors.correction(&parts);
+        let scoring = Scoring { gain: Gain::PerModality, ..problem.scoring };
+        trace(&Problem { scoring, ..*problem }, policy, |part| {
+            if let Source::Modality(modality) = part.source {
+                tally.by_modality[modality] += part.terms;
             }
-        }
+            tally.by_step[part.step - 1] += part.terms;
+        });
         tally
     }
+}
 
-    fn add<const S: usize, const G: usize>(&mut self, model: &Model, predicted: &Beliefs<S, G>) {
-        let mut sum = Terms::ZERO;
-        for (modality, total) in model.modalities().iter().zip(&mut self.by_modality) {
-            let parts: Vec<_> =
-                modality.factors().iter().map(|&factor| predicted.of(model, factor)).collect();
-            let preference = modality.preference();
-            let mut terms = modality.likelihood().expect(modality.shape(), &parts, preference);
-            terms.utility -= math::log_sum_exp(preference);
-            *total += terms;
-            sum += terms;
-        }
-        self.by_step.push(sum);
-    }
+/// What numpy's floors add to the joint information gain of a policy.
+fn correction<const S: usize, const G: usize>(
+    problem: &Problem<'_, S, G>,
+    policy: usize,
+    floors: &Floors,
+) -> f64 {
+    let (model, candidates) = (problem.model, problem.candidates);
+    let mut predicted = *problem.beliefs;
+    let step = |step: usize| {
+        let of = |control| candidates.actions(control, candidates.sequence(policy, control));
+        let actions: Vec<Option<u8>> = (0..model.controls()).map(|control| of(control).get(step)).collect();
+        predicted.predict(model, &actions);
+        let parts: Vec<_> = (0..model.factors().len()).map(|factor| predicted.of(model, factor)).collect();
+        floors.correction(&parts)
+    };
+    (0..problem.horizon).map(step).sum()
 }

@@ -404,7 +404,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Default for
 }
 
 /// A modality and what is preferred in it.
-struct Sense<'a> {
+pub(super) struct Sense<'a> {
     modality: &'a Modality<'a>,
     on_arrival: bool,
     joint: bool,
@@ -420,7 +420,7 @@ struct Liking<'a> {
 }
 
 impl<'a> Sense<'a> {
-    fn new<const S: usize, const G: usize>(
+    pub(super) fn new<const S: usize, const G: usize>(
         problem: &Problem<'a, S, G>,
         number: usize,
         modality: &'a Modality<'a>,
@@ -437,7 +437,7 @@ impl<'a> Sense<'a> {
 
     /// The terms under these beliefs, at a step at which a policy arrives or at another.
     #[inline]
-    fn expect<'b>(&self, belief: impl Fn(usize) -> &'b [f32], arrives: bool) -> Terms {
+    pub(super) fn expect<'b>(&self, belief: impl Fn(usize) -> &'b [f32], arrives: bool) -> Terms {
         let liking = if arrives { self.arriving } else { self.under_way };
         let (form, shape) = (self.modality.likelihood(), self.modality.shape());
         let expected = match *self.modality.factors() {
@@ -574,7 +574,7 @@ fn key<const S: usize, const G: usize>(problem: &Problem<'_, S, G>, group: usize
 }
 
 /// What a joint policy does to a factor at a step; `None` when it leaves it alone.
-fn action_of<const S: usize, const G: usize>(
+pub(super) fn action_of<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     factor: usize,
     policy: usize,
@@ -585,7 +585,11 @@ fn action_of<const S: usize, const G: usize>(
 }
 
 /// After how many steps a group arrives: when the last of its action sequences ends.
-fn arrival<const S: usize, const G: usize>(problem: &Problem<'_, S, G>, group: usize, row: &Row) -> u8 {
+pub(super) fn arrival<const S: usize, const G: usize>(
+    problem: &Problem<'_, S, G>,
+    group: usize,
+    row: &Row,
+) -> u8 {
     let arrivals =
         controls(problem.model, group).map(|control| problem.arrival(sequence(problem, control, row)));
     arrivals.max().unwrap_or(problem.horizon).min(usize::from(u8::MAX)) as u8

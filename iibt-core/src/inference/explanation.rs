@@ -1,0 +1,253 @@
+//! Why a policy: its terms by step and modality, and what set it apart from another.
+
+use super::belief::Beliefs;
+use super::evaluation::{Sense, action_of, arrival};
+use super::free_energy::{Credit, Gain, Terms};
+use super::gain;
+use super::model::MAX_MODALITIES;
+use super::problem::Problem;
+
+/// One contribution to the value of a joint policy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Contribution {
+    /// After how many steps; one is the first.
+    pub step: usize,
+    /// What brings it.
+    pub source: Source,
+    /// What it is, in nats.
+    pub terms: Terms,
+}
+
+/// What brings a contribution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Source {
+    /// A modality, by its number.
+    Modality(usize),
+    /// All modalities together: the information gain, where it is found jointly.
+    Jointly,
+    /// An encounter, by its number.
+    Encounter(usize),
+    /// The moves: what they will tell about B, while that is being learned.
+    Motion,
+}
+
+/// Rolls out one joint policy by itself and calls `visit` with every contribution to its value, step by step.
+///
+/// The contributions add up to the policy's [`Terms`] in an [`Evaluation`](super::Evaluation), but for the rounding of sums in
+/// another order. Costs one rollout, whatever the number of policies, and memory for three lists of beliefs.
+pub fn trace<const S: usize, const G: usize>(
+    problem: &Problem<'_, S, G>,
+    policy: usize,
+    mut visit: impl FnMut(Contribution),
+) {
+    let mut beliefs = *problem.beliefs;
+    for step in 1..=problem.horizon {
+        meet(problem, &beliefs, Some((policy, step)), step, &mut visit);
+        let novelty = advance(problem, &mut beliefs, policy, step);
+        visit(Contribution { step, source: Source::Motion, terms: Terms { novelty, ..Terms::ZERO } });
+        meet(problem, &beliefs, None, step, &mut visit);
+        observe(problem, &beliefs, policy, step, &mut visit);
+    }
+}
+
+/// The encounters, before a step of a policy or after it.
+fn meet<const S: usize, const G: usize>(
+    problem: &Problem<'_, S, G>,
+    beliefs: &Beliefs<S, G>,
+    departing: Option<(usize, usize)>,
+    step: usize,
+    visit: &mut impl FnMut(Contribution),
+) {
+    for (number, encounter) in problem.encounters.iter().enumerate() {
+        let factors = encounter.factors();
+        if factors.iter().any(|&factor| problem.scope >> problem.model.group(factor) & 1 == 0) {
+            continue;
+        }
+        let parts = factors.map(|factor| beliefs.of(problem.model, factor));
+        let utility = match departing {
+            Some((policy, step)) => {
+                encounter.departing(parts, factors.map(|factor| action_of(problem, factor, policy, step - 1)))
+            }
+            None => encounter.arrived(parts),
+        };
+        let terms = Terms { utility, ..Terms::ZERO };
+        visit(Contribution { step, source: Source::Encounter(number), terms });
+    }
+}
+
+/// Moves every group in scope by one step; returns how much that will tell about B.
+fn advance<const S: usize, const G: usize>(
+    problem: &Problem<'_, S, G>,
+    beliefs: &mut Beliefs<S, G>,
+    policy: usize,
+    step: usize,
+) -> f32 {
+    let (model, before) = (problem.model, *beliefs);
+    let mut novelty = 0.0;
+    for factor in 0..model.factors().len() {
+        if problem.scope >> model.group(factor) & 1 == 1
+            && let Some(action) = action_of(problem, factor, policy, step - 1)
+        {
+            let to = model.part_mut(beliefs.as_flat_mut(), factor);
+            novelty += model.move_factor(factor, action, before.as_flat(), to);
+        }
+    }
+    novelty
+}
+
+fn observe<const S: usize, const G: usize>(
+    problem: &Problem<'_, S, G>,
+    beliefs: &Beliefs<S, G>,
+    policy: usize,
+    step: usize,
+    visit: &mut impl FnMut(Contribution),
+) {
+    let row = problem.candidates.row(policy);
+    for (number, modality, groups) in problem.modalities() {
+        let members = (0..u16::BITS as usize).filter(|group| groups >> group & 1 == 1);
+        let first = members.map(|group| usize::from(arrival(problem, group, &row))).min();
+        let arrives = first == Some(step);
+        if problem.scoring.credit == Credit::OnArrival && !groups.is_power_of_two() && !arrives {
+            continue;
+        }
+        let sense = Sense::new(problem, number, modality);
+        let terms = sense.expect(|factor| beliefs.of(problem.model, factor), arrives);
+        visit(Contribution { step, source: Source::Modality(number), terms });
+    }
+    if problem.scoring.gain == Gain::Joint {
+        let all = problem.modalities().fold(0, |all, (number, ..)| all | 1 << number);
+        let gains = gain::components(problem.model, all);
+        let information_gain = gains.map(|component| component.gain(problem.model, beliefs)).sum();
+        let terms = Terms { information_gain, ..Terms::ZERO };
+        visit(Contribution { step, source: Source::Jointly, terms });
+    }
+}
+
+/// What set the chosen joint policy apart from another: the source of the largest part of the lead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Explanation {
+    /// The terms of the chosen policy.
+    pub chosen: Terms,
+    /// The terms of the other.
+    pub other: Terms,
+    /// What decided, and how much of -G it put the chosen policy ahead, in nats.
+    pub decided_by: (Source, f32),
+    /// By how much the chosen policy leads in -G, in nats; less than nothing where its prior decided.
+    pub lead: f32,
+}
+
+impl Explanation {
+    /// Compares two joint policies of a problem. Costs two rollouts and `4 * MAX_MODALITIES` bytes.
+    #[must_use]
+    pub fn of<const S: usize, const G: usize>(
+        problem: &Problem<'_, S, G>,
+        chosen: usize,
+        other: usize,
+    ) -> Self {
+        let convention = problem.scoring.convention;
+        let mut leads =
+            Leads { modalities: [0.0; MAX_MODALITIES], jointly: 0.0, encounters: 0.0, motion: 0.0 };
+        let mut terms = [Terms::ZERO; 2];
+        for ((policy, sign), sum) in [(chosen, 1.0), (other, -1.0)].into_iter().zip(&mut terms) {
+            trace(problem, policy, |part| {
+                *sum += part.terms;
+                *leads.of(part.source) -= sign * part.terms.expected_free_energy(convention);
+            });
+        }
+        let [chosen, other] = terms;
+        let lead = other.expected_free_energy(convention) - chosen.expected_free_energy(convention);
+        Self { chosen, other, decided_by: leads.largest(), lead }
+    }
+}
+
+/// How much of -G each source puts one policy ahead of another.
+struct Leads {
+    modalities: [f32; MAX_MODALITIES],
+    jointly: f32,
+    encounters: f32,
+    motion: f32,
+}
+
+impl Leads {
+    fn of(&mut self, source: Source) -> &mut f32 {
+        match source {
+            Source::Modality(number) => self.modalities.get_mut(number).unwrap_or(&mut self.motion),
+            Source::Jointly => &mut self.jointly,
+            Source::Encounter(_) => &mut self.encounters,
+            Source::Motion => &mut self.motion,
+        }
+    }
+
+    /// The source of the largest lead; the first of equals.
+    fn largest(&self) -> (Source, f32) {
+        let modalities =
+            self.modalities.iter().enumerate().map(|(number, lead)| (Source::Modality(number), *lead));
+        let others = [
+            (Source::Jointly, self.jointly),
+            (Source::Encounter(0), self.encounters),
+            (Source::Motion, self.motion),
+        ];
+        let first = (Source::Modality(0), f32::NEG_INFINITY);
+        modalities.chain(others).fold(first, |best, next| if next.1 > best.1 { next } else { best })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{
+        Beliefs, Candidates, Evaluation, Factor, IdentityNoise, Modality, Model, NextState, OutcomeTable,
+        Policy, Scoring,
+    };
+    use super::*;
+
+    static MOTION: NextState = NextState::with_slip(&[0, 0, 0, 1, 1, 1, 2, 2, 2], 3, 0.1);
+    static SENSOR: IdentityNoise = IdentityNoise::new(0.8, 3);
+    static APART: OutcomeTable =
+        OutcomeTable::new(&[&[0, 1, 2], &[0, 1, 2]], &[0, 1, 1, 1, 0, 1, 1, 1, 0], &[0.9, 0.1, 0.2, 0.8], 2);
+    static FACTORS: [Factor; 2] = [Factor::new(&MOTION, MOTION.shape(), &[0.5, 0.3, 0.2]); 2];
+    static MODALITIES: [Modality; 3] = [
+        Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.6, 0.0]),
+        Modality::new(&SENSOR, SENSOR.shape(), &[1], &[0.0, 0.6, 0.2]),
+        Modality::new(&APART, APART.shape(), &[0, 1], &[0.0, 3.0]),
+    ];
+    static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
+
+    fn lists() -> [[Policy; 3]; 2] {
+        [[0, 1, 2].map(|place| Policy::new(&[place, place]).unwrap()); 2]
+    }
+
+    #[test]
+    fn the_contributions_of_a_policy_add_up_to_its_terms() {
+        let (lists, beliefs) = (lists(), Beliefs::<3, 2>::prior(&MODEL));
+        let lists = lists.each_ref().map(|list| list.as_slice());
+        for scoring in [Scoring::DEFAULT, Scoring::JAX_PYMDP, Scoring::NUMPY_PYMDP] {
+            let problem = Problem::new(&MODEL, &beliefs, Candidates::all(&lists), scoring);
+            let mut evaluation = Evaluation::<3, 2, 3, 3>::new();
+            evaluation.evaluate(&problem);
+            for (policy, terms) in evaluation.terms().iter().enumerate() {
+                let mut sum = Terms::ZERO;
+                trace(&problem, policy, |part| sum += part.terms);
+                let close = |a: f32, b: f32| (a - b).abs() < 1e-5;
+                assert!(close(sum.utility, terms.utility) && close(sum.ambiguity, terms.ambiguity));
+                assert!(close(sum.information_gain, terms.information_gain), "{sum:?} against {terms:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_modality_that_set_a_policy_apart_is_named() {
+        let (lists, beliefs) = (lists(), Beliefs::<3, 2>::prior(&MODEL));
+        let lists = lists.each_ref().map(|list| list.as_slice());
+        let problem = Problem::new(&MODEL, &beliefs, Candidates::all(&lists), Scoring::JAX_PYMDP);
+        // Places 1 and 2 instead of both on 1: they are apart, which modality 2 is about.
+        let apart = Explanation::of(&problem, 5, 4);
+        assert_eq!(apart.decided_by.0, Source::Modality(2));
+        assert!(apart.lead > 0.0 && apart.decided_by.1 > apart.lead / 2.0, "{apart:?}");
+        // Robot 1 on place 1 instead of 0, robot 2 elsewhere: what robot 1 itself would like to see.
+        assert_eq!(Explanation::of(&problem, 5, 2).decided_by.0, Source::Modality(0));
+        assert_eq!(Explanation::of(&problem, 5, 5).lead, 0.0);
+    }
+}
