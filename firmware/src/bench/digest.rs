@@ -76,7 +76,7 @@ impl Digest {
         let built = RandomModel::new(seed).build(|model, candidates, observed| {
             let mut beliefs = Room::prior(model);
             self.add_beliefs(&mut beliefs, model, observed);
-            let scorings = if seed % 4 == 0 { &ALL[..] } else { &PER_MODALITY[..] };
+            let scorings = if seed.is_multiple_of(4) { &ALL[..] } else { &PER_MODALITY[..] };
             self.add_decision(&mut Trial::new(), model, &beliefs, candidates, scorings);
         });
         self.add_bits(u32::from(built.is_some()));
