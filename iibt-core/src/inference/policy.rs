@@ -1,10 +1,28 @@
 //! The posterior over policies and the choice of one.
 
-use crate::actions::Actions;
+use crate::actions::{Action, Actions, HORIZON};
 use crate::math;
 
 /// A policy: what to do, step by step.
 pub type Policy = Actions;
+
+/// Every policy of `steps` steps of the actions 0 to `actions` - 1, the last step's action running fastest. There are
+/// `actions` to the power of `steps`; none where a policy cannot have such an action or so many steps.
+pub fn generated(actions: u8, steps: usize) -> impl Iterator<Item = Policy> {
+    let fits = actions <= Actions::CODES && steps <= HORIZON;
+    let count = u32::try_from(steps).ok().and_then(|steps| usize::from(actions).checked_pow(steps));
+    let policy = move |number: usize| {
+        let mut policy = Policy::EMPTY;
+        for step in 0..steps {
+            let slower = (steps - step - 1) as u32;
+            let place = usize::from(actions).checked_pow(slower).unwrap_or(usize::MAX).max(1);
+            // There is room, and the action exists: that was asked first.
+            let _ = policy.push((number / place % usize::from(actions.max(1))) as Action);
+        }
+        policy
+    };
+    (0..count.filter(|_| fits).unwrap_or(0)).map(policy)
+}
 
 /// Turns scores into the posterior over policies, their softmax; policies whose score is more than `window` below the best
 /// are pruned (Occam's window, in nats, zero at the least) and get nothing, as do those whose score is NaN. Without any
@@ -150,6 +168,16 @@ mod tests {
         let choice = star.choose().unwrap();
         assert_eq!(choice.policy, best.0);
         assert!((choice.joint - best.1 / sum).abs() < 1e-6);
+    }
+
+    #[test]
+    fn every_sequence_is_generated_once_in_order() {
+        let policies: std::vec::Vec<_> = generated(3, 2).collect();
+        let expected: std::vec::Vec<_> =
+            (0..9).map(|number| Policy::new(&[number / 3, number % 3]).unwrap()).collect();
+        assert_eq!(policies, expected);
+        assert_eq!(generated(2, 0).count(), 1);
+        assert_eq!((generated(0, 2).count(), generated(17, 1).count(), generated(2, 65).count()), (0, 0, 0));
     }
 
     #[test]
