@@ -142,10 +142,17 @@ impl<'a> Candidates<'a> {
     /// A control's sequence of this number; without actions where there is none.
     #[must_use]
     pub fn actions(&self, control: usize, sequence: usize) -> Policy {
-        self.sequences.get(control).and_then(|list| list.get(sequence)).copied().unwrap_or(Policy::EMPTY)
+        *self.policy(control, sequence)
+    }
+
+    /// The same where it is.
+    pub(super) fn policy(&self, control: usize, sequence: usize) -> &'a Policy {
+        const STAY: &Policy = &Policy::EMPTY;
+        self.sequences.get(control).and_then(|list| list.get(sequence)).unwrap_or(STAY)
     }
 
     /// ln E of a joint policy, up to a constant.
+    #[inline]
     #[must_use]
     pub fn ln_prior(&self, policy: usize) -> f32 {
         match self.habits {

@@ -41,6 +41,8 @@ type Places<const G: usize> = [u8; G];
 #[derive(Clone, Copy, Debug)]
 struct Group<const R: usize> {
     used: usize,
+    /// The only control that moves it, if there is one: the number of its sequence is then the candidate's key.
+    control: Option<u8>,
     candidates: [Candidate; R],
 }
 
@@ -58,8 +60,11 @@ struct Candidate {
 }
 
 impl<const R: usize> Group<R> {
-    const EMPTY: Self =
-        Self { used: 0, candidates: [Candidate { key: 0, policy: 0, arrival: 0, terms: Terms::ZERO }; R] };
+    const EMPTY: Self = Self {
+        used: 0,
+        control: None,
+        candidates: [Candidate { key: 0, policy: 0, arrival: 0, terms: Terms::ZERO }; R],
+    };
 
     /// The candidates that are in the rows.
     fn iter(&self) -> impl Iterator<Item = &Candidate> {
@@ -178,18 +183,24 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// Gathers joint policies from `self.done` on whose candidates find room, and returns where they end.
+    #[inline(never)]
     fn gather(&mut self, problem: &Problem<'_, S, G>, until: usize) -> usize {
         let groups = problem.model.groups();
         if groups > G {
             return self.done;
         }
-        self.groups.iter_mut().for_each(|group| group.used = 0);
         let mut row = problem.candidates.row(self.done);
         let places = self.places.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
         let of = self.groups.get_mut(..groups).unwrap_or_default();
+        for (group, number) in of.iter_mut().zip(0..) {
+            (group.used, group.control) = (0, only_control(problem, number));
+        }
         for (places, policy) in places.iter_mut().zip(self.done..) {
             for ((group, place), number) in of.iter_mut().zip(places).zip(0..) {
-                let key = key(problem, number, &row);
+                let key = match group.control {
+                    Some(control) => row.get(usize::from(control)) as u32,
+                    None => key(problem, number, &row),
+                };
                 let found = group.find(key).or_else(|| {
                     let arrival = arrival(problem, number, &row);
                     group.add(Candidate { key, policy: policy as u16, arrival, terms: Terms::ZERO })
@@ -205,6 +216,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// Rolls out what was gathered, all in step.
+    #[inline(never)]
     fn roll_out(&mut self, problem: &Problem<'_, S, G>, until: usize) {
         self.rows = [*problem.beliefs; R];
         self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or_default().fill(Terms::ZERO);
@@ -227,19 +239,34 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// Moves every candidate of every group by one step.
+    #[inline(never)]
     fn step(&mut self, problem: &Problem<'_, S, G>, step: usize) {
         let model = problem.model;
-        let mut before = Beliefs::<S, G>::EMPTY;
+        let mut copy = Beliefs::<S, G>::EMPTY;
         for (number, group) in self.groups.iter_mut().enumerate().take(model.groups()) {
             if problem.scope >> number & 1 == 0 {
                 continue;
             }
+            let control = group.control;
             for (row, candidate) in self.rows.iter_mut().zip(&mut group.candidates).take(group.used) {
+                // Before the first step there is no need for a copy: the beliefs are still those of the problem.
+                let before = if step == 0 {
+                    problem.beliefs
+                } else {
+                    for factor in model.in_group(number) {
+                        math::assign(model.part_mut(copy.as_flat_mut(), factor), row.of(model, factor));
+                    }
+                    &copy
+                };
                 for factor in model.in_group(number) {
-                    math::assign(model.part_mut(before.as_flat_mut(), factor), row.of(model, factor));
-                }
-                for factor in model.in_group(number) {
-                    if let Some(action) = action_of(problem, factor, usize::from(candidate.policy), step) {
+                    let action = match control {
+                        Some(control) if model.control(factor).is_some() => {
+                            let control = usize::from(control);
+                            problem.action(problem.candidates.policy(control, candidate.key as usize), step)
+                        }
+                        _ => action_of(problem, factor, usize::from(candidate.policy), step),
+                    };
+                    if let Some(action) = action {
                         let to = model.part_mut(row.as_flat_mut(), factor);
                         candidate.terms.novelty += model.move_factor(factor, action, before.as_flat(), to);
                     }
@@ -249,6 +276,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// Adds what every modality is expected to bring after a step.
+    #[inline(never)]
     fn observe(&mut self, problem: &Problem<'_, S, G>, until: usize, step: usize) {
         for (number, modality, groups) in problem.modalities() {
             let sense = Sense::new(problem, number, modality);
@@ -264,6 +292,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// A modality that one group's states determine: once for each of its candidates.
+    #[inline(never)]
     fn observe_own(&mut self, model: &Model, sense: &Sense, groups: u16, step: usize) {
         let Some(group) = self.groups.get_mut(groups.trailing_zeros() as usize) else { return };
         for (row, candidate) in self.rows.iter().zip(&mut group.candidates).take(group.used) {
@@ -292,6 +321,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// A modality of two factors in different groups, for all pairs of their candidates at once; returns whether there are as
     /// many as joint policies at the most.
+    #[inline(never)]
     fn observe_pairs(&mut self, model: &Model, sense: &Sense, factors: [usize; 2], until: usize) -> bool {
         let groups = factors.map(|factor| model.group(factor));
         let used = groups.map(|group| self.groups.get(group).map_or(0, |group| group.used));
@@ -307,12 +337,13 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         };
         let (form, shape, liking) = (sense.modality.likelihood(), sense.modality.shape(), sense.under_way);
         form.expect_pairs(shape, firsts, seconds, liking.preference, pairs);
+        pairs.iter_mut().for_each(|terms| *terms = sense.weigh_up(*terms, liking.normaliser));
         let places = self.places.as_flattened().get(self.done..until).unwrap_or(&[]);
         let terms = self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or(&mut []);
         for (places, terms) in places.iter().zip(terms) {
             let [first, second] = groups.map(|group| places.get(group).copied().map_or(0, usize::from));
-            if let Some(&expected) = pairs.get(first * used[1] + second) {
-                *terms += sense.weigh_up(expected, liking.normaliser);
+            if let Some(expected) = pairs.get(first * used[1] + second) {
+                *terms += *expected;
             }
         }
         true
@@ -381,6 +412,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// Works out the log posterior of what was rolled out.
+    #[inline(never)]
     fn score(&mut self, problem: &Problem<'_, S, G>, until: usize) {
         let scores = self.scores.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
         let terms = self.terms.as_flattened().get(self.done..until).unwrap_or_default();
@@ -536,8 +568,14 @@ fn controls(model: &Model, group: usize) -> impl Iterator<Item = usize> {
     })
 }
 
+/// The only control that moves a group in scope.
+fn only_control<const S: usize, const G: usize>(problem: &Problem<'_, S, G>, group: usize) -> Option<u8> {
+    let moved_by = problem.model.moved_by(group);
+    let moves = problem.scope >> group & 1 == 1 && moved_by.is_power_of_two();
+    moves.then(|| moved_by.trailing_zeros() as u8)
+}
+
 /// What tells a group's candidate from the group's others: the numbers of its action sequences.
-#[inline]
 fn key<const S: usize, const G: usize>(problem: &Problem<'_, S, G>, group: usize, row: &Row) -> u32 {
     if problem.scope >> group & 1 == 0 {
         return 0;
@@ -571,7 +609,5 @@ fn sequence<'a, const S: usize, const G: usize>(
     control: usize,
     row: &Row,
 ) -> &'a Policy {
-    const STAY: &Policy = &Policy::EMPTY;
-    let list = problem.candidates.sequences.get(control).copied().unwrap_or(&[]);
-    list.get(row.get(control)).unwrap_or(STAY)
+    problem.candidates.policy(control, row.get(control))
 }

@@ -152,44 +152,46 @@ impl<'a> OutcomeTable<'a> {
     fn block(&self, kind: usize, block: usize) -> Lanes {
         let mut lanes = [0.0; LANES];
         let outcomes = self.shape.values();
-        let from = kind * outcomes + LANES * block;
-        let column = self.columns.get(from..(from + LANES).min((kind + 1) * outcomes)).unwrap_or(&[]);
-        math::assign(&mut lanes, column);
+        let (from, until) = (kind * outcomes + LANES * block, (kind + 1) * outcomes);
+        match self.columns.get(from..from + LANES) {
+            Some(column) if from + LANES <= until => math::assign(&mut lanes, column),
+            _ => math::assign(&mut lanes, self.columns.get(from..until).unwrap_or(&[])),
+        }
         lanes
+    }
+
+    /// The terms of four outcomes for every pair.
+    fn expect_block(&self, block: Block, firsts: &[&[f32]], seconds: &[&[f32]], pairs: &mut [Terms]) {
+        let count = seconds.len().max(1);
+        let labels = self.combinations.states(1);
+        for (at, seconds) in seconds.chunks(SIDE_BY_SIDE).enumerate() {
+            let mut masses = [[0.0; MAX_LABELS]; SIDE_BY_SIDE];
+            for (masses, second) in masses.iter_mut().zip(seconds) {
+                *masses = self.label_masses(1, second);
+            }
+            for (first, row) in firsts.iter().zip(pairs.chunks_exact_mut(count)) {
+                let left = self.sum_out(&self.label_masses(0, first), &block.columns);
+                let left = left.get(..labels).unwrap_or(&left);
+                for (masses, terms) in
+                    masses.iter().zip(row.iter_mut().skip(at * SIDE_BY_SIDE)).take(seconds.len())
+                {
+                    *terms += block.pair(left, masses);
+                }
+            }
+        }
     }
 
     /// What is left of the columns, and of their entropies, for each label of the second condition when the first is summed
     /// out.
     #[inline]
-    fn sum_out(&self, first: &[f32; MAX_LABELS], columns: &[Lanes; MAX_KINDS]) -> [(Lanes, f32); MAX_LABELS] {
-        let mut left = [([0.0; LANES], 0.0); MAX_LABELS];
+    fn sum_out(&self, first: &[f32; MAX_LABELS], columns: &[Remains; MAX_KINDS]) -> [Remains; MAX_LABELS] {
+        let mut left = [Remains::NONE; MAX_LABELS];
         for (kinds, p) in self.rows().zip(first) {
-            for (&kind, (sums, ambiguity)) in kinds.iter().zip(&mut left) {
-                let kind = usize::from(kind) % MAX_KINDS;
-                add_scaled(sums, *p, &columns[kind]);
-                *ambiguity += p * self.ambiguity[kind];
+            for (&kind, left) in kinds.iter().zip(&mut left) {
+                left.add(*p, &columns[usize::from(kind) % MAX_KINDS]);
             }
         }
         left
-    }
-
-    /// The terms of four outcomes of a pair; the ambiguity, which is about all outcomes, only when asked for.
-    #[inline]
-    fn pair(
-        &self,
-        left: &[(Lanes, f32); MAX_LABELS],
-        second: &[f32; MAX_LABELS],
-        liked: &Lanes,
-        with_ambiguity: bool,
-    ) -> Terms {
-        let (mut outcomes, mut noise) = ([0.0; LANES], 0.0);
-        for (mass, (sums, ambiguity)) in second.iter().zip(left).take(self.combinations.states(1)) {
-            add_scaled(&mut outcomes, *mass, sums);
-            noise += mass * ambiguity;
-        }
-        let mut outlook = Outlook::new();
-        outlook.add(&outcomes, liked);
-        Terms::of(&outlook, if with_ambiguity { noise } else { 0.0 })
     }
 
     /// Visits every combination of labels with its kind and its mass, one condition's mass left out.
@@ -258,6 +260,44 @@ const LANES: usize = 4;
 
 /// The numbers of four outcomes.
 type Lanes = [f32; LANES];
+
+/// How many beliefs about the second condition have their labels' masses summed up beforehand.
+const SIDE_BY_SIDE: usize = 4;
+
+/// A column's probabilities of four outcomes, and its entropy: or a mixture of columns.
+#[derive(Clone, Copy)]
+struct Remains {
+    outcomes: Lanes,
+    ambiguity: f32,
+}
+
+impl Remains {
+    const NONE: Self = Self { outcomes: [0.0; LANES], ambiguity: 0.0 };
+
+    #[inline]
+    fn add(&mut self, by: f32, other: &Self) {
+        add_scaled(&mut self.outcomes, by, &other.outcomes);
+        self.ambiguity += by * other.ambiguity;
+    }
+}
+
+/// Four outcomes: each kind's column, and the preferences.
+struct Block {
+    columns: [Remains; MAX_KINDS],
+    preferences: Lanes,
+}
+
+impl Block {
+    /// The terms of a pair.
+    #[inline]
+    fn pair(&self, left: &[Remains], masses: &[f32; MAX_LABELS]) -> Terms {
+        let mut expected = Remains::NONE;
+        left.iter().zip(masses).for_each(|(left, mass)| expected.add(*mass, left));
+        let mut outlook = Outlook::new();
+        outlook.add(&expected.outcomes, &self.preferences);
+        Terms::of(&outlook, expected.ambiguity)
+    }
+}
 
 #[inline]
 fn add_scaled(sums: &mut Lanes, by: f32, terms: &Lanes) {
@@ -333,18 +373,18 @@ impl Likelihood for OutcomeTable<'_> {
         preference: &[f32],
         pairs: &mut [Terms],
     ) {
-        for (block, preferences) in preference.chunks(LANES).enumerate() {
-            let columns: [Lanes; MAX_KINDS] = core::array::from_fn(|kind| self.block(kind, block));
-            let mut liked = [0.0; LANES];
-            math::assign(&mut liked, preferences);
-            let rows = pairs.chunks_exact_mut(seconds.len().max(1));
-            for (first, row) in firsts.iter().zip(rows) {
-                let left = self.sum_out(&self.label_masses(0, first), &columns);
-                for (second, terms) in seconds.iter().zip(row) {
-                    let now = self.pair(&left, &self.label_masses(1, second), &liked, block == 0);
-                    *terms = if block == 0 { now } else { *terms + now };
-                }
+        pairs.fill(Terms::ZERO);
+        for (number, preferences) in preference.chunks(LANES).enumerate() {
+            let mut block = Block { columns: [Remains::NONE; MAX_KINDS], preferences: [0.0; LANES] };
+            math::assign(&mut block.preferences, preferences);
+            for ((kind, column), entropy) in
+                block.columns.iter_mut().take(self.count).enumerate().zip(&self.ambiguity)
+            {
+                // The ambiguity is about all outcomes: it counts once.
+                let ambiguity = if number == 0 { *entropy } else { 0.0 };
+                *column = Remains { outcomes: self.block(kind, number), ambiguity };
             }
+            self.expect_block(block, firsts, seconds, pairs);
         }
     }
 
