@@ -53,7 +53,9 @@ pub const fn exp(x: f32) -> f32 {
     const LN_2_LOW: f32 = -2.121_944_4e-4;
     const C: [f32; 6] = [0.5, 0.166_666_65, 4.166_579_6e-2, 8.333_452e-3, 1.398_199_9e-3, 1.987_569_1e-4];
 
-    let x = x.clamp(-105.0, 90.0);
+    // Comparisons that NaN passes through.
+    let x = if x < -105.0 { -105.0 } else { x };
+    let x = if x > 90.0 { 90.0 } else { x };
     let rounded = x * core::f32::consts::LOG2_E + ROUND;
     let k = rounded.to_bits() as i32 - ROUND.to_bits() as i32;
     let whole = rounded - ROUND;
@@ -204,11 +206,29 @@ pub fn normalise(weights: &mut [f32]) -> Option<f32> {
 /// `ln Σ exp(x)`, without overflow; minus infinity for no values.
 #[must_use]
 pub fn log_sum_exp(values: &[f32]) -> f32 {
-    let largest = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let largest = largest(values);
     if !largest.is_finite() {
         return largest;
     }
-    largest + ln(values.iter().map(|&x| exp(x - largest)).sum())
+    let mut sums = [0.0; LANES];
+    for block in values.chunks(LANES) {
+        let mut lanes = [f32::NEG_INFINITY; LANES];
+        assign(&mut lanes, block);
+        exp_below(&mut lanes, largest);
+        sums.iter_mut().zip(lanes).for_each(|(sum, e)| *sum += e);
+    }
+    largest + ln(sum(&sums))
+}
+
+fn largest(values: &[f32]) -> f32 {
+    values.iter().fold(f32::NEG_INFINITY, |most, &x| if x > most { x } else { most })
+}
+
+/// `exp(x - largest)` of four values, in place.
+// A function of its own, from memory to memory, is what the compiler turns into vector operations.
+#[inline(never)]
+fn exp_below(lanes: &mut [f32; LANES], largest: f32) {
+    *lanes = lanes.map(|x| exp(x - largest));
 }
 
 /// Turns values into their log-softmax `x - ln Σ exp(x)` in place.
@@ -219,8 +239,10 @@ pub fn log_softmax(values: &mut [f32]) {
 
 /// Turns log weights into the distribution `softmax(x)` in place.
 pub fn softmax(values: &mut [f32]) {
-    let largest = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-    values.iter_mut().for_each(|x| *x = exp(*x - largest));
+    let largest = largest(values);
+    let (blocks, rest) = values.as_chunks_mut::<LANES>();
+    blocks.iter_mut().for_each(|block| exp_below(block, largest));
+    rest.iter_mut().for_each(|x| *x = exp(*x - largest));
     if normalise(values).is_none() {
         let share = 1.0 / values.len().max(1) as f32;
         values.fill(share);

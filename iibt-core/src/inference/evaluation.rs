@@ -8,7 +8,7 @@ use super::belief::Beliefs;
 use super::candidates::Row;
 use super::free_energy::{Credit, Gain, Terms};
 use super::gain;
-use super::model::{Modality, Model, Parts};
+use super::model::{MAX_MODALITIES, Modality, Model, Parts};
 use super::policy::{self, Policy};
 use super::problem::Problem;
 use crate::actions::Action;
@@ -43,6 +43,8 @@ struct Group<const R: usize> {
     used: usize,
     /// The only control that moves it, if there is one: the number of its sequence is then the candidate's key.
     control: Option<u8>,
+    /// The factors that move together in it, a bit for each.
+    factors: u32,
     candidates: [Candidate; R],
 }
 
@@ -63,6 +65,7 @@ impl<const R: usize> Group<R> {
     const EMPTY: Self = Self {
         used: 0,
         control: None,
+        factors: 0,
         candidates: [Candidate { key: 0, policy: 0, arrival: 0, terms: Terms::ZERO }; R],
     };
 
@@ -194,6 +197,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         let of = self.groups.get_mut(..groups).unwrap_or_default();
         for (group, number) in of.iter_mut().zip(0..) {
             (group.used, group.control) = (0, only_control(problem, number));
+            group.factors = problem.model.in_group(number);
         }
         for (places, policy) in places.iter_mut().zip(self.done..) {
             for ((group, place), number) in of.iter_mut().zip(places).zip(0..) {
@@ -220,11 +224,12 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     fn roll_out(&mut self, problem: &Problem<'_, S, G>, until: usize) {
         self.rows = [*problem.beliefs; R];
         self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or_default().fill(Terms::ZERO);
+        let normalisers = normalisers(problem);
         for step in 0..problem.horizon {
             self.meet(problem, until, Some(step));
             self.step(problem, step);
             self.meet(problem, until, None);
-            self.observe(problem, until, step);
+            self.observe(problem, &normalisers, until, step);
         }
         let terms = self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
         let places = self.places.as_flattened().get(self.done..until).unwrap_or_default();
@@ -247,18 +252,18 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
             if problem.scope >> number & 1 == 0 {
                 continue;
             }
-            let control = group.control;
+            let (control, factors) = (group.control, group.factors);
             for (row, candidate) in self.rows.iter_mut().zip(&mut group.candidates).take(group.used) {
                 // Before the first step there is no need for a copy: the beliefs are still those of the problem.
                 let before = if step == 0 {
                     problem.beliefs
                 } else {
-                    for factor in model.in_group(number) {
+                    for factor in bits(factors) {
                         math::assign(model.part_mut(copy.as_flat_mut(), factor), row.of(model, factor));
                     }
                     &copy
                 };
-                for factor in model.in_group(number) {
+                for factor in bits(factors) {
                     let action = match control {
                         Some(control) if model.control(factor).is_some() => {
                             let control = usize::from(control);
@@ -277,9 +282,9 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// Adds what every modality is expected to bring after a step.
     #[inline(never)]
-    fn observe(&mut self, problem: &Problem<'_, S, G>, until: usize, step: usize) {
-        for (number, modality, groups) in problem.modalities() {
-            let sense = Sense::new(problem, number, modality);
+    fn observe(&mut self, problem: &Problem<'_, S, G>, normalisers: &Normalisers, until: usize, step: usize) {
+        for ((number, modality, groups), normalisers) in problem.modalities().zip(normalisers) {
+            let sense = Sense::new(problem, number, modality, *normalisers);
             if groups.is_power_of_two() {
                 self.observe_own(problem.model, &sense, groups, step);
             } else {
@@ -450,15 +455,17 @@ impl<'a> Sense<'a> {
         problem: &Problem<'a, S, G>,
         number: usize,
         modality: &'a Modality<'a>,
+        normalisers: [f32; 2],
     ) -> Self {
-        let liking = |arrives| {
-            let preference = problem.preference(number, modality, arrives);
-            Liking { preference, normaliser: math::log_sum_exp(preference) }
-        };
-        let on_arrival = problem.scoring.credit == Credit::OnArrival;
-        let arriving = liking(true);
-        let under_way = if on_arrival { liking(false) } else { arriving };
-        Self { modality, on_arrival, joint: problem.scoring.gain == Gain::Joint, arriving, under_way }
+        let [arriving, under_way] =
+            [true, false].map(|arrives| problem.preference(number, modality, arrives));
+        Self {
+            modality,
+            on_arrival: problem.scoring.credit == Credit::OnArrival,
+            joint: problem.scoring.gain == Gain::Joint,
+            arriving: Liking { preference: arriving, normaliser: normalisers[0] },
+            under_way: Liking { preference: under_way, normaliser: normalisers[1] },
+        }
     }
 
     /// The terms under these beliefs, at a step at which a policy arrives or at another.
@@ -483,6 +490,21 @@ impl<'a> Sense<'a> {
         let information_gain = if self.joint { 0.0 } else { expected.information_gain };
         Terms { utility: expected.utility - normaliser, information_gain, ..expected }
     }
+}
+
+/// ln Σ exp C of each modality in scope: at a step at which a policy arrives, and at another.
+type Normalisers = [[f32; 2]; MAX_MODALITIES];
+
+fn normalisers<const S: usize, const G: usize>(problem: &Problem<'_, S, G>) -> Normalisers {
+    let mut normalisers = [[0.0; 2]; MAX_MODALITIES];
+    for (normalisers, (number, modality, _)) in normalisers.iter_mut().zip(problem.modalities()) {
+        let arriving = math::log_sum_exp(problem.preference(number, modality, true));
+        *normalisers = match problem.scoring.credit {
+            Credit::EveryStep => [arriving; 2],
+            Credit::OnArrival => [arriving, math::log_sum_exp(problem.preference(number, modality, false))],
+        };
+    }
+    normalisers
 }
 
 /// What was rolled out so far.
@@ -560,11 +582,16 @@ impl<const G: usize, const R: usize> Combinations<'_, G, R> {
 
 /// The controls that move a group.
 fn controls(model: &Model, group: usize) -> impl Iterator<Item = usize> {
-    let mut left = model.moved_by(group);
+    bits(u32::from(model.moved_by(group)))
+}
+
+/// The numbers of the bits that are set.
+#[inline]
+fn bits(mut left: u32) -> impl Iterator<Item = usize> {
     core::iter::from_fn(move || {
-        let control = left.trailing_zeros();
+        let bit = left.trailing_zeros();
         left &= left.wrapping_sub(1);
-        (control < u16::BITS).then_some(control as usize)
+        (bit < u32::BITS).then_some(bit as usize)
     })
 }
 

@@ -421,10 +421,11 @@ impl<'a> Model<'a> {
         self.moved_by.get(group).copied().unwrap_or(0)
     }
 
-    /// The numbers of a group's factors.
-    pub(super) fn in_group(&self, group: usize) -> impl Iterator<Item = usize> + '_ {
+    /// A group's factors, a bit for each.
+    pub(super) fn in_group(&self, group: usize) -> u32 {
         let numbered = self.groups.iter().take(self.factors.len()).enumerate();
-        numbered.filter(move |(_, of)| usize::from(**of) == group).map(|(factor, _)| factor)
+        let members = numbered.filter(|(_, of)| usize::from(**of) == group);
+        members.fold(0, |members, (factor, _)| members | 1 << factor)
     }
 
     /// The group of a factor; zero for one that does not exist.

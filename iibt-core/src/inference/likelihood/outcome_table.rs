@@ -161,17 +161,17 @@ impl<'a> OutcomeTable<'a> {
     }
 
     /// The terms of four outcomes for every pair.
-    fn expect_block(&self, block: Block, firsts: &[&[f32]], seconds: &[&[f32]], pairs: &mut [Terms]) {
+    fn expect_block(&self, block: &Block, firsts: &[&[f32]], seconds: &[&[f32]], pairs: &mut [Terms]) {
         let count = seconds.len().max(1);
-        let labels = self.combinations.states(1);
+        let mut left = [Remains::NONE; MAX_LABELS];
+        let left = left.get_mut(..self.combinations.states(1)).unwrap_or_default();
         for (at, seconds) in seconds.chunks(SIDE_BY_SIDE).enumerate() {
             let mut masses = [[0.0; MAX_LABELS]; SIDE_BY_SIDE];
             for (masses, second) in masses.iter_mut().zip(seconds) {
                 *masses = self.label_masses(1, second);
             }
             for (first, row) in firsts.iter().zip(pairs.chunks_exact_mut(count)) {
-                let left = self.sum_out(&self.label_masses(0, first), &block.columns);
-                let left = left.get(..labels).unwrap_or(&left);
+                self.sum_out(&self.label_masses(0, first), &block.columns, left);
                 for (masses, terms) in
                     masses.iter().zip(row.iter_mut().skip(at * SIDE_BY_SIDE)).take(seconds.len())
                 {
@@ -184,14 +184,13 @@ impl<'a> OutcomeTable<'a> {
     /// What is left of the columns, and of their entropies, for each label of the second condition when the first is summed
     /// out.
     #[inline]
-    fn sum_out(&self, first: &[f32; MAX_LABELS], columns: &[Remains; MAX_KINDS]) -> [Remains; MAX_LABELS] {
-        let mut left = [Remains::NONE; MAX_LABELS];
+    fn sum_out(&self, first: &[f32; MAX_LABELS], columns: &[Remains; MAX_KINDS], left: &mut [Remains]) {
+        left.fill(Remains::NONE);
         for (kinds, p) in self.rows().zip(first) {
-            for (&kind, left) in kinds.iter().zip(&mut left) {
+            for (&kind, left) in kinds.iter().zip(left.iter_mut()) {
                 left.add(*p, &columns[usize::from(kind) % MAX_KINDS]);
             }
         }
-        left
     }
 
     /// Visits every combination of labels with its kind and its mass, one condition's mass left out.
@@ -384,7 +383,7 @@ impl Likelihood for OutcomeTable<'_> {
                 let ambiguity = if number == 0 { *entropy } else { 0.0 };
                 *column = Remains { outcomes: self.block(kind, number), ambiguity };
             }
-            self.expect_block(block, firsts, seconds, pairs);
+            self.expect_block(&block, firsts, seconds, pairs);
         }
     }
 
