@@ -121,8 +121,8 @@ impl<'a> Candidates<'a> {
     pub(super) fn go_on(&self, next: usize, row: &mut Row) {
         match self.combinations {
             Combinations::All => {
-                let numbers = row.0.get_mut(..self.sequences.len()).unwrap_or_default();
-                for (number, list) in numbers.iter_mut().zip(self.sequences).rev() {
+                for (control, list) in self.sequences.iter().enumerate().rev() {
+                    let Some(number) = row.0.get_mut(control) else { continue };
                     *number += 1;
                     if usize::from(*number) < list.len() {
                         return;

@@ -188,7 +188,7 @@ impl<'a> OutcomeTable<'a> {
         left.fill(Remains::NONE);
         for (kinds, p) in self.rows().zip(first) {
             for (&kind, left) in kinds.iter().zip(left.iter_mut()) {
-                left.add(*p, &columns[usize::from(kind) % MAX_KINDS]);
+                *left = left.plus(*p, &columns[usize::from(kind) % MAX_KINDS]);
             }
         }
     }
@@ -273,10 +273,12 @@ struct Remains {
 impl Remains {
     const NONE: Self = Self { outcomes: [0.0; LANES], ambiguity: 0.0 };
 
+    /// The sum of both, the other scaled. By value, so that a vector unit can carry it out.
     #[inline]
-    fn add(&mut self, by: f32, other: &Self) {
+    fn plus(mut self, by: f32, other: &Self) -> Self {
         add_scaled(&mut self.outcomes, by, &other.outcomes);
         self.ambiguity += by * other.ambiguity;
+        self
     }
 }
 
@@ -290,8 +292,8 @@ impl Block {
     /// The terms of a pair.
     #[inline]
     fn pair(&self, left: &[Remains], masses: &[f32; MAX_LABELS]) -> Terms {
-        let mut expected = Remains::NONE;
-        left.iter().zip(masses).for_each(|(left, mass)| expected.add(*mass, left));
+        let parts = left.iter().zip(masses);
+        let expected = parts.fold(Remains::NONE, |sum, (left, mass)| sum.plus(*mass, left));
         let mut outlook = Outlook::new();
         outlook.add(&expected.outcomes, &self.preferences);
         Terms::of(&outlook, expected.ambiguity)
