@@ -60,7 +60,7 @@ impl core::fmt::Display for Impossible {
 
 impl core::error::Error for Impossible {}
 
-/// The beliefs that are being updated, and as much room again to work in, twice.
+/// The beliefs that are being updated, and as much room again to work in, twice; exact inference does without `prior`.
 pub(super) struct Work<'b> {
     pub(super) posterior: &'b mut [f32],
     pub(super) prior: &'b mut [f32],

@@ -57,6 +57,11 @@ impl<'a> Factor<'a> {
         }
     }
 
+    /// The same for a prior that is sound by its making.
+    pub(crate) const fn trusted(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Self {
+        Self { transition, shape, coupled_to: &[], control: Control::Own, prior }
+    }
+
     /// The same factor, its transition conditioned on other factors as well, in the order of the shape's further
     /// conditions: the blocks B^ij.
     #[must_use]
@@ -122,6 +127,16 @@ impl<'a> Modality<'a> {
         } else {
             None
         }
+    }
+
+    /// The same for numbers that fit by their making.
+    pub(crate) const fn trusted(
+        likelihood: &'a dyn Likelihood,
+        shape: Shape,
+        factors: &'a [usize],
+        preference: &'a [f32],
+    ) -> Self {
+        Self { likelihood, shape, factors, preference }
     }
 
     /// A: how the outcomes depend on the states.

@@ -99,8 +99,8 @@ impl<const S: usize> World<S> {
     /// mission does not make.
     pub(super) fn with_own_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
         let (motion, place) = (self.motion(), Shape::new(self.cells, &[self.cells])?);
-        let factors = [Factor::try_new(&motion, place, self.cells(&self.prior))?];
-        let modalities = [Modality::try_new(&self.sensor, place, &[OWN], self.cells(&self.preference))?];
+        let factors = [Factor::trusted(&motion, place, self.cells(&self.prior))];
+        let modalities = [Modality::trusted(&self.sensor, place, &[OWN], self.cells(&self.preference))];
         Model::try_new(&factors, &modalities).ok().map(|model| then(&model))
     }
 
@@ -112,11 +112,11 @@ impl<const S: usize> World<S> {
             OutcomeTable::try_new(&labels, self.outcomes.get(..pairs)?, &COLUMNS, OUTCOMES).ok()?;
         let (motion, place) = (self.motion(), Shape::new(self.cells, &[self.cells])?);
         let (prior, preference) = (self.cells(&self.prior), self.cells(&self.preference));
-        let factors = [Factor::try_new(&motion, place, prior)?; 2];
+        let factors = [Factor::trusted(&motion, place, prior); 2];
         let modalities = [
-            Modality::try_new(&self.sensor, place, &[OWN], preference)?,
-            Modality::try_new(&self.peer_sensor, place, &[PEER], preference)?,
-            Modality::try_new(&outcomes, outcomes.shape(), &[OWN, PEER], &Mission::<0>::OUTCOME_PREFERENCE)?,
+            Modality::trusted(&self.sensor, place, &[OWN], preference),
+            Modality::trusted(&self.peer_sensor, place, &[PEER], preference),
+            Modality::trusted(&outcomes, outcomes.shape(), &[OWN, PEER], &Mission::<0>::OUTCOME_PREFERENCE),
         ];
         Model::try_new(&factors, &modalities).ok().map(|model| then(&model))
     }
