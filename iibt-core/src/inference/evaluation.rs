@@ -302,7 +302,10 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         let Some(group) = self.groups.get_mut(groups.trailing_zeros() as usize) else { return };
         for (row, candidate) in self.rows.iter().zip(&mut group.candidates).take(group.used) {
             let arrives = step + 1 == usize::from(candidate.arrival);
-            candidate.terms += sense.expect(|factor| row.of(model, factor), arrives);
+            candidate.terms += match *sense.modality.factors() {
+                [factor] => sense.expect(&[row.of(model, factor)], arrives),
+                ref factors => sense.expect(model.parts(row.as_flat(), factors).as_slice(), arrives),
+            };
         }
     }
 
@@ -315,12 +318,20 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         {
             return;
         }
-        self.couple(groups, until, |rows, places| {
+        self.couple(groups, until, &|rows, places| {
             let arrives = sense.on_arrival && step + 1 == rows.first_arrival(groups, places);
             if sense.on_arrival && !arrives {
                 return Terms::ZERO;
             }
-            sense.expect(|factor| rows.part(model, factor, places), arrives)
+            match *sense.modality.factors() {
+                [first, second] => {
+                    sense.expect(&[first, second].map(|factor| rows.part(model, factor, places)), arrives)
+                }
+                ref factors => {
+                    let parts = Parts::new(factors.iter().map(|&factor| rows.part(model, factor, places)));
+                    sense.expect(parts.as_slice(), arrives)
+                }
+            }
         });
     }
 
@@ -356,7 +367,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// Adds terms that several groups' candidates bring about together: found once for each combination of them that is
     /// gathered, or for each joint policy where those are fewer.
-    fn couple(&mut self, groups: u16, until: usize, of: impl Fn(&Rows<S, G, R>, &Places<G>) -> Terms) {
+    fn couple(&mut self, groups: u16, until: usize, of: &dyn Fn(&Rows<S, G, R>, &Places<G>) -> Terms) {
         let combinations = Combinations { groups, used: &self.groups };
         let (from, gathered) = (self.done, until - self.done);
         let rows = Rows { beliefs: &self.rows, groups: &self.groups };
@@ -384,7 +395,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
             if groups & !problem.scope != 0 {
                 continue;
             }
-            self.couple(groups, until, |rows, places| {
+            self.couple(groups, until, &|rows, places| {
                 let beliefs = factors.map(|factor| rows.part(problem.model, factor, places));
                 let utility = match departing {
                     Some(step) => {
@@ -403,7 +414,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         let model = problem.model;
         let all = problem.modalities().fold(0, |all, (number, ..)| all | 1 << number);
         for component in gain::components(model, all) {
-            self.couple(component.groups, until, |rows, places| {
+            self.couple(component.groups, until, &|rows, places| {
                 let mut beliefs = Beliefs::<S, G>::EMPTY;
                 for factor in 0..model.factors().len() {
                     math::assign(
@@ -469,19 +480,10 @@ impl<'a> Sense<'a> {
     }
 
     /// The terms under these beliefs, at a step at which a policy arrives or at another.
-    #[inline]
-    fn expect<'b>(&self, belief: impl Fn(usize) -> &'b [f32], arrives: bool) -> Terms {
+    fn expect(&self, beliefs: &[&[f32]], arrives: bool) -> Terms {
         let liking = if arrives { self.arriving } else { self.under_way };
         let (form, shape) = (self.modality.likelihood(), self.modality.shape());
-        let expected = match *self.modality.factors() {
-            [factor] => form.expect(shape, &[belief(factor)], liking.preference),
-            [first, second] => form.expect(shape, &[belief(first), belief(second)], liking.preference),
-            ref factors => {
-                let parts = Parts::new(factors.iter().map(|&factor| belief(factor)));
-                form.expect(shape, parts.as_slice(), liking.preference)
-            }
-        };
-        self.weigh_up(expected, liking.normaliser)
+        self.weigh_up(form.expect(shape, beliefs, liking.preference), liking.normaliser)
     }
 
     /// Terms as they count: with the preferences normalised, and without a gain that is found jointly.

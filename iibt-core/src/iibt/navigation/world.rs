@@ -107,9 +107,9 @@ impl<const S: usize> World<S> {
     /// The same for this robot and a teammate: each reads its own cell, and both cells determine the team's outcome.
     pub(super) fn with_pair_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
         let labels = [self.cells(&self.labels); 2];
-        let pairs = (self.goals + 1) * (self.goals + 1);
-        let outcomes =
-            OutcomeTable::try_new(&labels, self.outcomes.get(..pairs)?, &COLUMNS, OUTCOMES).ok()?;
+        let count = self.goals + 1;
+        let kinds = self.outcomes.get(..count * count)?;
+        let outcomes = OutcomeTable::trusted(&labels, count, kinds, &COLUMNS, OUTCOMES)?;
         let (motion, place) = (self.motion(), Shape::new(self.cells, &[self.cells])?);
         let (prior, preference) = (self.cells(&self.prior), self.cells(&self.preference));
         let factors = [Factor::trusted(&motion, place, prior); 2];

@@ -93,6 +93,26 @@ impl<'a> OutcomeTable<'a> {
         Ok(Self { labels, kinds, columns, shape, combinations, ambiguity, count })
     }
 
+    /// A table over two conditions that share their labels, sound by its making: `count` labels, a kind for each pair of them,
+    /// and kinds that are each certain of one outcome.
+    pub(crate) fn trusted(
+        labels: &'a [&'a [u8]; 2],
+        count: usize,
+        kinds: &'a [u8],
+        columns: &'a [f32],
+        outcomes: usize,
+    ) -> Option<Self> {
+        Some(Self {
+            labels,
+            kinds,
+            columns,
+            shape: Shape::new(outcomes, &labels.map(<[u8]>::len))?,
+            combinations: Shape::new(1, &[count; 2])?,
+            ambiguity: [0.0; MAX_KINDS],
+            count: columns.len().checked_div(outcomes)?.min(MAX_KINDS),
+        })
+    }
+
     /// Its shape.
     #[must_use]
     pub const fn shape(&self) -> Shape {
@@ -115,7 +135,7 @@ impl<'a> OutcomeTable<'a> {
     }
 
     /// The mass of each label of one condition under its belief.
-    #[inline]
+    #[inline(never)]
     fn label_masses(&self, condition: usize, belief: &[f32]) -> [f32; MAX_LABELS] {
         let mut masses = [0.0; MAX_LABELS];
         let labels = self.labels.get(condition).copied().unwrap_or(&[]);
@@ -131,19 +151,9 @@ impl<'a> OutcomeTable<'a> {
     }
 
     /// The mass of each kind under independent beliefs.
-    #[inline]
     fn kind_masses(&self, beliefs: &[&[f32]]) -> [f32; MAX_KINDS] {
         let mut masses = [0.0; MAX_KINDS];
-        match *beliefs {
-            [first] => add_kinds(&mut masses, self.kinds, 1.0, &self.label_masses(0, first)),
-            [first, second] => {
-                let (first, second) = (self.label_masses(0, first), self.label_masses(1, second));
-                for (row, p) in self.rows().zip(first) {
-                    add_kinds(&mut masses, row, p, &second);
-                }
-            }
-            _ => self.for_each_combination(beliefs, None, |_, kind, mass| masses[kind % MAX_KINDS] += mass),
-        }
+        self.for_each_combination(beliefs, None, &mut |_, kind, mass| masses[kind % MAX_KINDS] += mass);
         masses
     }
 
@@ -198,7 +208,7 @@ impl<'a> OutcomeTable<'a> {
         &self,
         beliefs: &[&[f32]],
         except: Option<usize>,
-        mut visit: impl FnMut(&[usize], usize, f32),
+        visit: &mut dyn FnMut(&[usize], usize, f32),
     ) {
         let mut masses = [[0.0; MAX_LABELS]; super::super::shape::MAX_CONDITIONS];
         for (condition, (masses, belief)) in masses.iter_mut().zip(beliefs).enumerate() {
@@ -232,7 +242,7 @@ impl<'a> OutcomeTable<'a> {
                     told.iter_mut().zip(row).for_each(|(told, &kind)| *told += p * about(kind));
                 }
             }
-            _ => self.for_each_combination(beliefs, Some(to), |labels, kind, mass| {
+            _ => self.for_each_combination(beliefs, Some(to), &mut |labels, kind, mass| {
                 if let Some(told) = labels.get(to).and_then(|&label| told.get_mut(label)) {
                     *told += mass * of[kind % MAX_KINDS];
                 }
@@ -336,14 +346,6 @@ const fn shapes(labels: &[&[u8]], outcomes: usize) -> Result<(Shape, Shape), Tab
     }
 }
 
-/// Adds what the labels of a row give to the kinds that they have there.
-#[inline]
-fn add_kinds(masses: &mut [f32; MAX_KINDS], row: &[u8], p: f32, labels: &[f32; MAX_LABELS]) {
-    for (&kind, q) in row.iter().zip(labels) {
-        masses[usize::from(kind) % MAX_KINDS] += p * q;
-    }
-}
-
 impl Likelihood for OutcomeTable<'_> {
     fn probability(&self, outcome: usize, states: &[usize]) -> f32 {
         let inside =
@@ -352,7 +354,13 @@ impl Likelihood for OutcomeTable<'_> {
         if inside { column.get(outcome).copied().unwrap_or(0.0) } else { 0.0 }
     }
 
-    fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
+    fn expect(&self, shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
+        if let [first, second] = *beliefs {
+            let mut pair = [Terms::ZERO];
+            self.expect_pairs(shape, &[first], &[second], preference, &mut pair);
+            let [terms] = pair;
+            return terms;
+        }
         let masses = self.kind_masses(beliefs);
         let ambiguity = masses.iter().zip(&self.ambiguity).map(|(mass, entropy)| mass * entropy).sum();
         let mut outlook = Outlook::new();
