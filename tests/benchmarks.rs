@@ -2,7 +2,7 @@
 
 use firmware::benchmarks::{Benchmark, Workspace, t1, t2};
 use iibt_core::inference::Scoring;
-use tests::qemu::{Robot, image, number};
+use tests::qemu::{Robot, image_with, number};
 
 /// What the image logged after `marker`, word by word.
 fn bits(robot: &mut Robot, marker: &str, words: usize) -> Vec<u32> {
@@ -34,7 +34,7 @@ fn assert_same<const S: usize>(robot: &mut Robot, benchmark: &Benchmark<S>) -> u
 
 #[test]
 fn the_benchmarks_have_the_same_bits_on_the_chip_and_cost_what_they_may() {
-    let mut robot = Robot::boot_counting(&image("benchmark"));
+    let mut robot = Robot::boot_counting(&image_with("benchmark", "release"));
     let t1 = assert_same(&mut robot, &t1());
     let t2 = assert_same(&mut robot, &t2());
     assert!(t1 <= 6_000, "T1 takes {t1} instructions");

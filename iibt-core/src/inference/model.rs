@@ -330,7 +330,7 @@ impl<'a> Model<'a> {
 
     const fn assign_group(&mut self, members: u32) {
         let mut factor = 0;
-        while factor < MAX_FACTORS {
+        while factor < self.factors.len() && factor < MAX_FACTORS {
             if members >> factor & 1 == 1 {
                 self.groups[factor] = self.group_count;
                 if let Some(control) = self.control(factor)

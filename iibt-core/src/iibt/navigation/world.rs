@@ -101,7 +101,8 @@ impl<const S: usize> World<S> {
         let (motion, place) = (self.motion(), Shape::new(self.cells, &[self.cells])?);
         let factors = [Factor::trusted(&motion, place, self.cells(&self.prior))];
         let modalities = [Modality::trusted(&self.sensor, place, &[OWN], self.cells(&self.preference))];
-        Model::try_new(&factors, &modalities).ok().map(|model| then(&model))
+        let Ok(model) = Model::try_new(&factors, &modalities) else { return None };
+        Some(then(&model))
     }
 
     /// The same for this robot and a teammate: each reads its own cell, and both cells determine the team's outcome.
@@ -118,7 +119,8 @@ impl<const S: usize> World<S> {
             Modality::trusted(&self.peer_sensor, place, &[PEER], preference),
             Modality::trusted(&outcomes, outcomes.shape(), &[OWN, PEER], &Mission::<0>::OUTCOME_PREFERENCE),
         ];
-        Model::try_new(&factors, &modalities).ok().map(|model| then(&model))
+        let Ok(model) = Model::try_new(&factors, &modalities) else { return None };
+        Some(then(&model))
     }
 }
 
