@@ -25,7 +25,7 @@ const TWO_25: f32 = 33_554_432.0;
 const fn ln_normal(x: f32) -> f32 {
     const SQRT_HALF: u32 = 0x3f35_04f3;
     const ONE: u32 = 0x3f80_0000;
-    const LN_2_HIGH: f32 = 6.931_381_2e-1;
+    const LN_2_HIGH: f32 = 6.931_381e-1;
     const LN_2_LOW: f32 = 9.058_001e-6;
     const R: [f32; 4] = [0.666_666_6, 0.400_009_72, 0.284_987_87, 0.242_790_79];
 

@@ -61,7 +61,7 @@ impl<'a> OutcomeTable<'a> {
             Ok(shapes) => shapes,
             Err(error) => return Err(error),
         };
-        if outcomes == 0 || columns.len() % outcomes != 0 || columns.len() / outcomes > MAX_KINDS {
+        if outcomes == 0 || !columns.len().is_multiple_of(outcomes) || columns.len() / outcomes > MAX_KINDS {
             return Err(TableError::Length(columns.len()));
         }
         if !matches!(combinations.columns(), Some(count) if count == kinds.len()) {

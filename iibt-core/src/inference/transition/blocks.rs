@@ -47,7 +47,7 @@ impl<'a> Blocks<'a> {
         let Some(shape) = Shape::new(states[0], states) else { return Err(TableError::Empty) };
         let (mut sum, mut at) = (0.0, 0);
         while at < blocks.len() {
-            if !(blocks[at].0 >= 0.0) {
+            if blocks[at].0.is_nan() || blocks[at].0 < 0.0 {
                 return Err(TableError::Entry(at));
             }
             sum += blocks[at].0;

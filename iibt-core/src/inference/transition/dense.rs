@@ -38,7 +38,7 @@ impl<'a> Dense<'a> {
             return Err(TableError::Empty);
         }
         let Some(shape) = Shape::new(states[0], states) else { return Err(TableError::Empty) };
-        if table.is_empty() || table.len() % actions != 0 {
+        if table.is_empty() || !table.len().is_multiple_of(actions) {
             return Err(TableError::Length(table.len()));
         }
         let Some(columns) = shape.columns() else { return Err(TableError::Length(table.len())) };

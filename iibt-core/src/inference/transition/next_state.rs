@@ -50,7 +50,7 @@ impl<'a> NextState<'a> {
             return Err(TableError::Empty);
         }
         let actions = table.len() / states;
-        if table.len() % states != 0 || actions == 0 || actions > Actions::CODES as usize {
+        if !table.len().is_multiple_of(states) || actions == 0 || actions > Actions::CODES as usize {
             return Err(TableError::Length(table.len()));
         }
         let mut at = 0;
