@@ -2,7 +2,7 @@
 
 use firmware::bench::{Benchmark, SEED, Workspace, digest, t1, t2};
 use iibt_core::inference::Scoring;
-use tests::qemu::{Robot, image, number};
+use tests::qemu::{Robot, image_with, number};
 
 /// What the image logged after `marker`, word by word.
 fn bits(robot: &mut Robot, marker: &str, words: usize) -> Vec<u32> {
@@ -16,6 +16,8 @@ fn bits(robot: &mut Robot, marker: &str, words: usize) -> Vec<u32> {
 
 fn assert_same<const S: usize>(robot: &mut Robot, benchmark: &Benchmark<S>) -> u64 {
     let took = robot.wait_for(&format!("{}: took", benchmark.name)).message;
+    let instructions = u64::from(number(&took, "took ")) * 1000 / 168;
+    println!("{}: {instructions} instructions", benchmark.name);
     let mut workspace = Workspace::new(benchmark);
     let posterior = benchmark.run(&mut workspace, Scoring::JAX_PYMDP).expect("the observation is possible");
     let theirs = bits(robot, &format!("{}: posterior", benchmark.name), posterior.len());
@@ -27,12 +29,12 @@ fn assert_same<const S: usize>(robot: &mut Robot, benchmark: &Benchmark<S>) -> u
         "{}",
         benchmark.name
     );
-    u64::from(number(&took, "took ")) * 1000 / 168
+    instructions
 }
 
 #[test]
 fn the_benchmarks_have_the_same_bits_on_the_chip_and_cost_what_they_may() {
-    let mut robot = Robot::boot_counting(&image("benchmark"));
+    let mut robot = Robot::boot_counting(&image_with("benchmark", "release"));
     let first = assert_same(&mut robot, &t1::BENCHMARK);
     let second = assert_same(&mut robot, &t2::BENCHMARK);
     let line = robot.wait_for("digest:").message;

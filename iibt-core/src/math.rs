@@ -40,10 +40,34 @@ const fn ln_normal(x: f32) -> f32 {
     s * (half + r) + k * LN_2_LOW - half + f + k * LN_2_HIGH
 }
 
-/// The exponential function.
+/// The exponential function, without a branch; accurate to one unit in the last place.
+///
+/// e^x = 2^k e^r with |r| at most ln(2) / 2. What a polynomial makes of r is scaled in two steps, so that the result runs
+/// out evenly into infinity and into the subnormal numbers.
+#[inline]
 #[must_use]
-pub fn exp(x: f32) -> f32 {
-    libm::expf(x)
+pub const fn exp(x: f32) -> f32 {
+    // Adding and taking away 3 * 2^22 rounds to an integer, which is then in the last bits of the sum.
+    const ROUND: f32 = 12_582_912.0;
+    const LN_2_HIGH: f32 = 0.693_359_4;
+    const LN_2_LOW: f32 = -2.121_944_4e-4;
+    const C: [f32; 6] = [0.5, 0.166_666_65, 4.166_579_6e-2, 8.333_452e-3, 1.398_199_9e-3, 1.987_569_1e-4];
+
+    // Comparisons that NaN passes through.
+    let x = if x < -105.0 { -105.0 } else { x };
+    let x = if x > 90.0 { 90.0 } else { x };
+    let rounded = x * core::f32::consts::LOG2_E + ROUND;
+    let k = rounded.to_bits() as i32 - ROUND.to_bits() as i32;
+    let whole = rounded - ROUND;
+    let r = (x - whole * LN_2_HIGH) - whole * LN_2_LOW;
+    let polynomial = ((((C[5] * r + C[4]) * r + C[3]) * r + C[2]) * r + C[1]) * r + C[0];
+    let e = polynomial * (r * r) + r + 1.0;
+    e * power_of_two(k >> 1) * power_of_two(k - (k >> 1))
+}
+
+/// 2^k for a `k` that a normal number has; something else for others.
+const fn power_of_two(k: i32) -> f32 {
+    f32::from_bits((k.wrapping_add(127) as u32) << 23)
 }
 
 /// `p ln p`, with the limit 0 at `p = 0`.
@@ -143,14 +167,20 @@ impl Outlook {
         for (values, preferences) in values.iter().zip(preferences) {
             outlook.add(&values.map(&probability), preferences);
         }
-        outlook.add_some(values_left.iter().map(|&value| probability(value)), preferences_left);
+        if !values_left.is_empty() {
+            outlook.add_some(values_left.iter().map(|&value| probability(value)), preferences_left);
+        }
         outlook
     }
 
     /// Adds the next four outcomes.
-    #[inline]
+    // A function of its own, from memory to memory, is what the compiler turns into vector operations.
+    #[inline(never)]
     pub fn add(&mut self, probabilities: &[f32; LANES], preferences: &[f32; LANES]) {
-        self.add_some(probabilities.iter().copied(), preferences);
+        let information = probabilities.map(p_ln_p);
+        self.entropy.iter_mut().zip(&information).for_each(|(sum, term)| *sum -= term);
+        let liked = probabilities.iter().zip(preferences);
+        self.utility.iter_mut().zip(liked).for_each(|(sum, (p, preference))| *sum += p * preference);
     }
 
     /// Adds the last outcomes, of which there are no more than four.
@@ -207,11 +237,29 @@ pub fn normalise(weights: &mut [f32]) -> Option<f32> {
 /// `ln Σ exp(x)`, without overflow; minus infinity for no values.
 #[must_use]
 pub fn log_sum_exp(values: &[f32]) -> f32 {
-    let largest = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let largest = largest(values);
     if !largest.is_finite() {
         return largest;
     }
-    largest + ln(values.iter().map(|&x| exp(x - largest)).sum())
+    let mut sums = [0.0; LANES];
+    for block in values.chunks(LANES) {
+        let mut lanes = [f32::NEG_INFINITY; LANES];
+        assign(&mut lanes, block);
+        exp_below(&mut lanes, largest);
+        sums.iter_mut().zip(lanes).for_each(|(sum, e)| *sum += e);
+    }
+    largest + ln(sum(&sums))
+}
+
+fn largest(values: &[f32]) -> f32 {
+    values.iter().fold(f32::NEG_INFINITY, |most, &x| if x > most { x } else { most })
+}
+
+/// `exp(x - largest)` of four values, in place.
+// A function of its own, from memory to memory, is what the compiler turns into vector operations.
+#[inline(never)]
+fn exp_below(lanes: &mut [f32; LANES], largest: f32) {
+    *lanes = lanes.map(|x| exp(x - largest));
 }
 
 /// Turns values into their log-softmax `x - ln Σ exp(x)` in place.
@@ -222,8 +270,10 @@ pub fn log_softmax(values: &mut [f32]) {
 
 /// Turns log weights into the distribution `softmax(x)` in place.
 pub fn softmax(values: &mut [f32]) {
-    let largest = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-    values.iter_mut().for_each(|x| *x = exp(*x - largest));
+    let largest = largest(values);
+    let (blocks, rest) = values.as_chunks_mut::<LANES>();
+    blocks.iter_mut().for_each(|block| exp_below(block, largest));
+    rest.iter_mut().for_each(|x| *x = exp(*x - largest));
     if normalise(values).is_none() {
         let share = 1.0 / values.len().max(1) as f32;
         values.fill(share);
@@ -301,6 +351,25 @@ mod tests {
         }
         assert_eq!((digamma_excess(0.0), digamma_excess(f32::INFINITY)), (f32::INFINITY, 0.0));
         assert!(digamma_excess(-0.5).is_nan());
+    }
+
+    #[test]
+    fn the_exponential_function_is_accurate_to_a_unit_in_the_last_place() {
+        for step in -1_050_000..=900_000 {
+            let x = step as f32 * 1e-4;
+            let (exact, ours) = (f64::from(x).exp(), exp(x));
+            let last_place = (exact * f64::from(f32::EPSILON)).max(f64::from(f32::from_bits(1)));
+            let largest = f64::from(f32::MAX);
+            let fits = if exact > largest {
+                ours == f32::INFINITY
+            } else {
+                (f64::from(ours) - exact).abs() <= last_place
+            };
+            assert!(fits, "exp({x}) is {ours:e}, not {exact:e}");
+        }
+        assert_eq!([exp(0.0), exp(-0.0), exp(f32::NEG_INFINITY)], [1.0, 1.0, 0.0]);
+        assert_eq!([exp(f32::INFINITY), exp(f32::MAX), exp(f32::MIN)], [f32::INFINITY, f32::INFINITY, 0.0]);
+        assert!(exp(f32::NAN).is_nan());
     }
 
     #[test]

@@ -15,14 +15,23 @@ use std::time::{Duration, Instant};
 /// How long a robot may take for one answer before the test fails.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Builds the image `name` of the package `firmware` and returns the path of its ELF file.
+/// Builds the image `name` of the package `firmware` for size, as it is released, and returns the path of its ELF file.
 ///
 /// # Panics
 /// When it does not build; the compiler's messages are on the standard error stream.
 #[must_use]
 pub fn image(name: &str) -> PathBuf {
+    image_with(name, "firmware")
+}
+
+/// The same with a profile of Cargo's.
+///
+/// # Panics
+/// As [`image`].
+#[must_use]
+pub fn image_with(name: &str, profile: &str) -> PathBuf {
     let output = Command::new(env!("CARGO"))
-        .args(["build", "-p", "firmware", "--profile", "firmware"])
+        .args(["build", "-p", "firmware", "--profile", profile])
         .args(["--target", "thumbv7em-none-eabihf", "--features", "stm32f405"])
         .args(["--bin", name, "--message-format", "json-render-diagnostics"])
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))

@@ -117,12 +117,9 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
     /// # Errors
     /// [`Impossible`] when the observation has probability zero; the beliefs are left as they were.
     pub fn observe(&mut self, model: &Model, modality: usize, evidence: Evidence) -> Result<f32, Impossible> {
-        let (mut posterior, mut prior, mut scratch) = (*self, Self::EMPTY, Self::EMPTY);
-        let mut work = Work {
-            posterior: posterior.as_flat_mut(),
-            prior: prior.as_flat_mut(),
-            scratch: scratch.as_flat_mut(),
-        };
+        let (mut posterior, mut scratch) = (*self, Self::EMPTY);
+        let mut work =
+            Work { posterior: posterior.as_flat_mut(), prior: &mut [], scratch: scratch.as_flat_mut() };
         let surprise = estimation::observe(&mut work, model, modality, evidence)?;
         *self = posterior;
         Ok(surprise)

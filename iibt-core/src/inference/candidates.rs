@@ -121,7 +121,8 @@ impl<'a> Candidates<'a> {
     pub(super) fn go_on(&self, next: usize, row: &mut Row) {
         match self.combinations {
             Combinations::All => {
-                for (number, list) in row.0.iter_mut().zip(self.sequences).rev() {
+                for (control, list) in self.sequences.iter().enumerate().rev() {
+                    let Some(number) = row.0.get_mut(control) else { continue };
                     *number += 1;
                     if usize::from(*number) < list.len() {
                         return;
@@ -142,7 +143,13 @@ impl<'a> Candidates<'a> {
     /// A control's sequence of this number; without actions where there is none.
     #[must_use]
     pub fn actions(&self, control: usize, sequence: usize) -> Policy {
-        self.sequences.get(control).and_then(|list| list.get(sequence)).copied().unwrap_or(Policy::EMPTY)
+        *self.policy(control, sequence)
+    }
+
+    /// The same where it is.
+    pub(super) fn policy(&self, control: usize, sequence: usize) -> &'a Policy {
+        const STAY: &Policy = &Policy::EMPTY;
+        self.sequences.get(control).and_then(|list| list.get(sequence)).unwrap_or(STAY)
     }
 
     /// ln E of one sequence of one control, where habits are about sequences.
@@ -156,6 +163,7 @@ impl<'a> Candidates<'a> {
     }
 
     /// ln E of a joint policy, up to a constant.
+    #[inline]
     #[must_use]
     pub fn ln_prior(&self, policy: usize) -> f32 {
         match self.habits {

@@ -7,7 +7,7 @@ mod product;
 use self::couplings::{Coupling, Couplings};
 use self::product::Product;
 use super::evidence::Evidence;
-use super::model::{Modality, Model};
+use super::model::Model;
 use crate::math;
 
 /// The most steps, which are combinations of coupled states or of their labels, that exact inference may take.
@@ -60,7 +60,7 @@ impl core::fmt::Display for Impossible {
 
 impl core::error::Error for Impossible {}
 
-/// The beliefs that are being updated, and as much room again to work in, twice.
+/// The beliefs that are being updated, and as much room again to work in, twice; exact inference does without `prior`.
 pub(super) struct Work<'b> {
     pub(super) posterior: &'b mut [f32],
     pub(super) prior: &'b mut [f32],
@@ -111,22 +111,6 @@ fn own_evidence(work: &mut Work, model: &Model, evidence: &[Evidence]) -> Result
     Ok(surprise)
 }
 
-/// Multiplies a factor's belief with the message from one observation to one of its conditions, normalises it, and returns
-/// the evidence; `None`, and an unchanged belief, when there is none.
-fn weigh(
-    belief: &mut [f32],
-    message: &mut [f32],
-    (modality, evidence, condition): (&Modality, Evidence, usize),
-    conditions: &[&[f32]],
-) -> Option<f32> {
-    message.fill(0.0);
-    modality.likelihood().message(modality.shape(), evidence, conditions, condition, message);
-    message.iter_mut().zip(belief.iter()).for_each(|(message, q)| *message *= q);
-    let evidence = math::normalise(message)?;
-    math::assign(belief, message);
-    Some(evidence)
-}
-
 fn update_together(work: &mut Work, couplings: &Couplings, method: Method) -> Result<Update, Impossible> {
     let exact = |surprise| Update { free_energy: surprise, exact: true, converged: true, sweeps: 0 };
     if method == Method::Exact {
@@ -146,21 +130,26 @@ fn update_together(work: &mut Work, couplings: &Couplings, method: Method) -> Re
 }
 
 /// The exact marginals after one observation: Bayes' rule, and for one that couples factors q(s_f) ∝ p(s_f) Σ Π p(s_g) P(e | s).
+/// Returns the surprise.
 fn by_messages(
     work: &mut Work,
     model: &Model,
     (number, modality, evidence): Coupling,
 ) -> Result<f32, Impossible> {
-    for &factor in modality.factors() {
-        math::assign(model.part_mut(work.prior, factor), model.part(work.posterior, factor));
-    }
-    let conditions = model.parts(work.prior, modality.factors());
-    let mut surprise = 0.0;
+    let (form, shape) = (modality.likelihood(), modality.shape());
+    // All messages first: each is under the beliefs before the observation.
+    let beliefs = model.parts(work.posterior, modality.factors());
     for (condition, &factor) in modality.factors().iter().enumerate() {
+        let message = model.part_mut(work.scratch, factor);
+        message.fill(0.0);
+        form.message(shape, evidence, beliefs.as_slice(), condition, message);
+    }
+    let mut probability = 1.0;
+    for &factor in modality.factors() {
         let (belief, message) =
             (model.part_mut(work.posterior, factor), model.part_mut(work.scratch, factor));
-        let evidence = weigh(belief, message, (modality, evidence, condition), conditions.as_slice());
-        surprise = -math::ln(evidence.ok_or(Impossible { modality: number })?);
+        belief.iter_mut().zip(message.iter()).for_each(|(q, message)| *q *= message);
+        probability = math::normalise(belief).ok_or(Impossible { modality: number })?;
     }
-    Ok(surprise)
+    Ok(-math::ln(probability))
 }

@@ -8,7 +8,7 @@ use super::belief::Beliefs;
 use super::candidates::Row;
 use super::free_energy::{Credit, Gain, Terms};
 use super::gain;
-use super::model::{Modality, Model, Parts};
+use super::model::{MAX_MODALITIES, Modality, Model, Parts};
 use super::policy::{self, Policy};
 use super::problem::Problem;
 use crate::actions::Action;
@@ -41,6 +41,10 @@ type Places<const G: usize> = [u8; G];
 #[derive(Clone, Copy, Debug)]
 struct Group<const R: usize> {
     used: usize,
+    /// The only control that moves it, if there is one: the number of its sequence is then the candidate's key.
+    control: Option<u8>,
+    /// The factors that move together in it, a bit for each.
+    factors: u32,
     candidates: [Candidate; R],
 }
 
@@ -58,8 +62,12 @@ struct Candidate {
 }
 
 impl<const R: usize> Group<R> {
-    const EMPTY: Self =
-        Self { used: 0, candidates: [Candidate { key: 0, policy: 0, arrival: 0, terms: Terms::ZERO }; R] };
+    const EMPTY: Self = Self {
+        used: 0,
+        control: None,
+        factors: 0,
+        candidates: [Candidate { key: 0, policy: 0, arrival: 0, terms: Terms::ZERO }; R],
+    };
 
     /// The candidates that are in the rows.
     fn iter(&self) -> impl Iterator<Item = &Candidate> {
@@ -178,18 +186,28 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// Gathers joint policies from `self.done` on whose candidates find room, and returns where they end.
+    #[inline(never)]
     fn gather(&mut self, problem: &Problem<'_, S, G>, until: usize) -> usize {
         let groups = problem.model.groups();
         if groups > G {
             return self.done;
         }
-        self.groups.iter_mut().for_each(|group| group.used = 0);
         let mut row = problem.candidates.row(self.done);
         let places = self.places.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
         let of = self.groups.get_mut(..groups).unwrap_or_default();
+        for (group, number) in of.iter_mut().zip(0..) {
+            (group.used, group.control) = (0, only_control(problem, number));
+            group.factors = problem.model.in_group(number);
+        }
         for (places, policy) in places.iter_mut().zip(self.done..) {
             for ((group, place), number) in of.iter_mut().zip(places).zip(0..) {
-                let Some(key) = key(problem, number, &row) else { return policy };
+                let key = match group.control {
+                    Some(control) => row.get(usize::from(control)) as u32,
+                    None => match key(problem, number, &row) {
+                        Some(key) => key,
+                        None => return policy,
+                    },
+                };
                 let found = group.find(key).or_else(|| {
                     let arrival = arrival(problem, number, &row);
                     group.add(Candidate { key, policy: policy as u16, arrival, terms: Terms::ZERO })
@@ -205,14 +223,16 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// Rolls out what was gathered, all in step.
+    #[inline(never)]
     fn roll_out(&mut self, problem: &Problem<'_, S, G>, until: usize) {
         self.rows = [*problem.beliefs; R];
         self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or_default().fill(Terms::ZERO);
+        let normalisers = normalisers(problem);
         for step in 0..problem.horizon {
             self.meet(problem, until, Some(step));
             self.step(problem, step);
             self.meet(problem, until, None);
-            self.observe(problem, until, step);
+            self.observe(problem, &normalisers, until, step);
         }
         let terms = self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
         let places = self.places.as_flattened().get(self.done..until).unwrap_or_default();
@@ -227,19 +247,34 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// Moves every candidate of every group by one step.
+    #[inline(never)]
     fn step(&mut self, problem: &Problem<'_, S, G>, step: usize) {
         let model = problem.model;
-        let mut before = Beliefs::<S, G>::EMPTY;
+        let mut copy = Beliefs::<S, G>::EMPTY;
         for (number, group) in self.groups.iter_mut().enumerate().take(model.groups()) {
             if problem.scope >> number & 1 == 0 {
                 continue;
             }
+            let (control, factors) = (group.control, group.factors);
             for (row, candidate) in self.rows.iter_mut().zip(&mut group.candidates).take(group.used) {
-                for factor in model.in_group(number) {
-                    math::assign(model.part_mut(before.as_flat_mut(), factor), row.of(model, factor));
-                }
-                for factor in model.in_group(number) {
-                    if let Some(action) = action_of(problem, factor, usize::from(candidate.policy), step) {
+                // Before the first step there is no need for a copy: the beliefs are still those of the problem.
+                let before = if step == 0 {
+                    problem.beliefs
+                } else {
+                    for factor in bits(factors) {
+                        math::assign(model.part_mut(copy.as_flat_mut(), factor), row.of(model, factor));
+                    }
+                    &copy
+                };
+                for factor in bits(factors) {
+                    let action = match control {
+                        Some(control) if model.control(factor).is_some() => {
+                            let control = usize::from(control);
+                            problem.action(problem.candidates.policy(control, candidate.key as usize), step)
+                        }
+                        _ => action_of(problem, factor, usize::from(candidate.policy), step),
+                    };
+                    if let Some(action) = action {
                         let to = model.part_mut(row.as_flat_mut(), factor);
                         candidate.terms.novelty += model.move_factor(factor, action, before.as_flat(), to);
                     }
@@ -249,9 +284,10 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// Adds what every modality is expected to bring after a step.
-    fn observe(&mut self, problem: &Problem<'_, S, G>, until: usize, step: usize) {
-        for (number, modality, groups) in problem.modalities() {
-            let sense = Sense::new(problem, number, modality);
+    #[inline(never)]
+    fn observe(&mut self, problem: &Problem<'_, S, G>, normalisers: &Normalisers, until: usize, step: usize) {
+        for ((number, modality, groups), normalisers) in problem.modalities().zip(normalisers) {
+            let sense = Sense::new(problem, number, modality, *normalisers);
             if groups.is_power_of_two() {
                 self.observe_own(problem.model, &sense, groups, step);
             } else {
@@ -264,11 +300,15 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// A modality that one group's states determine: once for each of its candidates.
+    #[inline(never)]
     fn observe_own(&mut self, model: &Model, sense: &Sense, groups: u16, step: usize) {
         let Some(group) = self.groups.get_mut(groups.trailing_zeros() as usize) else { return };
         for (row, candidate) in self.rows.iter().zip(&mut group.candidates).take(group.used) {
             let arrives = step + 1 == usize::from(candidate.arrival);
-            candidate.terms += sense.expect(|factor| row.of(model, factor), arrives);
+            candidate.terms += match *sense.modality.factors() {
+                [factor] => sense.expect(&[row.of(model, factor)], arrives),
+                ref factors => sense.expect(model.parts(row.as_flat(), factors).as_slice(), arrives),
+            };
         }
     }
 
@@ -281,17 +321,26 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         {
             return;
         }
-        self.couple(groups, until, |rows, places| {
+        self.couple(groups, until, &|rows, places| {
             let arrives = sense.on_arrival && step + 1 == rows.first_arrival(groups, places);
             if sense.on_arrival && !arrives {
                 return Terms::ZERO;
             }
-            sense.expect(|factor| rows.part(model, factor, places), arrives)
+            match *sense.modality.factors() {
+                [first, second] => {
+                    sense.expect(&[first, second].map(|factor| rows.part(model, factor, places)), arrives)
+                }
+                ref factors => {
+                    let parts = Parts::new(factors.iter().map(|&factor| rows.part(model, factor, places)));
+                    sense.expect(parts.as_slice(), arrives)
+                }
+            }
         });
     }
 
     /// A modality of two factors in different groups, for all pairs of their candidates at once; returns whether there are as
     /// many as joint policies at the most.
+    #[inline(never)]
     fn observe_pairs(&mut self, model: &Model, sense: &Sense, factors: [usize; 2], until: usize) -> bool {
         let groups = factors.map(|factor| model.group(factor));
         let used = groups.map(|group| self.groups.get(group).map_or(0, |group| group.used));
@@ -307,12 +356,13 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         };
         let (form, shape, liking) = (sense.modality.likelihood(), sense.modality.shape(), sense.under_way);
         form.expect_pairs(shape, firsts, seconds, liking.preference, pairs);
+        pairs.iter_mut().for_each(|terms| *terms = sense.weigh_up(*terms, liking.normaliser));
         let places = self.places.as_flattened().get(self.done..until).unwrap_or(&[]);
         let terms = self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or(&mut []);
         for (places, terms) in places.iter().zip(terms) {
             let [first, second] = groups.map(|group| places.get(group).copied().map_or(0, usize::from));
-            if let Some(&expected) = pairs.get(first * used[1] + second) {
-                *terms += sense.weigh_up(expected, liking.normaliser);
+            if let Some(expected) = pairs.get(first * used[1] + second) {
+                *terms += *expected;
             }
         }
         true
@@ -320,7 +370,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// Adds terms that several groups' candidates bring about together: found once for each combination of them that is
     /// gathered, or for each joint policy where those are fewer.
-    fn couple(&mut self, groups: u16, until: usize, of: impl Fn(&Rows<S, G, R>, &Places<G>) -> Terms) {
+    fn couple(&mut self, groups: u16, until: usize, of: &dyn Fn(&Rows<S, G, R>, &Places<G>) -> Terms) {
         let combinations = Combinations { groups, used: &self.groups };
         let (from, gathered) = (self.done, until - self.done);
         let rows = Rows { beliefs: &self.rows, groups: &self.groups };
@@ -348,7 +398,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
             if groups & !problem.scope != 0 {
                 continue;
             }
-            self.couple(groups, until, |rows, places| {
+            self.couple(groups, until, &|rows, places| {
                 let beliefs = factors.map(|factor| rows.part(problem.model, factor, places));
                 let utility = match departing {
                     Some(step) => {
@@ -367,7 +417,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         let model = problem.model;
         let all = problem.modalities().fold(0, |all, (number, ..)| all | 1 << number);
         for component in gain::components(model, all) {
-            self.couple(component.groups, until, |rows, places| {
+            self.couple(component.groups, until, &|rows, places| {
                 let mut beliefs = Beliefs::<S, G>::EMPTY;
                 for factor in 0..model.factors().len() {
                     math::assign(
@@ -387,6 +437,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// Works out the log posterior of what was rolled out.
+    #[inline(never)]
     fn score(&mut self, problem: &Problem<'_, S, G>, until: usize) {
         let scores = self.scores.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
         let terms = self.terms.as_flattened().get(self.done..until).unwrap_or_default();
@@ -424,31 +475,24 @@ impl<'a> Sense<'a> {
         problem: &Problem<'a, S, G>,
         number: usize,
         modality: &'a Modality<'a>,
+        normalisers: [f32; 2],
     ) -> Self {
-        let liking = |arrives| {
-            let preference = problem.preference(number, modality, arrives);
-            Liking { preference, normaliser: math::log_sum_exp(preference) }
-        };
-        let on_arrival = problem.scoring.credit == Credit::OnArrival;
-        let arriving = liking(true);
-        let under_way = if on_arrival { liking(false) } else { arriving };
-        Self { modality, on_arrival, joint: problem.scoring.gain == Gain::Joint, arriving, under_way }
+        let [arriving, under_way] =
+            [true, false].map(|arrives| problem.preference(number, modality, arrives));
+        Self {
+            modality,
+            on_arrival: problem.scoring.credit == Credit::OnArrival,
+            joint: problem.scoring.gain == Gain::Joint,
+            arriving: Liking { preference: arriving, normaliser: normalisers[0] },
+            under_way: Liking { preference: under_way, normaliser: normalisers[1] },
+        }
     }
 
     /// The terms under these beliefs, at a step at which a policy arrives or at another.
-    #[inline]
-    pub(super) fn expect<'b>(&self, belief: impl Fn(usize) -> &'b [f32], arrives: bool) -> Terms {
+    pub(super) fn expect(&self, beliefs: &[&[f32]], arrives: bool) -> Terms {
         let liking = if arrives { self.arriving } else { self.under_way };
         let (form, shape) = (self.modality.likelihood(), self.modality.shape());
-        let expected = match *self.modality.factors() {
-            [factor] => form.expect(shape, &[belief(factor)], liking.preference),
-            [first, second] => form.expect(shape, &[belief(first), belief(second)], liking.preference),
-            ref factors => {
-                let parts = Parts::new(factors.iter().map(|&factor| belief(factor)));
-                form.expect(shape, parts.as_slice(), liking.preference)
-            }
-        };
-        self.weigh_up(expected, liking.normaliser)
+        self.weigh_up(form.expect(shape, beliefs, liking.preference), liking.normaliser)
     }
 
     /// Terms as they count: with the preferences normalised, and without a gain that is found jointly.
@@ -457,6 +501,21 @@ impl<'a> Sense<'a> {
         let information_gain = if self.joint { 0.0 } else { expected.information_gain };
         Terms { utility: expected.utility - normaliser, information_gain, ..expected }
     }
+}
+
+/// ln Σ exp C of each modality in scope: at a step at which a policy arrives, and at another.
+pub(super) type Normalisers = [[f32; 2]; MAX_MODALITIES];
+
+pub(super) fn normalisers<const S: usize, const G: usize>(problem: &Problem<'_, S, G>) -> Normalisers {
+    let mut normalisers = [[0.0; 2]; MAX_MODALITIES];
+    for (normalisers, (number, modality, _)) in normalisers.iter_mut().zip(problem.modalities()) {
+        let arriving = math::log_sum_exp(problem.preference(number, modality, true));
+        *normalisers = match problem.scoring.credit {
+            Credit::EveryStep => [arriving; 2],
+            Credit::OnArrival => [arriving, math::log_sum_exp(problem.preference(number, modality, false))],
+        };
+    }
+    normalisers
 }
 
 /// What was rolled out so far.
@@ -547,17 +606,28 @@ impl<const G: usize, const R: usize> Combinations<'_, G, R> {
 
 /// The controls that move a group.
 fn controls(model: &Model, group: usize) -> impl Iterator<Item = usize> {
-    let mut left = model.moved_by(group);
+    bits(u32::from(model.moved_by(group)))
+}
+
+/// The numbers of the bits that are set.
+#[inline]
+fn bits(mut left: u32) -> impl Iterator<Item = usize> {
     core::iter::from_fn(move || {
-        let control = left.trailing_zeros();
+        let bit = left.trailing_zeros();
         left &= left.wrapping_sub(1);
-        (control < u16::BITS).then_some(control as usize)
+        (bit < u32::BITS).then_some(bit as usize)
     })
+}
+
+/// The only control that moves a group in scope.
+fn only_control<const S: usize, const G: usize>(problem: &Problem<'_, S, G>, group: usize) -> Option<u8> {
+    let moved_by = problem.model.moved_by(group);
+    let moves = problem.scope >> group & 1 == 1 && moved_by.is_power_of_two();
+    moves.then(|| moved_by.trailing_zeros() as u8)
 }
 
 /// A number for what a joint policy does to a group; `None` where numbers are too small. Sequences that do not exist stay,
 /// and count as one.
-#[inline]
 fn key<const S: usize, const G: usize>(problem: &Problem<'_, S, G>, group: usize, row: &Row) -> Option<u32> {
     if problem.scope >> group & 1 == 0 {
         return Some(0);
@@ -600,7 +670,5 @@ fn sequence<'a, const S: usize, const G: usize>(
     control: usize,
     row: &Row,
 ) -> &'a Policy {
-    const STAY: &Policy = &Policy::EMPTY;
-    let list = problem.candidates.sequences.get(control).copied().unwrap_or(&[]);
-    list.get(row.get(control)).unwrap_or(STAY)
+    problem.candidates.policy(control, row.get(control))
 }

@@ -1,7 +1,7 @@
 //! Why a policy: its terms by step and modality, and what set it apart from another.
 
 use super::belief::Beliefs;
-use super::evaluation::{Sense, action_of, arrival};
+use super::evaluation::{Sense, action_of, arrival, normalisers};
 use super::free_energy::{Credit, Gain, Terms};
 use super::gain;
 use super::model::MAX_MODALITIES;
@@ -105,20 +105,23 @@ fn observe<const S: usize, const G: usize>(
     visit: &mut impl FnMut(Contribution),
 ) {
     let row = problem.candidates.row(policy);
-    for (number, modality, groups) in problem.modalities() {
+    let mut observed = 0;
+    let normalisers = normalisers(problem);
+    for ((number, modality, groups), normalisers) in problem.modalities().zip(normalisers) {
         let members = (0..u16::BITS as usize).filter(|group| groups >> group & 1 == 1);
         let first = members.map(|group| usize::from(arrival(problem, group, &row))).min();
         let arrives = first == Some(step);
         if problem.scoring.credit == Credit::OnArrival && !groups.is_power_of_two() && !arrives {
             continue;
         }
-        let sense = Sense::new(problem, number, modality);
-        let terms = sense.expect(|factor| beliefs.of(problem.model, factor), arrives);
+        observed |= 1 << number;
+        let sense = Sense::new(problem, number, modality, normalisers);
+        let parts = problem.model.parts(beliefs.as_flat(), modality.factors());
+        let terms = sense.expect(parts.as_slice(), arrives);
         visit(Contribution { step, source: Source::Modality(number), terms });
     }
     if problem.scoring.gain == Gain::Joint {
-        let all = problem.modalities().fold(0, |all, (number, ..)| all | 1 << number);
-        let gains = gain::components(problem.model, all);
+        let gains = gain::components(problem.model, observed);
         let information_gain = gains.map(|component| component.gain(problem.model, beliefs)).sum();
         let terms = Terms { information_gain, ..Terms::ZERO };
         visit(Contribution { step, source: Source::Jointly, terms });

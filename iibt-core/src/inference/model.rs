@@ -57,6 +57,11 @@ impl<'a> Factor<'a> {
         }
     }
 
+    /// The same for a prior that is sound by its making.
+    pub(crate) const fn trusted(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Self {
+        Self { transition, shape, coupled_to: &[], control: Control::Own, prior }
+    }
+
     /// The same factor, its transition conditioned on other factors as well, in the order of the shape's further
     /// conditions: the blocks B^ij.
     #[must_use]
@@ -128,6 +133,16 @@ impl<'a> Modality<'a> {
         } else {
             None
         }
+    }
+
+    /// The same for numbers that fit by their making.
+    pub(crate) const fn trusted(
+        likelihood: &'a dyn Likelihood,
+        shape: Shape,
+        factors: &'a [usize],
+        preference: &'a [f32],
+    ) -> Self {
+        Self { likelihood, shape, factors, preference }
     }
 
     /// A: how the outcomes depend on the states.
@@ -321,7 +336,7 @@ impl<'a> Model<'a> {
 
     const fn assign_group(&mut self, members: u32) {
         let mut factor = 0;
-        while factor < MAX_FACTORS {
+        while factor < self.factors.len() && factor < MAX_FACTORS {
             if members >> factor & 1 == 1 {
                 self.groups[factor] = self.group_count;
                 if let Some(control) = self.control(factor)
@@ -432,10 +447,11 @@ impl<'a> Model<'a> {
         self.moved_by.get(group).copied().unwrap_or(0)
     }
 
-    /// The numbers of a group's factors.
-    pub(super) fn in_group(&self, group: usize) -> impl Iterator<Item = usize> + '_ {
+    /// A group's factors, a bit for each.
+    pub(super) fn in_group(&self, group: usize) -> u32 {
         let numbered = self.groups.iter().take(self.factors.len()).enumerate();
-        numbered.filter(move |(_, of)| usize::from(**of) == group).map(|(factor, _)| factor)
+        let members = numbered.filter(|(_, of)| usize::from(**of) == group);
+        members.fold(0, |members, (factor, _)| members | 1 << factor)
     }
 
     /// The group of a factor; zero for one that does not exist.

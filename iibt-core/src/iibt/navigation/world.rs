@@ -99,26 +99,28 @@ impl<const S: usize> World<S> {
     /// mission does not make.
     pub(super) fn with_own_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
         let (motion, place) = (self.motion(), Shape::new(self.cells, &[self.cells])?);
-        let factors = [Factor::try_new(&motion, place, self.cells(&self.prior))?];
-        let modalities = [Modality::try_new(&self.sensor, place, &[OWN], self.cells(&self.preference))?];
-        Model::try_new(&factors, &modalities).ok().map(|model| then(&model))
+        let factors = [Factor::trusted(&motion, place, self.cells(&self.prior))];
+        let modalities = [Modality::trusted(&self.sensor, place, &[OWN], self.cells(&self.preference))];
+        let Ok(model) = Model::try_new(&factors, &modalities) else { return None };
+        Some(then(&model))
     }
 
     /// The same for this robot and a teammate: each reads its own cell, and both cells determine the team's outcome.
     pub(super) fn with_pair_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
         let labels = [self.cells(&self.labels); 2];
-        let pairs = (self.goals + 1) * (self.goals + 1);
-        let outcomes =
-            OutcomeTable::try_new(&labels, self.outcomes.get(..pairs)?, &COLUMNS, OUTCOMES).ok()?;
+        let count = self.goals + 1;
+        let kinds = self.outcomes.get(..count * count)?;
+        let outcomes = OutcomeTable::trusted(&labels, count, kinds, &COLUMNS, OUTCOMES)?;
         let (motion, place) = (self.motion(), Shape::new(self.cells, &[self.cells])?);
         let (prior, preference) = (self.cells(&self.prior), self.cells(&self.preference));
-        let factors = [Factor::try_new(&motion, place, prior)?; 2];
+        let factors = [Factor::trusted(&motion, place, prior); 2];
         let modalities = [
-            Modality::try_new(&self.sensor, place, &[OWN], preference)?,
-            Modality::try_new(&self.peer_sensor, place, &[PEER], preference)?,
-            Modality::try_new(&outcomes, outcomes.shape(), &[OWN, PEER], &Mission::<0>::OUTCOME_PREFERENCE)?,
+            Modality::trusted(&self.sensor, place, &[OWN], preference),
+            Modality::trusted(&self.peer_sensor, place, &[PEER], preference),
+            Modality::trusted(&outcomes, outcomes.shape(), &[OWN, PEER], &Mission::<0>::OUTCOME_PREFERENCE),
         ];
-        Model::try_new(&factors, &modalities).ok().map(|model| then(&model))
+        let Ok(model) = Model::try_new(&factors, &modalities) else { return None };
+        Some(then(&model))
     }
 }
 

@@ -96,11 +96,13 @@ impl Likelihood for IdentityNoise {
                 message.iter_mut().for_each(|sum| *sum += background);
                 message.iter_mut().zip(weights()).for_each(|(sum, weight)| *sum += signal * weight);
             }
-            _ => {
+            Evidence::Outcome(outcome) if outcome < shape.values() => {
                 for (state, sum) in message.iter_mut().enumerate() {
-                    *sum += evidence.probability(shape.values(), |outcome| self.read(outcome, state));
+                    *sum += if state == outcome { self.correct } else { self.off };
                 }
             }
+            Evidence::Outcome(_) => {}
+            Evidence::Missing => message.iter_mut().for_each(|sum| *sum += 1.0),
         }
     }
 }

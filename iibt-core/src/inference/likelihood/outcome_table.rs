@@ -93,6 +93,26 @@ impl<'a> OutcomeTable<'a> {
         Ok(Self { labels, kinds, columns, shape, combinations, ambiguity, count })
     }
 
+    /// A table over two conditions that share their labels, sound by its making: `count` labels, a kind for each pair of them,
+    /// and kinds that are each certain of one outcome.
+    pub(crate) fn trusted(
+        labels: &'a [&'a [u8]; 2],
+        count: usize,
+        kinds: &'a [u8],
+        columns: &'a [f32],
+        outcomes: usize,
+    ) -> Option<Self> {
+        Some(Self {
+            labels,
+            kinds,
+            columns,
+            shape: Shape::new(outcomes, &labels.map(<[u8]>::len))?,
+            combinations: Shape::new(1, &[count; 2])?,
+            ambiguity: [0.0; MAX_KINDS],
+            count: columns.len().checked_div(outcomes)?.min(MAX_KINDS),
+        })
+    }
+
     /// Its shape.
     #[must_use]
     pub const fn shape(&self) -> Shape {
@@ -115,7 +135,7 @@ impl<'a> OutcomeTable<'a> {
     }
 
     /// The mass of each label of one condition under its belief.
-    #[inline]
+    #[inline(never)]
     fn label_masses(&self, condition: usize, belief: &[f32]) -> [f32; MAX_LABELS] {
         let mut masses = [0.0; MAX_LABELS];
         let labels = self.labels.get(condition).copied().unwrap_or(&[]);
@@ -131,13 +151,9 @@ impl<'a> OutcomeTable<'a> {
     }
 
     /// The mass of each kind under independent beliefs.
-    #[inline]
     fn kind_masses(&self, beliefs: &[&[f32]]) -> [f32; MAX_KINDS] {
         let mut masses = [0.0; MAX_KINDS];
-        match *beliefs {
-            [first] => add_kinds(&mut masses, self.kinds, 1.0, &self.label_masses(0, first)),
-            _ => self.for_each_combination(beliefs, None, |_, kind, mass| masses[kind % MAX_KINDS] += mass),
-        }
+        self.for_each_combination(beliefs, None, &mut |_, kind, mass| masses[kind % MAX_KINDS] += mass);
         masses
     }
 
@@ -146,44 +162,45 @@ impl<'a> OutcomeTable<'a> {
     fn block(&self, kind: usize, block: usize) -> Lanes {
         let mut lanes = [0.0; LANES];
         let outcomes = self.shape.values();
-        let from = kind * outcomes + LANES * block;
-        let column = self.columns.get(from..(from + LANES).min((kind + 1) * outcomes)).unwrap_or(&[]);
-        math::assign(&mut lanes, column);
+        let (from, until) = (kind * outcomes + LANES * block, (kind + 1) * outcomes);
+        match self.columns.get(from..from + LANES) {
+            Some(column) if from + LANES <= until => math::assign(&mut lanes, column),
+            _ => math::assign(&mut lanes, self.columns.get(from..until).unwrap_or(&[])),
+        }
         lanes
+    }
+
+    /// The terms of four outcomes for every pair.
+    fn expect_block(&self, block: &Block, firsts: &[&[f32]], seconds: &[&[f32]], pairs: &mut [Terms]) {
+        let count = seconds.len().max(1);
+        let mut left = [Remains::NONE; MAX_LABELS];
+        let left = left.get_mut(..self.combinations.states(1)).unwrap_or_default();
+        for (at, seconds) in seconds.chunks(SIDE_BY_SIDE).enumerate() {
+            let mut masses = [[0.0; MAX_LABELS]; SIDE_BY_SIDE];
+            for (masses, second) in masses.iter_mut().zip(seconds) {
+                *masses = self.label_masses(1, second);
+            }
+            for (first, row) in firsts.iter().zip(pairs.chunks_exact_mut(count)) {
+                self.sum_out(&self.label_masses(0, first), &block.columns, left);
+                for (masses, terms) in
+                    masses.iter().zip(row.iter_mut().skip(at * SIDE_BY_SIDE)).take(seconds.len())
+                {
+                    *terms += block.pair(left, masses);
+                }
+            }
+        }
     }
 
     /// What is left of the columns, and of their entropies, for each label of the second condition when the first is summed
     /// out.
     #[inline]
-    fn sum_out(&self, first: &[f32; MAX_LABELS], columns: &[Lanes; MAX_KINDS]) -> [(Lanes, f32); MAX_LABELS] {
-        let mut left = [([0.0; LANES], 0.0); MAX_LABELS];
+    fn sum_out(&self, first: &[f32; MAX_LABELS], columns: &[Remains; MAX_KINDS], left: &mut [Remains]) {
+        left.fill(Remains::NONE);
         for (kinds, p) in self.rows().zip(first) {
-            for (&kind, (sums, ambiguity)) in kinds.iter().zip(&mut left) {
-                let kind = usize::from(kind) % MAX_KINDS;
-                add_scaled(sums, *p, &columns[kind]);
-                *ambiguity += p * self.ambiguity[kind];
+            for (&kind, left) in kinds.iter().zip(left.iter_mut()) {
+                *left = left.plus(*p, &columns[usize::from(kind) % MAX_KINDS]);
             }
         }
-        left
-    }
-
-    /// The terms of four outcomes of a pair; the ambiguity, which is about all outcomes, only when asked for.
-    #[inline]
-    fn pair(
-        &self,
-        left: &[(Lanes, f32); MAX_LABELS],
-        second: &[f32; MAX_LABELS],
-        liked: &Lanes,
-        with_ambiguity: bool,
-    ) -> Terms {
-        let (mut outcomes, mut noise) = ([0.0; LANES], 0.0);
-        for (mass, (sums, ambiguity)) in second.iter().zip(left).take(self.combinations.states(1)) {
-            add_scaled(&mut outcomes, *mass, sums);
-            noise += mass * ambiguity;
-        }
-        let mut outlook = Outlook::new();
-        outlook.add(&outcomes, liked);
-        Terms::of(&outlook, if with_ambiguity { noise } else { 0.0 })
     }
 
     /// Visits every combination of labels with its kind and its mass, one condition's mass left out.
@@ -191,7 +208,7 @@ impl<'a> OutcomeTable<'a> {
         &self,
         beliefs: &[&[f32]],
         except: Option<usize>,
-        mut visit: impl FnMut(&[usize], usize, f32),
+        visit: &mut dyn FnMut(&[usize], usize, f32),
     ) {
         let mut masses = [[0.0; MAX_LABELS]; super::super::shape::MAX_CONDITIONS];
         for (condition, (masses, belief)) in masses.iter_mut().zip(beliefs).enumerate() {
@@ -225,7 +242,7 @@ impl<'a> OutcomeTable<'a> {
                     told.iter_mut().zip(row).for_each(|(told, &kind)| *told += p * about(kind));
                 }
             }
-            _ => self.for_each_combination(beliefs, Some(to), |labels, kind, mass| {
+            _ => self.for_each_combination(beliefs, Some(to), &mut |labels, kind, mass| {
                 if let Some(told) = labels.get(to).and_then(|&label| told.get_mut(label)) {
                     *told += mass * of[kind % MAX_KINDS];
                 }
@@ -252,6 +269,46 @@ const LANES: usize = 4;
 
 /// The numbers of four outcomes.
 type Lanes = [f32; LANES];
+
+/// How many beliefs about the second condition have their labels' masses summed up beforehand.
+const SIDE_BY_SIDE: usize = 4;
+
+/// A column's probabilities of four outcomes, and its entropy: or a mixture of columns.
+#[derive(Clone, Copy)]
+struct Remains {
+    outcomes: Lanes,
+    ambiguity: f32,
+}
+
+impl Remains {
+    const NONE: Self = Self { outcomes: [0.0; LANES], ambiguity: 0.0 };
+
+    /// The sum of both, the other scaled. By value, so that a vector unit can carry it out.
+    #[inline]
+    fn plus(mut self, by: f32, other: &Self) -> Self {
+        add_scaled(&mut self.outcomes, by, &other.outcomes);
+        self.ambiguity += by * other.ambiguity;
+        self
+    }
+}
+
+/// Four outcomes: each kind's column, and the preferences.
+struct Block {
+    columns: [Remains; MAX_KINDS],
+    preferences: Lanes,
+}
+
+impl Block {
+    /// The terms of a pair.
+    #[inline]
+    fn pair(&self, left: &[Remains], masses: &[f32; MAX_LABELS]) -> Terms {
+        let parts = left.iter().zip(masses);
+        let expected = parts.fold(Remains::NONE, |sum, (left, mass)| sum.plus(*mass, left));
+        let mut outlook = Outlook::new();
+        outlook.add(&expected.outcomes, &self.preferences);
+        Terms::of(&outlook, expected.ambiguity)
+    }
+}
 
 #[inline]
 fn add_scaled(sums: &mut Lanes, by: f32, terms: &Lanes) {
@@ -289,14 +346,6 @@ const fn shapes(labels: &[&[u8]], outcomes: usize) -> Result<(Shape, Shape), Tab
     }
 }
 
-/// Adds what the labels of a row give to the kinds that they have there.
-#[inline]
-fn add_kinds(masses: &mut [f32; MAX_KINDS], row: &[u8], p: f32, labels: &[f32; MAX_LABELS]) {
-    for (&kind, q) in row.iter().zip(labels) {
-        masses[usize::from(kind) % MAX_KINDS] += p * q;
-    }
-}
-
 impl Likelihood for OutcomeTable<'_> {
     fn probability(&self, outcome: usize, states: &[usize]) -> f32 {
         let inside =
@@ -306,11 +355,12 @@ impl Likelihood for OutcomeTable<'_> {
     }
 
     fn expect(&self, shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
-        if let &[first, second] = beliefs {
+        if let [first, second] = *beliefs {
             // The same sums in the same order, whether a pair comes alone or with others.
             let mut pair = [Terms::ZERO];
             self.expect_pairs(shape, &[first], &[second], preference, &mut pair);
-            return pair[0];
+            let [terms] = pair;
+            return terms;
         }
         let masses = self.kind_masses(beliefs);
         let ambiguity = masses.iter().zip(&self.ambiguity).map(|(mass, entropy)| mass * entropy).sum();
@@ -333,18 +383,18 @@ impl Likelihood for OutcomeTable<'_> {
         preference: &[f32],
         pairs: &mut [Terms],
     ) {
-        for (block, preferences) in preference.chunks(LANES).enumerate() {
-            let columns: [Lanes; MAX_KINDS] = core::array::from_fn(|kind| self.block(kind, block));
-            let mut liked = [0.0; LANES];
-            math::assign(&mut liked, preferences);
-            let rows = pairs.chunks_exact_mut(seconds.len().max(1));
-            for (first, row) in firsts.iter().zip(rows) {
-                let left = self.sum_out(&self.label_masses(0, first), &columns);
-                for (second, terms) in seconds.iter().zip(row) {
-                    let now = self.pair(&left, &self.label_masses(1, second), &liked, block == 0);
-                    *terms = if block == 0 { now } else { *terms + now };
-                }
+        pairs.fill(Terms::ZERO);
+        for (number, preferences) in preference.chunks(LANES).enumerate() {
+            let mut block = Block { columns: [Remains::NONE; MAX_KINDS], preferences: [0.0; LANES] };
+            math::assign(&mut block.preferences, preferences);
+            for ((kind, column), entropy) in
+                block.columns.iter_mut().take(self.count).enumerate().zip(&self.ambiguity)
+            {
+                // The ambiguity is about all outcomes: it counts once.
+                let ambiguity = if number == 0 { *entropy } else { 0.0 };
+                *column = Remains { outcomes: self.block(kind, number), ambiguity };
             }
+            self.expect_block(&block, firsts, seconds, pairs);
         }
     }
 

@@ -99,7 +99,9 @@ impl<'a> NextState<'a> {
     }
 
     fn row(&self, action: Action) -> Option<&'a [u16]> {
-        self.table.chunks_exact(usize::from(self.states.max(1))).nth(usize::from(action))
+        let states = usize::from(self.states);
+        let from = usize::from(action) * states;
+        self.table.get(from..from + states)
     }
 }
 
