@@ -42,7 +42,8 @@ pub use radio::Traffic;
 pub use record::{Dated, Outcome, Record, RobotRecord};
 pub use referee::Collisions;
 pub use scenario::{
-    Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Obstacle, Radio, Robot, Scenario, ScenarioError, When,
+    Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Obstacle, Radio, Robot, Scenario, ScenarioError, Wear,
+    When,
 };
 
 /// The code in the README is compiled and run with the tests.
