@@ -59,6 +59,16 @@ impl Audience for () {
     fn see(&mut self, _: &Scene<'_>) {}
 }
 
+/// Two who look on; the second may be missing.
+impl<A: Audience> Audience for (Box<dyn Audience + '_>, Option<A>) {
+    fn see(&mut self, scene: &Scene<'_>) {
+        self.0.see(scene);
+        if let Some(other) = &mut self.1 {
+            other.see(scene);
+        }
+    }
+}
+
 /// Flies a scenario to its end.
 ///
 /// # Errors

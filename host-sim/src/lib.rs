@@ -25,7 +25,9 @@
 mod body;
 mod chance;
 mod flight;
+mod learn;
 pub mod library;
+mod log;
 mod news;
 mod radio;
 mod record;
@@ -37,6 +39,8 @@ mod words;
 mod world;
 
 pub use flight::{Audience, Conditions, Scene, fly};
+pub use learn::{Learned, MoveRatio, RobotRatios};
+pub use log::{Attempt, ExecutionLog, LogError, Logbook};
 pub use news::News;
 pub use radio::Traffic;
 pub use record::{Dated, Outcome, Record, RobotRecord};
