@@ -233,7 +233,7 @@ fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > MAX_BYTES {
-        return Err(io::Error::other("larger than 1 MiB"));
+        return Err(io::Error::other("larger than 1 MiB, which is no scenario"));
     }
     Ok(bytes)
 }

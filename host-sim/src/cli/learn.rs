@@ -1,9 +1,11 @@
 //! `learn`: the ratios in an execution log.
 
-use super::{Failure, print, read};
+use super::{Failure, print};
 use clap::Args;
 use host_sim::{ExecutionLog, Learned};
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 pub(super) const EXAMPLES: &str = "\
@@ -12,6 +14,9 @@ Examples:
   host-sim learn flight.csv            how often each robot's moves succeeded
   host-sim learn flight.csv --json | jq '.B | length'
 host-sim/scenarios/README.md describes the log.";
+
+/// No log is larger than this.
+const MAX_BYTES: u64 = 1 << 26;
 
 #[derive(Args, Debug)]
 pub(super) struct Learn {
@@ -31,4 +36,13 @@ impl Learn {
         print(&if self.json { learned.to_json()? + "\n" } else { learned.table() })?;
         Ok(ExitCode::SUCCESS)
     }
+}
+
+fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(io::Error::other("larger than 64 MiB"));
+    }
+    Ok(bytes)
 }
