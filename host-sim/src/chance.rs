@@ -14,6 +14,8 @@ pub(crate) enum Purpose {
     Duplicate = 2,
     /// What a localiser reads.
     Localiser = 3,
+    /// Whether a worn drive makes a move.
+    Wear = 4,
 }
 
 /// A stream of draws.

@@ -1,15 +1,17 @@
 //! The verbs, what they read and what they print.
 
+mod learn;
 mod notebook;
 
+use self::learn::Learn;
 use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand};
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, summary};
-use host_sim::{Audience, Conditions, Record, Scenario, fly, library};
+use host_sim::{Audience, Conditions, Logbook, Record, Scenario, fly, library};
 use std::error::Error;
 use std::fs::File;
-use std::io::{self, IsTerminal, Read, Write};
-use std::path::Path;
+use std::io::{self, BufWriter, IsTerminal, Read, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use terminal_size::{Height, Width, terminal_size};
 
@@ -86,6 +88,9 @@ enum Verb {
     /// Write a model from a notebook as Rust source for firmware
     #[command(after_help = notebook::EXPORT_EXAMPLES)]
     Export(notebook::Export),
+    /// Learn from a log how often each robot's moves succeed
+    #[command(after_help = learn::EXAMPLES)]
+    Learn(Learn),
 }
 
 #[derive(Args, Debug, PartialEq)]
@@ -99,6 +104,9 @@ struct Run {
     /// The probability that a frame does not reach a teammate, 0 to 1, in place of the scenario's
     #[arg(long, value_name = "P", value_parser = probability)]
     loss: Option<f64>,
+    /// Keep a log of every move that a robot was told to make
+    #[arg(long, value_name = "FILE.csv")]
+    log: Option<PathBuf>,
     /// Print one JSON object with everything about the flight, and nothing else
     #[arg(long, conflicts_with = "quiet")]
     json: bool,
@@ -127,6 +135,7 @@ impl Cli {
             Some(Verb::Run(run)) => run.run(),
             Some(Verb::Infer(infer)) => infer.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Export(export)) => export.run().map(|()| ExitCode::SUCCESS),
+            Some(Verb::Learn(learn)) => learn.run(),
             None => self.run.run(),
         }
     }
@@ -147,8 +156,12 @@ impl Run {
     fn run(&self) -> Result<ExitCode, Failure> {
         let scenario = scenario(&self.scenario)?;
         let conditions = Conditions { seed: self.seed, loss: self.loss };
-        let record = fly(&scenario, conditions, &mut *self.audience(&scenario))
+        let mut audience = (self.audience(&scenario), self.logbook()?);
+        let record = fly(&scenario, conditions, &mut audience)
             .map_err(|error| format!("{}: {error}", scenario.name))?;
+        if let Some(logbook) = audience.1 {
+            logbook.finish()?;
+        }
         print(&self.report(&record)?)?;
         let success = record.outcome.is_success();
         Ok(if success { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
@@ -164,6 +177,12 @@ impl Run {
             }
             _ => Box::new(Narrator::new(io::stdout())),
         }
+    }
+
+    fn logbook(&self) -> Result<Option<Logbook<BufWriter<File>>>, Failure> {
+        let Some(path) = &self.log else { return Ok(None) };
+        let file = File::create(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(Some(Logbook::new(BufWriter::new(file))))
     }
 
     fn report(&self, record: &Record) -> Result<String, Failure> {

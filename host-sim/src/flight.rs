@@ -13,7 +13,7 @@ use crate::news::{self, News};
 use crate::radio::{Radio, Traffic};
 use crate::record::{self, Dated, Outcome, Record, RobotRecord};
 use crate::referee::Collisions;
-use crate::scenario::{self, Floor, Scenario};
+use crate::scenario::{self, Floor, Scenario, Wear};
 use crate::team::{Team, with_team};
 use crate::world::World;
 use firmware::{ControllerError, Report};
@@ -42,6 +42,8 @@ pub struct Scene<'f> {
     pub cells: &'f [Cell],
     /// What the robots say of themselves.
     pub reports: &'f [Report],
+    /// The moves that the robots were told to make in the last tick, none before the first.
+    pub commands: &'f [Option<Move>],
     /// What has happened in the last tick.
     pub news: &'f [Dated],
 }
@@ -55,6 +57,16 @@ pub trait Audience {
 /// Nobody.
 impl Audience for () {
     fn see(&mut self, _: &Scene<'_>) {}
+}
+
+/// Two who look on; the second may be missing.
+impl<A: Audience> Audience for (Box<dyn Audience + '_>, Option<A>) {
+    fn see(&mut self, scene: &Scene<'_>) {
+        self.0.see(scene);
+        if let Some(other) = &mut self.1 {
+            other.see(scene);
+        }
+    }
 }
 
 /// Flies a scenario to its end.
@@ -86,10 +98,12 @@ struct Flight<'f, 'm> {
     world: World,
     radio: Radio,
     localisers: Chance,
+    wear: Chance,
     collisions: Collisions,
     tick: u32,
     reports: Vec<Report>,
     found: Vec<Cell>,
+    commands: Vec<Option<Move>>,
     news: Vec<Dated>,
     history: Vec<Vec<Cell>>,
 }
@@ -104,10 +118,12 @@ impl<'f, 'm> Flight<'f, 'm> {
             terms,
             radio: Radio::new(terms, team.len(), conditions.seed),
             localisers: Chance::new(conditions.seed, Purpose::Localiser),
+            wear: Chance::new(conditions.seed, Purpose::Wear),
             collisions: Collisions::default(),
             tick: 0,
             reports: team.iter().map(|robot| robot.report()).collect(),
             found: Vec::new(),
+            commands: vec![None; team.len()],
             news: Vec::new(),
             history: vec![world.cells().to_vec()],
             scenario,
@@ -124,6 +140,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             floor: self.world.floor(),
             cells: self.world.cells(),
             reports: &self.reports,
+            commands: &self.commands,
             news: &self.news[told..],
         });
     }
@@ -187,17 +204,27 @@ impl<'f, 'm> Flight<'f, 'm> {
         }
     }
 
-    /// Makes the moves that the robots have commanded.
+    /// Makes the moves that the robots have commanded, as far as their drives let them.
     fn drive(&mut self) -> Option<News> {
         let command = |robot: &mut Box<dyn crate::team::Robot + 'm>| robot.body().wheels.command.take();
-        let commands: Vec<_> =
-            self.team.iter_mut().map(|robot| command(robot).unwrap_or(Move::Wait)).collect();
+        self.commands = self.team.iter_mut().map(command).collect();
+        let commands: Vec<_> = (0..self.team.len()).map(|robot| self.made(robot)).collect();
         let (before, faults) = (self.world.cells().to_vec(), self.collisions.total());
         self.world.carry_out(&commands);
         self.collisions.judge(self.world.floor(), &before, &commands, self.world.cells());
         self.history.push(self.world.cells().to_vec());
         let times = self.collisions.total() - faults;
         (times > 0).then_some(News::Collided { times })
+    }
+
+    /// The move that a robot really makes.
+    fn made(&mut self, robot: usize) -> Move {
+        let step = self.commands[robot].unwrap_or(Move::Wait);
+        let worn = |wear: &&Wear| wear.robot == robot && wear.step == step && wear.from <= self.tick;
+        // Drawn one by one: a drive that is worn twice fails for either reason.
+        let fails =
+            self.scenario.wear.iter().filter(worn).filter(|wear| self.wear.strikes(wear.fails)).count() > 0;
+        if fails { Move::Wait } else { step }
     }
 
     fn compare(&mut self) -> Vec<News> {

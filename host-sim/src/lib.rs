@@ -25,7 +25,9 @@
 mod body;
 mod chance;
 mod flight;
+mod learn;
 pub mod library;
+mod log;
 mod news;
 pub mod notebook;
 mod radio;
@@ -38,12 +40,15 @@ mod words;
 mod world;
 
 pub use flight::{Audience, Conditions, Scene, fly};
+pub use learn::{Learned, MoveRatio, RobotRatios};
+pub use log::{Attempt, ExecutionLog, LogError, Logbook};
 pub use news::News;
 pub use radio::Traffic;
 pub use record::{Dated, Outcome, Record, RobotRecord};
 pub use referee::Collisions;
 pub use scenario::{
-    Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Obstacle, Radio, Robot, Scenario, ScenarioError, When,
+    Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Obstacle, Radio, Robot, Scenario, ScenarioError, Wear,
+    When,
 };
 
 /// The code in the README and in the documents is compiled and run with the tests.

@@ -14,7 +14,7 @@ mod values;
 
 pub use error::ScenarioError;
 
-use iibt_core::grid::{Cell, Map, Path};
+use iibt_core::grid::{Cell, Map, Move, Path};
 
 /// The most cells a map has.
 pub const MAX_CELLS: usize = 1024;
@@ -45,6 +45,8 @@ pub struct Scenario {
     pub robots: Vec<Robot>,
     /// The obstacles that appear while the mission is flown.
     pub obstacles: Vec<Obstacle>,
+    /// The drives that make some moves only now and then.
+    pub wear: Vec<Wear>,
     /// The radio between the robots.
     pub radio: Radio,
     /// How many cells far a robot sees obstacles, diagonals included.
@@ -86,6 +88,19 @@ pub enum When {
     Reached(usize, Cell),
 }
 
+/// A robot's drive that fails to make one kind of move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wear {
+    /// The robot, by its index.
+    pub robot: usize,
+    /// The move.
+    pub step: Move,
+    /// The first tick in which it may fail.
+    pub from: u32,
+    /// The probability that it fails, and the robot stays.
+    pub fails: f64,
+}
+
 /// What happens to frames between the robots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Radio {
@@ -110,6 +125,8 @@ pub struct Inference {
     pub haste: Option<f32>,
     /// The preference for a collision, at most zero.
     pub collision: Option<f32>,
+    /// How much a robot learns of its drive from one move; zero turns learning off.
+    pub learning: Option<f32>,
 }
 
 impl Default for Radio {

@@ -7,6 +7,7 @@ use crate::scenario::{Floor, MAX_CELLS, MAX_PATHS, Scenario};
 use firmware::{Controller, ControllerError, Report, Settings};
 use iibt_core::grid::{Cell, Map, Path, words};
 use iibt_core::iibt::Mission;
+use iibt_core::inference::learning::Rates;
 use iibt_core::team::{Key, RobotId};
 
 /// A robot that flies, whatever the size its controller is compiled for.
@@ -74,6 +75,9 @@ fn tune<const W: usize>(mission: &mut Mission<'_, W>, scenario: &Scenario) {
     ];
     for (setting, value) in settings {
         *setting = value.unwrap_or(*setting);
+    }
+    if let Some(learning) = wanted.learning {
+        mission.learning = Rates::new(learning, mission.learning.forgetting());
     }
 }
 

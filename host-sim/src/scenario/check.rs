@@ -4,9 +4,9 @@ use super::drawing::Drawing;
 use super::error::Fault;
 use super::file::{Event, File, Number};
 use super::values::{line_of_text, parameter, share, whole};
-use super::{Inference, MAX_TICKS, Obstacle, Radio, Robot, Scenario, When, file, reach};
-use crate::words::counted;
-use iibt_core::grid::Cell;
+use super::{Inference, MAX_TICKS, Obstacle, Radio, Robot, Scenario, Wear, When, file, reach};
+use crate::words::{self, counted};
+use iibt_core::grid::{Cell, Move};
 use iibt_core::iibt::navigation::MAX_GOALS;
 use std::ops::Range;
 use toml::Spanned;
@@ -32,6 +32,7 @@ pub(super) fn check(name: &str, text: &str, file: &File) -> Result<Scenario, Fau
         view: whole("view", file.view.as_ref(), 1..=8, 1)? as u16,
         radio: radio(&file.radio)?,
         inference: inference(&file.inference)?,
+        wear: file.wear.iter().map(|wear| worn(wear, &robots)).collect::<Result<_, _>>()?,
         obstacles: obstacles.collect::<Result<_, _>>()?,
         map: drawing.map,
         goals,
@@ -120,6 +121,23 @@ fn named(name: &Spanned<String>, robots: &[Robot]) -> Result<usize, Fault> {
     })
 }
 
+fn worn(wear: &Spanned<file::Wear>, robots: &[Robot]) -> Result<Wear, Fault> {
+    let written = wear.get_ref();
+    Ok(Wear {
+        robot: named(&written.robot, robots)?,
+        step: move_called(&written.step)?,
+        from: whole("from", written.from.as_ref(), 0..=MAX_TICKS, 0)?,
+        fails: share("fails", Some(&written.fails), 0.0)?,
+    })
+}
+
+fn move_called(name: &Spanned<String>) -> Result<Move, Fault> {
+    words::move_called(name.get_ref()).filter(|&step| step != Move::Wait).ok_or_else(|| {
+        let reason = format!("no move is called \"{}\": there are up, down, left and right", name.get_ref());
+        Fault::new(name.span(), reason)
+    })
+}
+
 fn radio(written: &file::Radio) -> Result<Radio, Fault> {
     let usual = Radio::default();
     Ok(Radio {
@@ -136,5 +154,6 @@ fn inference(written: &file::Inference) -> Result<Inference, Fault> {
         peer_sensor: parameter("peer_sensor", written.peer_sensor.as_ref(), 0.0..=1.0)?,
         haste: parameter("haste", written.haste.as_ref(), 0.0..=1000.0)?,
         collision: parameter("collision", written.collision.as_ref(), -1000.0..=0.0)?,
+        learning: parameter("learning", written.learning.as_ref(), 0.0..=1000.0)?,
     })
 }

@@ -19,6 +19,8 @@ pub(super) struct File {
     pub robots: Vec<Spanned<Robot>>,
     #[serde(default, rename = "event")]
     pub events: Vec<Spanned<Event>>,
+    #[serde(default)]
+    pub wear: Vec<Spanned<Wear>>,
 }
 
 /// A whole number and where it is written.
@@ -43,6 +45,7 @@ pub(super) struct Inference {
     pub peer_sensor: Option<Real>,
     pub haste: Option<Real>,
     pub collision: Option<Real>,
+    pub learning: Option<Real>,
 }
 
 #[derive(Deserialize, Default)]
@@ -62,4 +65,14 @@ pub(super) struct Event {
     pub tick: Option<Number>,
     pub robot: Option<Spanned<String>>,
     pub at: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Wear {
+    pub robot: Spanned<String>,
+    #[serde(rename = "move")]
+    pub step: Spanned<String>,
+    pub from: Option<Number>,
+    pub fails: Real,
 }

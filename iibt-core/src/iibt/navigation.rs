@@ -14,6 +14,7 @@ mod candidates;
 mod decision;
 mod deliberation;
 mod mission;
+mod motion;
 mod plans;
 mod task;
 mod tracking;
@@ -25,6 +26,7 @@ pub use mission::{MAX_GOALS, Mission, MissionError};
 pub use plans::{ARRIVED, OBSTACLE, Plan, REACHABLE, RULES};
 
 use self::candidates::{Generator, Situation};
+use self::motion::{MOVES, Motion};
 use super::Logic;
 use crate::bounded::up_to;
 use crate::grid::{Cell, Move};
@@ -56,6 +58,7 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     roster: Roster,
     agreement: Agreement,
     belief: Beliefs<S, 1>,
+    motion: Motion,
     surprise: Result<f32, Impossible>,
     preference: Preference<S>,
     hazards: Vec<Cell, MAX_KNOWN_HAZARDS>,
@@ -109,6 +112,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             agreement: Agreement::new(robot, mission.team(), epoch, start),
             roster,
             belief: decision.world().initial(),
+            motion: Motion::new(mission.learning),
             surprise: Ok(0.0),
             preference: decision.world().preference(),
             hazards: Vec::new(),
@@ -170,6 +174,12 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
     /// [`Impossible`] when the reading had probability zero; the belief was left as it was.
     pub const fn surprise(&self) -> Result<f32, Impossible> {
         self.surprise
+    }
+
+    /// How likely each move is taken to fail, in the order of [`Move::ALL`]: zero until it has failed, then what was learned.
+    #[must_use]
+    pub fn slips(&self) -> [f32; MOVES] {
+        self.motion.slips()
     }
 
     /// C as it is now, temporary raises included.

@@ -4,6 +4,7 @@
 //! |---|---|---|---|
 //! | [`LikelihoodCounts`] | A | an observation and the beliefs it was made under | a [`Likelihood`](super::Likelihood) |
 //! | [`TransitionCounts`] | B | an action and the beliefs before and after it | a [`Transition`](super::Transition) |
+//! | [`SlipCounts`] | B of moves that may fail | whether a move was made | the slips of a [`NextState`](super::NextState) |
 //! | [`PreferenceCounts`] | C | outcomes, and how well each turned out | a list for a [`Modality`](super::Modality) |
 //! | [`PriorCounts`] | D | beliefs about where things began | the prior of a [`Factor`](super::Factor) |
 //! | [`HabitCounts`] | E | what was chosen | [`Habits::Joint`](super::Habits::Joint) |
@@ -29,6 +30,7 @@ mod origin;
 mod preference;
 #[cfg(test)]
 mod sampling;
+mod slip;
 mod tally;
 mod transition;
 
@@ -37,6 +39,7 @@ pub use habit::HabitCounts;
 pub use initial::PriorCounts;
 pub use likelihood::LikelihoodCounts;
 pub use preference::PreferenceCounts;
+pub use slip::SlipCounts;
 pub use transition::TransitionCounts;
 
 use super::{Evidence, Shape};

@@ -3,7 +3,7 @@
 //! | form | what it is | numbers it stores |
 //! |---|---|---|
 //! | [`Dense`] | any table, coupled to other factors or not | actions x states x states |
-//! | [`NextState`] | one next state per action and state, reached always or with a slip | two bytes per action and state |
+//! | [`NextState`] | one next state per action and state, reached always, with a slip, or with a slip per action | two bytes per action and state |
 //! | [`Blocks`] | a weighted sum of blocks, one per factor: the coupling blocks of the paper's section 4 | its blocks |
 
 mod blocks;

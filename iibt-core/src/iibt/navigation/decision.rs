@@ -1,5 +1,6 @@
 //! The choice of a policy together with the teammates: the posterior over joint policies.
 
+use super::motion::{Odds, ln_kept};
 use super::world::{Collision, OWN, PEER, TEAM, World};
 use super::{Candidate, Mission};
 use crate::bounded::up_to;
@@ -27,11 +28,12 @@ pub struct Decision<const S: usize, const P: usize> {
     counts: (usize, usize),
 }
 
-/// A robot in a decision: what it would like, and what it could do.
+/// A robot in a decision: what it would like, what it could do, and how likely its moves are made.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Party<'a, const S: usize> {
     pub(super) preference: &'a Preference<S>,
     pub(super) candidates: &'a [Candidate],
+    pub(super) odds: &'a Odds,
 }
 
 /// The steps of a decision.
@@ -110,7 +112,7 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         let own = self.evaluation.own_terms(OWN).zip(ours.candidates);
         let scores = self.evaluation.scores().chunks_exact(count.max(1));
         for ((row, scores), (terms, candidate)) in self.rows.iter_mut().zip(scores).zip(own) {
-            let own = score_of(&self.scoring, ln_prior(self.haste, candidate, timing), terms);
+            let own = score_of(&self.scoring, ln_prior(self.haste, ours.odds, candidate, timing), terms);
             row.iter_mut().zip(scores).for_each(|(score, total)| *score = total - own);
         }
         self.counts.1 = count;
@@ -157,9 +159,12 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         });
     }
 
-    fn ln_priors(&self, party: Option<Party<'_, S>>, timing: Timing) -> Vec<f32, P> {
-        let candidates = party.map_or(&[][..], |party| party.candidates);
-        up_to(candidates.iter().map(|candidate| ln_prior(self.haste, candidate, timing)))
+    fn ln_priors<'a>(&'a self, party: Option<Party<'a, S>>, timing: Timing) -> Vec<f32, P> {
+        let of = |party: Party<'a, S>| {
+            let ln_prior = move |candidate| ln_prior(self.haste, party.odds, candidate, timing);
+            party.candidates.iter().map(ln_prior)
+        };
+        up_to(party.into_iter().flat_map(of))
     }
 
     /// Begins a decision with the values of the robot's own candidates, which are in the evaluation.
@@ -167,7 +172,7 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         self.own = [f32::NEG_INFINITY; P];
         let parts = self.evaluation.own_terms(OWN).zip(ours.candidates);
         for (score, (terms, candidate)) in self.own.iter_mut().zip(parts) {
-            *score = score_of(&self.scoring, ln_prior(self.haste, candidate, timing), terms);
+            *score = score_of(&self.scoring, ln_prior(self.haste, ours.odds, candidate, timing), terms);
         }
         let count = ours.candidates.len().min(P);
         self.star = Star::new(self.own.iter().copied().take(count));
@@ -208,9 +213,10 @@ fn policies<const P: usize>(candidates: &[Candidate]) -> Vec<Policy, P> {
     up_to(candidates.iter().map(|candidate| candidate.path.actions))
 }
 
-/// ln E: arriving later than the team could costs.
-fn ln_prior(haste: f32, candidate: &Candidate, timing: Timing) -> f32 {
-    -haste * candidate.path.len().saturating_sub(timing.earliest) as f32
+/// ln E: arriving later than the team could costs, and so do moves that are likely to fail.
+fn ln_prior(haste: f32, odds: &Odds, candidate: &Candidate, timing: Timing) -> f32 {
+    let late = candidate.path.len().saturating_sub(timing.earliest) as f32;
+    ln_kept(odds, &candidate.path) - haste * late
 }
 
 /// ln E - F - γ G of one candidate by itself. F is the same for all candidates of a decision and cancels.

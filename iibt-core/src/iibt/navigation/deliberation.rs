@@ -2,6 +2,7 @@
 
 use super::candidates::Situation;
 use super::decision::{Party, Timing};
+use super::motion::SURE;
 use super::{Candidate, Navigation, intentions};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Map, Path, first_conflict};
@@ -70,7 +71,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     /// else all that it might choose.
     pub(super) fn deliberate(&mut self, situation: &Situation<W>) {
         let (here, timing) = (situation.here, self.timing(situation));
-        let wanted = self.wanted();
+        let (wanted, odds) = (self.wanted(), self.motion.odds());
         let known = |peer: &Intention| (peer.robot.index(), peer.path, peer.status != Status::Deciding);
         let partners: Vec<(usize, Path, bool), MAX_TEAM> = up_to(self.partners().map(known));
         let mut own = self.belief;
@@ -83,12 +84,12 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             let mut pair = self.decision.beliefs(self.belief.as_flat(), here, path.start);
             math::assign(pair.as_flat_mut(), self.decision.world().cells(own.as_flat()));
             self.propose(situation, robot, path, chosen);
-            let ours = Party { preference: &wanted, candidates: &self.candidates };
-            let theirs = Party { preference: &wanted, candidates: &self.teammates };
+            let ours = Party { preference: &wanted, candidates: &self.candidates, odds: &odds };
+            let theirs = Party { preference: &wanted, candidates: &self.teammates, odds: &SURE };
             self.decision.join(&pair, ours, theirs, timing);
         }
         if partners.is_empty() {
-            let ours = Party { preference: &wanted, candidates: &self.candidates };
+            let ours = Party { preference: &wanted, candidates: &self.candidates, odds: &odds };
             self.decision.decide_alone(own.as_flat(), ours, timing);
         }
     }

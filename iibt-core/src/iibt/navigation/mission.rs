@@ -2,6 +2,7 @@
 
 use crate::grid::{Cell, Map, Path};
 use crate::inference::Scoring;
+use crate::inference::learning::Rates;
 use crate::team::MAX_TEAM;
 
 /// The most goals of one mission.
@@ -38,6 +39,9 @@ pub struct Mission<'m, const W: usize> {
     pub collision: f32,
     /// What it costs in a policy's prior to arrive later than the team could: ln E = -haste * moves too many.
     pub haste: f32,
+    /// How fast a robot learns that a move of its own drive fails, and forgets it: a path that is not likely to be kept in
+    /// step weighs less in a policy's prior. A learning rate of zero turns learning off.
+    pub learning: Rates,
 }
 
 /// Why a mission cannot be flown.
@@ -75,6 +79,7 @@ impl<'m, const W: usize> Mission<'m, W> {
             scoring: Scoring::DEFAULT,
             collision: -4.0,
             haste: 2.0,
+            learning: Rates::new(1.0, 0.02),
         }
     }
 

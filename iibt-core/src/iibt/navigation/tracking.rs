@@ -57,7 +57,9 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         let mut left = None;
         let step = self.commanded.take();
         if let Some(step) = step {
-            left = Some(self.position().0).filter(|_| step != Move::Wait);
+            let here = self.position().0;
+            self.motion.begin(here, step);
+            left = Some(here).filter(|_| step != Move::Wait);
             self.waited = step == Move::Wait;
         }
         // The first reading after a move may be from before it: whether the move failed, the next one tells.
@@ -79,6 +81,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     /// Follows the team's agreement as far as the robot's place and the teammates' intentions carry it.
     pub(super) fn keep_up(&mut self) {
         let Some(here) = self.here() else { return };
+        self.learn(here);
         let waited = core::mem::take(&mut self.waited);
         if self.agreement.advance(&self.mission.map, here, waited) {
             self.vain_rounds = 0;

@@ -1,18 +1,21 @@
-//! Motion to one next state, certain or with a slip.
+//! Motion to one next state, certain or with slips.
 
 use super::{Transition, stay};
 use crate::actions::{Action, Actions};
 use crate::inference::Shape;
 use crate::inference::likelihood::TableError;
 
-/// The next state of every state, per action, reached with probability 1 - slip; else the robot stays where it is.
+/// The next state of every state, per action, reached with probability 1 - slip; else the robot stays where it is. The slip
+/// is the same for all actions, or one of each action's own.
 ///
 /// Two bytes per action and state, and a prediction costs an addition per state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NextState<'a> {
     table: &'a [u16],
     states: u16,
+    /// Of the actions that have none of their own.
     slip: f32,
+    slips: &'a [f32],
 }
 
 impl<'a> NextState<'a> {
@@ -40,6 +43,38 @@ impl<'a> NextState<'a> {
         }
     }
 
+    /// Motion in which each action fails with a probability of its own: one for each, in the order of the rows.
+    ///
+    /// # Panics
+    /// As [`new`](Self::new), and when there is not a probability for each action.
+    #[must_use]
+    pub const fn with_slips(table: &'a [u16], states: usize, slips: &'a [f32]) -> Self {
+        match Self::new(table, states).try_slipping(slips) {
+            Ok(motion) => motion,
+            Err(TableError::Entry(_)) => panic!("B, the transition: a slip is no probability"),
+            Err(_) => panic!("B, the transition, does not have a slip for each action"),
+        }
+    }
+
+    /// The same motion with a slip for each action, as when they have been learned.
+    ///
+    /// # Errors
+    /// [`TableError::Length`] when there is not one for each action, and [`TableError::Entry`] with the place of one that is
+    /// no probability.
+    pub const fn try_slipping(self, slips: &'a [f32]) -> Result<Self, TableError> {
+        if slips.len() * self.states as usize != self.table.len() {
+            return Err(TableError::Length(slips.len()));
+        }
+        let mut at = 0;
+        while at < slips.len() {
+            if !(slips[at] >= 0.0 && slips[at] <= 1.0) {
+                return Err(TableError::Entry(at));
+            }
+            at += 1;
+        }
+        Ok(Self { slips, ..self })
+    }
+
     /// The same for numbers that are only known at run time.
     ///
     /// # Errors
@@ -63,13 +98,13 @@ impl<'a> NextState<'a> {
         if !(slip >= 0.0 && slip <= 1.0) {
             return Err(TableError::Entry(0));
         }
-        Ok(Self { table, states: states as u16, slip })
+        Ok(Self { table, states: states as u16, slip, slips: &[] })
     }
 
     /// Certain motion by a table that is sound by its making: one with a row of `states` next states per action. What is not
     /// there changes nothing.
     pub(crate) const fn trusted(table: &'a [u16], states: usize) -> Self {
-        Self { table, states: states as u16, slip: 0.0 }
+        Self { table, states: states as u16, slip: 0.0, slips: &[] }
     }
 
     /// Its shape: the factor's own state is all that it depends on.
@@ -85,10 +120,10 @@ impl<'a> NextState<'a> {
         }
     }
 
-    /// The probability that a move fails.
+    /// The probability that an action fails.
     #[must_use]
-    pub const fn slip(&self) -> f32 {
-        self.slip
+    pub fn slip(&self, action: Action) -> f32 {
+        self.slips.get(usize::from(action)).copied().unwrap_or(self.slip)
     }
 
     /// Where `action` leads from `state` when it does not slip; nowhere for a state or action that does not exist.
@@ -109,19 +144,59 @@ impl Transition for NextState<'_> {
     fn probability(&self, action: Action, next: usize, states: &[usize]) -> f32 {
         let Some(&state) = states.first() else { return 0.0 };
         let Some(&successor) = self.row(action).and_then(|row| row.get(state)) else { return 0.0 };
-        let arrives = if usize::from(successor) == next { 1.0 - self.slip } else { 0.0 };
-        let stays = if state == next { self.slip } else { 0.0 };
+        let slip = self.slip(action);
+        let arrives = if usize::from(successor) == next { 1.0 - slip } else { 0.0 };
+        let stays = if state == next { slip } else { 0.0 };
         arrives + stays
     }
 
     fn predict(&self, _shape: &Shape, action: Action, beliefs: &[&[f32]], to: &mut [f32]) {
         let (Some(row), Some(from)) = (self.row(action), beliefs.first()) else { return stay(beliefs, to) };
-        to.iter_mut().zip(*from).for_each(|(mass, q)| *mass = self.slip * q);
-        let moved = 1.0 - self.slip;
+        let slip = self.slip(action);
+        to.iter_mut().zip(*from).for_each(|(mass, q)| *mass = slip * q);
+        let moved = 1.0 - slip;
         for (&next, q) in row.iter().zip(*from) {
             if let Some(mass) = to.get_mut(usize::from(next)) {
                 *mass += moved * q;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ring of three: on, and back.
+    const RING: [u16; 6] = [1, 2, 0, 2, 0, 1];
+
+    #[test]
+    fn each_action_slips_as_often_as_it_is_said_to_and_a_robot_that_slips_stays() {
+        static B: NextState = NextState::with_slips(&RING, 3, &[0.25, 0.0]);
+        let predicted = |action| {
+            let mut to = [0.0; 3];
+            B.predict(&B.shape(), action, &[&[0.5, 0.5, 0.0]], &mut to);
+            to
+        };
+        assert_eq!(predicted(0), [0.125, 0.5, 0.375]);
+        assert_eq!(predicted(1), [0.5, 0.0, 0.5]);
+        for action in [0, 1, 2] {
+            for state in 0..3 {
+                let column = [0, 1, 2].map(|next| B.probability(action, next, &[state]));
+                let mut to = [0.0; 3];
+                let certain: [f32; 3] = core::array::from_fn(|at| if at == state { 1.0 } else { 0.0 });
+                B.predict(&B.shape(), action, &[&certain], &mut to);
+                assert_eq!(to, column, "{action}, {state}");
+            }
+        }
+        assert_eq!((B.slip(0), B.slip(1), NextState::with_slip(&RING, 3, 0.5).slip(1)), (0.25, 0.0, 0.5));
+    }
+
+    #[test]
+    fn slips_that_do_not_fit_are_refused_by_name() {
+        let motion = NextState::new(&RING, 3);
+        assert_eq!(motion.try_slipping(&[0.5]), Err(TableError::Length(1)));
+        assert_eq!(motion.try_slipping(&[0.5, 1.5]), Err(TableError::Entry(1)));
+        assert_eq!(motion.try_slipping(&[f32::NAN, 0.0]), Err(TableError::Entry(0)));
     }
 }

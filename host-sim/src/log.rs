@@ -1,0 +1,210 @@
+//! Execution logs: every move that a robot was told to make, and whether it was made, as a CSV file.
+//!
+//! ```text
+//! # map ...../..#../.....
+//! tick,robot,cell,move,next,succeeded
+//! 3,R1,0,right,1,1
+//! 5,R1,1,right,1,0
+//! ```
+//! The first line draws the map, its rows apart by `/`. Waits are not logged.
+
+use crate::flight::{Audience, Scene};
+use crate::scenario::{Floor, MAX_CELLS};
+use crate::words::{move_called, move_name};
+use iibt_core::grid::{Cell, Move};
+use std::io::{self, Write};
+
+const MAP: &str = "# map ";
+const HEADER: &str = "tick,robot,cell,move,next,succeeded";
+
+/// Writes the log of a flight.
+#[derive(Debug)]
+pub struct Logbook<W> {
+    out: W,
+    before: Vec<Cell>,
+    written: io::Result<()>,
+}
+
+impl<W: Write> Logbook<W> {
+    /// An empty log.
+    pub const fn new(out: W) -> Self {
+        Self { out, before: Vec::new(), written: Ok(()) }
+    }
+
+    /// What it was written to.
+    ///
+    /// # Errors
+    /// The first that occurred while it was written; nothing was written after it.
+    pub fn finish(mut self) -> io::Result<W> {
+        self.written?;
+        self.out.flush()?;
+        Ok(self.out)
+    }
+
+    fn write(&mut self, scene: &Scene<'_>) -> io::Result<()> {
+        if self.before.is_empty() {
+            writeln!(self.out, "{MAP}{}\n{HEADER}", drawn(&scene.scenario.map))?;
+        }
+        let robots = scene.scenario.robots.iter().zip(scene.commands);
+        for ((robot, &command), (&cell, &next)) in robots.zip(self.before.iter().zip(scene.cells)) {
+            if let Some(step) = command.filter(|&step| step != Move::Wait) {
+                let (name, step, made) = (quoted(&robot.name), move_name(step), u8::from(cell != next));
+                let tick = scene.tick.saturating_sub(1);
+                writeln!(self.out, "{tick},{name},{},{step},{},{made}", cell.0, next.0)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<W: Write> Audience for Logbook<W> {
+    fn see(&mut self, scene: &Scene<'_>) {
+        if self.written.is_ok() {
+            self.written = self.write(scene);
+        }
+        self.before = scene.cells.to_vec();
+    }
+}
+
+/// One move that a robot was told to make.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Attempt {
+    /// When, in ticks from zero.
+    pub tick: u32,
+    /// The robot's name.
+    pub robot: String,
+    /// Where it stood.
+    pub cell: Cell,
+    /// The move.
+    pub step: Move,
+    /// Where it stood afterwards.
+    pub next: Cell,
+    /// Whether it made the move; else it stayed.
+    pub succeeded: bool,
+}
+
+/// A log that was read: every attempt fits the map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExecutionLog {
+    /// The map the moves were made on.
+    pub map: Floor,
+    /// The attempts, in the order of the file.
+    pub attempts: Vec<Attempt>,
+}
+
+/// Why a log was refused. Its display is `FILE:LINE: reason`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogError {
+    /// The file, as it was named.
+    pub file: String,
+    /// The line, from one.
+    pub line: usize,
+    /// What is wrong and what would be right.
+    pub reason: String,
+}
+
+impl std::fmt::Display for LogError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}: {}", self.file, self.line, self.reason)
+    }
+}
+
+impl std::error::Error for LogError {}
+
+impl ExecutionLog {
+    /// Reads a log from the bytes of a file, which is called `name` in errors. Empty lines are passed over.
+    ///
+    /// # Errors
+    /// [`LogError`] with the line and the reason for the first thing that is wrong.
+    pub fn read(name: &str, bytes: &[u8]) -> Result<Self, LogError> {
+        let fault = |line, reason| LogError { file: name.to_owned(), line, reason };
+        let text = std::str::from_utf8(bytes).map_err(|error| {
+            let before = bytes.iter().take(error.valid_up_to());
+            fault(1 + before.filter(|&&byte| byte == b'\n').count(), "this is no UTF-8 text".to_owned())
+        })?;
+        let mut lines = (1..).zip(text.lines());
+        let (_, first) = lines.next().unwrap_or((1, ""));
+        let map = map_of(first).map_err(|reason| fault(1, reason))?;
+        let (_, second) = lines.next().unwrap_or((2, ""));
+        if second.trim() != HEADER {
+            return Err(fault(2, format!("the second line is not \"{HEADER}\"")));
+        }
+        let rows = lines.filter(|(_, line)| !line.trim().is_empty());
+        let attempts =
+            rows.map(|(line, row)| attempt(&map, row.trim()).map_err(|reason| fault(line, reason)));
+        Ok(Self { attempts: attempts.collect::<Result<_, _>>()?, map })
+    }
+}
+
+fn drawn(map: &Floor) -> String {
+    let mark = |cell| if map.is_free(Cell(cell)) { '.' } else { '#' };
+    let cells: Vec<char> = (0..map.len() as u16).map(mark).collect();
+    cells.chunks(usize::from(map.width())).map(String::from_iter).collect::<Vec<_>>().join("/")
+}
+
+fn map_of(line: &str) -> Result<Floor, String> {
+    let drawing = line.trim().strip_prefix(MAP.trim_end()).map(str::trim);
+    let drawing = drawing.ok_or_else(|| format!("the first line is not the map: \"{MAP}...../..#..\""))?;
+    let rows: Vec<&str> = drawing.split('/').collect();
+    let width = rows.first().map_or(0, |row| row.len());
+    if let Some((number, row)) = rows.iter().enumerate().find(|(_, row)| row.len() != width) {
+        return Err(format!("row {number} of the map has {} cells, but row 0 has {width}", row.len()));
+    }
+    let size = width.checked_mul(rows.len()).filter(|cells| (2..=MAX_CELLS).contains(cells));
+    let mut map = size
+        .and_then(|_| Floor::new(u16::try_from(width).ok()?, u16::try_from(rows.len()).ok()?).ok())
+        .ok_or_else(|| format!("the map has {width} x {} cells, not 2 to {MAX_CELLS}", rows.len()))?;
+    for (cell, mark) in (0..).map(Cell).zip(rows.concat().chars()) {
+        match mark {
+            '.' => {}
+            '#' => _ = map.block(cell),
+            other => {
+                return Err(format!(
+                    "'{}' is no cell of a map: '.' is free, '#' blocked",
+                    other.escape_debug()
+                ));
+            }
+        }
+    }
+    Ok(map)
+}
+
+fn attempt(map: &Floor, row: &str) -> Result<Attempt, String> {
+    let (tick, rest) = row.split_once(',').ok_or_else(|| format!("there are no six values: {HEADER}"))?;
+    // From the right: a robot's name may have commas.
+    let mut values = rest.rsplitn(5, ',');
+    let mut value = || values.next().ok_or_else(|| format!("there are no six values: {HEADER}"));
+    let (succeeded, next, step, cell, robot) = (value()?, value()?, value()?, value()?, value()?);
+    let tick = tick.parse().map_err(|_| format!("tick = {tick} is no whole number"))?;
+    let (cell, next) = (free(map, "cell", cell)?, free(map, "next", next)?);
+    let step = move_called(step)
+        .filter(|&step| step != Move::Wait)
+        .ok_or_else(|| format!("no move is called \"{step}\": there are up, down, left and right"))?;
+    let succeeded = match succeeded {
+        "1" => true,
+        "0" => false,
+        other => return Err(format!("succeeded = {other} is not 1 or 0")),
+    };
+    let led = if succeeded { map.neighbour(cell, step) } else { cell };
+    if next != led || (succeeded && led == cell) {
+        let (verb, name) = (if succeeded { "succeeded" } else { "failed" }, move_name(step));
+        return Err(format!("a move {name} from {} that {verb} does not end on {}", cell.0, next.0));
+    }
+    Ok(Attempt { tick, robot: unquoted(robot)?, cell, step, next, succeeded })
+}
+
+fn free(map: &Floor, what: &str, text: &str) -> Result<Cell, String> {
+    let cell = text.parse().ok().map(Cell).filter(|&cell| map.is_free(cell));
+    cell.ok_or_else(|| format!("{what} = {text} is no free cell of the map"))
+}
+
+/// A name as CSV has it.
+fn quoted(name: &str) -> String {
+    if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
+}
+
+fn unquoted(text: &str) -> Result<String, String> {
+    let inside = text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
+    let name = inside.map_or_else(|| text.to_owned(), |inside| inside.replace("\"\"", "\""));
+    if name.trim().is_empty() { Err("the robot has no name".to_owned()) } else { Ok(name) }
+}

@@ -1,0 +1,181 @@
+//! What the robot has learned of its own drive: how often each move fails.
+//!
+//! A move that fails is made again, and the whole team waits for it, because its robots follow their paths in step. So a slip does
+//! not lead off the path; it spoils its timing. A path is kept in step with the probability
+//!
+//! P(s_1 ... s_T as planned | π) = Π B(s_t | s_t-1, u_t) = Π (1 - slip(u_t)),
+//!
+//! and that is its weight in the prior over policies, E. A robot that has learned does not ask for another decision: what it has
+//! learned counts in the next one. Teammates are taken to move without fail.
+
+use super::Navigation;
+use crate::grid::{Cell, Move, Path};
+use crate::inference::learning::{Rates, SlipCounts};
+use crate::math;
+
+/// The moves, to wait being one that cannot fail.
+pub(super) const MOVES: usize = Move::ALL.len();
+
+/// ln B(s' | s, u) of every move that leads where it should.
+pub(super) type Odds = [f32; MOVES];
+
+/// The odds of moves that never fail.
+pub(super) const SURE: Odds = [0.0; MOVES];
+
+/// The least log weight of a path, about one in three thousand: with the usual precision half of what a goal is worth, so that
+/// a worn drive never makes a robot give up the goal that goes with its teammates' plans.
+const LEAST: f32 = -8.0;
+
+/// How many successes of every move a robot takes for granted when it starts.
+const TRUST: f32 = 8.0;
+
+/// The counts of a robot's moves, and the move that is under way.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    counts: SlipCounts<MOVES>,
+    attempt: Option<(Cell, Move)>,
+}
+
+impl Motion {
+    pub(super) fn new(rates: Rates) -> Self {
+        Self { counts: SlipCounts::new(TRUST, rates), attempt: None }
+    }
+
+    /// How likely each move is taken to fail.
+    pub(super) fn slips(&self) -> [f32; MOVES] {
+        self.counts.slips()
+    }
+
+    /// ln (1 - slip) of each move.
+    pub(super) fn odds(&self) -> Odds {
+        self.slips().map(|slip| math::ln(1.0 - slip).max(LEAST))
+    }
+
+    /// Keeps in mind that a move from this cell is to be made.
+    pub(super) const fn begin(&mut self, from: Cell, step: Move) {
+        self.attempt = Some((from, step));
+    }
+}
+
+/// The log weight of a path by the odds of its moves.
+pub(super) fn ln_kept(odds: &Odds, path: &Path) -> f32 {
+    let of = |step: Move| odds.get(usize::from(step.code())).copied().unwrap_or(0.0);
+    path.moves().map(of).sum::<f32>().max(LEAST)
+}
+
+impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
+    /// Counts the last move, now that the robot is sure to be `here`: a success where it should have led, a failure where it
+    /// began. Nothing is learned from a move that ends anywhere else, nor from one that an obstacle was in the way of.
+    pub(super) fn learn(&mut self, here: Cell) {
+        let Some((from, step)) = self.motion.attempt.take() else { return };
+        let to = self.mission.map.neighbour(from, step);
+        let counts = to != from && (here == to || here == from) && !self.hazards.contains(&to);
+        if counts {
+            self.motion.counts.learn(step.code(), here == to);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Mission, Percept};
+    use super::*;
+    use crate::grid::Map;
+    use crate::iibt::Task;
+    use crate::team::{Limits, RobotId, Roster};
+    use crate::time::Duration;
+
+    type Robot<'m> = Navigation<'m, 49, 2, 4>;
+
+    fn robot<'m>(mission: &'m Mission<'m, 2>) -> Robot<'m> {
+        let roster = Roster::new(RobotId(0), 1, Limits::for_beacons(Duration(1)).unwrap()).unwrap();
+        Navigation::new(mission, RobotId(0), 1, roster).unwrap()
+    }
+
+    fn read(robot: &mut Robot<'_>, reading: Option<u16>) {
+        robot.perceive(Percept { reading: reading.map(Cell), ..Percept::default() });
+        robot.observe();
+        robot.update();
+    }
+
+    fn command(robot: &mut Robot<'_>, step: Move) {
+        robot.commanded = Some(step);
+    }
+
+    const STARTS: [Cell; 1] = [Cell(0)];
+    const GOALS: [Cell; 1] = [Cell(24)];
+
+    fn mission() -> Mission<'static, 2> {
+        Mission::new(Map::new(7, 7).unwrap(), &STARTS, &GOALS)
+    }
+
+    #[test]
+    fn a_move_counts_once_a_reading_confirms_where_it_led() {
+        let mission = mission();
+        let mut robot = robot(&mission);
+        let right = |robot: &Robot<'_>| *robot.motion.counts.counts(Move::Right.code()).unwrap();
+        read(&mut robot, Some(0));
+        command(&mut robot, Move::Right);
+        read(&mut robot, Some(0));
+        assert_eq!(right(&robot), [TRUST, 0.0], "the first reading may be from before the move");
+        read(&mut robot, None);
+        assert_eq!(right(&robot), [TRUST, 0.0], "nothing was read");
+        read(&mut robot, Some(0));
+        assert_eq!(right(&robot), [TRUST, 1.0]);
+        command(&mut robot, Move::Right);
+        read(&mut robot, Some(1));
+        assert!((right(&robot)[0] - TRUST - 1.0).abs() < 0.1 && right(&robot)[1] > 0.9);
+        let learned = right(&robot);
+        command(&mut robot, Move::Wait);
+        read(&mut robot, Some(1));
+        command(&mut robot, Move::Right);
+        read(&mut robot, Some(40));
+        read(&mut robot, Some(40));
+        read(&mut robot, Some(40));
+        assert_eq!(robot.here(), Some(Cell(40)));
+        assert_eq!(right(&robot), learned, "a robot that is put elsewhere learns nothing of its drive");
+        assert_eq!(robot.slips()[usize::from(Move::Wait.code())], 0.0);
+    }
+
+    #[test]
+    fn an_obstacle_in_the_way_says_nothing_of_the_drive() {
+        let mission = mission();
+        let mut robot = robot(&mission);
+        read(&mut robot, Some(0));
+        command(&mut robot, Move::Right);
+        robot.see(Cell(1));
+        read(&mut robot, Some(0));
+        read(&mut robot, Some(0));
+        assert_eq!((robot.here(), robot.slips()), (Some(Cell(0)), [0.0; MOVES]));
+    }
+
+    #[test]
+    fn a_path_weighs_as_much_as_the_chance_that_all_its_moves_are_made() {
+        let mut odds = SURE;
+        odds[usize::from(Move::Right.code())] = math::ln(0.5);
+        let map = mission().map;
+        let through = |cells: &[u16]| {
+            let mut path = Path::at(Cell(cells[0]));
+            for pair in cells.windows(2) {
+                path.push(map.move_between(Cell(pair[0]), Cell(pair[1])).unwrap()).unwrap();
+            }
+            path
+        };
+        assert!((math::exp(ln_kept(&odds, &through(&[0, 1, 8, 9, 9]))) - 0.25).abs() < 1e-6);
+        assert_eq!(ln_kept(&odds, &through(&[0, 7, 14])), 0.0);
+        odds[usize::from(Move::Right.code())] = LEAST;
+        assert_eq!(ln_kept(&odds, &through(&[0, 1, 2, 3])), LEAST);
+    }
+
+    #[test]
+    fn a_drive_that_always_fails_keeps_its_odds_finite() {
+        for rates in [Rates::DEFAULT, Rates::new(f32::MAX, 0.0), Rates::new(1.0, 1.0)] {
+            let mut motion = Motion::new(rates);
+            for _ in 0..100_000 {
+                motion.counts.learn(0, false);
+            }
+            let odds = motion.odds();
+            assert!((LEAST..0.0).contains(&odds[0]) && odds[1..] == [0.0; 4], "{odds:?}");
+        }
+    }
+}
