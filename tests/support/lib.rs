@@ -1,5 +1,6 @@
 //! What several tests share: references to compare with, the paper's data, and an emulated board.
 
+pub mod budgets;
 pub mod dense;
 pub mod elf;
 pub mod oracle;
