@@ -1,0 +1,106 @@
+//! A hidden factor.
+
+use crate::actions::Action;
+use crate::inference::model::MAX_FACTORS;
+use crate::inference::shape::Shape;
+use crate::inference::transition::Transition;
+use crate::math;
+
+/// A hidden factor: its transition B, its prior D, and what acts on it.
+#[derive(Clone, Copy)]
+pub struct Factor<'a> {
+    pub(super) transition: &'a dyn Transition,
+    pub(super) shape: Shape,
+    pub(super) coupled_to: &'a [usize],
+    pub(super) control: Control,
+    pub(super) prior: &'a [f32],
+}
+
+/// Which of a joint policy's action sequences moves a factor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Control {
+    /// The one with the factor's own number.
+    Own,
+    /// The one with this number, which may move other factors as well.
+    Shared(u8),
+    /// None: the factor changes by itself, by action zero, in every step.
+    None,
+}
+
+impl<'a> Factor<'a> {
+    /// A factor that changes by itself and by its own action: `shape` is the transition's.
+    ///
+    /// # Panics
+    /// When `prior` is no distribution over the factor's states; in a `const` or `static` this fails the build.
+    #[must_use]
+    pub const fn new(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Self {
+        assert!(prior.len() == shape.values(), "D, the prior, does not have an entry per state");
+        assert!(math::is_distribution(prior), "D, the prior, is no distribution");
+        Self { transition, shape, coupled_to: &[], control: Control::Own, prior }
+    }
+
+    /// The same for a prior that is only known at run time; `None` when it is no distribution over the factor's states.
+    #[must_use]
+    pub const fn try_new(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Option<Self> {
+        if prior.len() == shape.values() && math::is_distribution(prior) {
+            Some(Self { transition, shape, coupled_to: &[], control: Control::Own, prior })
+        } else {
+            None
+        }
+    }
+
+    /// The same for a prior that is sound by its making.
+    pub(crate) const fn trusted(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Self {
+        Self { transition, shape, coupled_to: &[], control: Control::Own, prior }
+    }
+
+    /// The same factor, its transition conditioned on other factors as well, in the order of the shape's further
+    /// conditions: the blocks B^ij.
+    #[must_use]
+    pub const fn coupled_to(mut self, factors: &'a [usize]) -> Self {
+        self.coupled_to = factors;
+        self
+    }
+
+    /// The same factor, moved by another action sequence or by none.
+    #[must_use]
+    pub const fn controlled_by(mut self, control: Control) -> Self {
+        self.control = control;
+        self
+    }
+
+    /// P(s' = `next` | `states`, u = `action`), with a state for the factor itself and each that it is coupled to.
+    #[must_use]
+    pub fn probability(&self, action: Action, next: usize, states: &[usize]) -> f32 {
+        self.transition.probability(action, next, states)
+    }
+
+    /// How many states it has.
+    #[must_use]
+    pub const fn states(&self) -> usize {
+        self.shape.values()
+    }
+}
+
+impl Factor<'_> {
+    pub(super) const fn fits(&self, factors: &[Factor]) -> bool {
+        let controlled = match self.control {
+            Control::Shared(control) => (control as usize) < MAX_FACTORS,
+            Control::Own | Control::None => true,
+        };
+        let conditions = self.shape.conditions() == 1 + self.coupled_to.len();
+        if !controlled || !conditions || self.shape.states(0) != self.shape.values() {
+            return false;
+        }
+        let mut at = 0;
+        while at < self.coupled_to.len() {
+            let factor = self.coupled_to[at];
+            if factor >= factors.len() || factors[factor].states() != self.shape.states(at + 1) {
+                return false;
+            }
+            at += 1;
+        }
+        true
+    }
+}
