@@ -1,5 +1,7 @@
 //! The verbs, what they read and what they print.
 
+mod tree;
+
 use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand};
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, summary};
@@ -26,6 +28,7 @@ Examples:
   host-sim list               see what else is built in
   host-sim run detour --loss 0.3 --seed 7
   host-sim run my-warehouse.toml --json > flight.json
+  host-sim tree check my-tree.xml
 From a checkout, `host-sim run ...` is `cargo run --release -- run ...`.
 
 Exit status:
@@ -76,6 +79,8 @@ enum Verb {
     /// Fly a scenario
     #[command(after_help = RUN_EXAMPLES)]
     Run(Run),
+    /// Check, show, translate and try behavior trees
+    Tree(tree::Tree),
 }
 
 #[derive(Args, Debug, PartialEq)]
@@ -115,6 +120,7 @@ impl Cli {
         match self.verb {
             Some(Verb::List) => list(),
             Some(Verb::Run(run)) => run.run(),
+            Some(Verb::Tree(tree)) => tree.run(),
             None => self.run.run(),
         }
     }
@@ -198,7 +204,7 @@ fn scenario(name: &str) -> Result<Scenario, Failure> {
     if !is_path {
         return Err(unknown(name).into());
     }
-    let text = read(path).map_err(|error| format!("{name}: {error}"))?;
+    let text = read_up_to(path, MAX_BYTES).map_err(|error| format!("{name}: {error}"))?;
     Ok(Scenario::read(name, &text)?)
 }
 
@@ -209,11 +215,12 @@ fn unknown(name: &str) -> String {
     format!("no scenario is called '{name}': {hint}built in are {names}; a file of your own ends in .toml")
 }
 
-fn read(path: &Path) -> io::Result<Vec<u8>> {
+fn read_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(io::Error::other("larger than 1 MiB, which is no scenario"));
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        let reason = format!("larger than {} MiB, which no such file is", most >> 20);
+        return Err(io::Error::other(reason));
     }
     Ok(bytes)
 }

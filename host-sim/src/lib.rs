@@ -33,6 +33,7 @@ mod referee;
 mod scenario;
 pub mod show;
 mod team;
+pub mod tree;
 mod words;
 mod world;
 
