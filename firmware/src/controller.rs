@@ -90,7 +90,7 @@ impl<'m, H: Hardware, const S: usize, const W: usize, const P: usize> Controller
         let now = self.hardware.clock().now();
         self.listen(now);
         self.sense(now);
-        let status = TREE.tick(&mut self.memory, &mut self.pilot, now);
+        let status = TREE.tick(&mut self.memory, &mut self.pilot, now).status;
         if let Some(step) = self.pilot.navigation.command() {
             self.hardware.drive().go(step);
         }

@@ -3,7 +3,7 @@
 use iibt_core::iibt::{Navigation, Node};
 use iibt_core::time::Instant;
 use iibt_core::tree;
-use iibt_core::tree::{Leaves, Status, Tree};
+use iibt_core::tree::{Halt, Leaves, Status, Tree};
 
 /// What the leaves of the tree stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,11 +64,12 @@ impl<const S: usize, const W: usize, const P: usize> Leaves<Skill> for Pilot<'_,
         }
     }
 
-    fn on_halted(&mut self, leaf: &Skill, _: Instant) {
+    fn on_halted(&mut self, leaf: &Skill, _: Instant) -> Halt {
         match leaf {
             Skill::MoveToGoal => self.node.halt(&mut self.navigation),
             Skill::Recharge => self.recharging = false,
             Skill::BatteryEnough => {}
         }
+        Halt::Done
     }
 }

@@ -21,7 +21,7 @@
 //!
 //! ```
 //! use iibt_core::time::Instant;
-//! use iibt_core::tree::{Leaves, Memory, Status, Tree};
+//! use iibt_core::tree::{Halt, Leaves, Memory, Status, Tree};
 //!
 //! #[derive(Clone, Copy)]
 //! enum Skill { BatteryEnough, Charge, Patrol }
@@ -39,12 +39,12 @@
 //!     fn condition(&mut self, _: &Skill, _: Instant) -> bool { self.battery > 20 }
 //!     fn on_start(&mut self, skill: &Skill, now: Instant) -> Status { self.on_running(skill, now) }
 //!     fn on_running(&mut self, _: &Skill, _: Instant) -> Status { Status::Running }
-//!     fn on_halted(&mut self, _: &Skill, _: Instant) { /* stop the wheels */ }
+//!     fn on_halted(&mut self, _: &Skill, _: Instant) -> Halt { /* stop the wheels */ Halt::Done }
 //! }
 //!
 //! let mut robot = Robot { battery: 80 };
 //! let mut memory = Memory::new();
-//! assert_eq!(GUARD.tick(&mut memory, &mut robot, Instant(0)), Status::Running);
+//! assert_eq!(GUARD.tick(&mut memory, &mut robot, Instant(0)).status, Status::Running);
 //! assert!(memory.is_running(4), "it patrols");
 //! robot.battery = 10;
 //! GUARD.tick(&mut memory, &mut robot, Instant(1));
@@ -52,7 +52,15 @@
 //! ```
 
 mod census;
+mod check;
+mod composites;
+mod deadline;
+mod decorators;
+mod full;
+mod interrupt;
+mod kinds;
 mod leaves;
+mod log;
 mod macros;
 mod memory;
 mod node;
@@ -65,7 +73,10 @@ mod oracle;
 mod script;
 
 pub use census::Census;
-pub use leaves::{Leaves, Status};
-pub use memory::Memory;
-pub use node::Node;
-pub use table::{MAX_DEPTH, MAX_NODES, Rule, Tree, TreeError};
+pub use check::{Rule, TreeError};
+pub use kinds::{Basic, Compat, Full, Kinds};
+pub use leaves::{Halt, Leaves, Status};
+pub use log::{Log, Transition};
+pub use memory::{Cell, Memory};
+pub use node::{Millis, Node, Times};
+pub use table::{MAX_DEPTH, MAX_NODES, Next, Row, Tick, Tree, TreeRef};
