@@ -64,6 +64,7 @@ mod log;
 mod macros;
 mod memory;
 mod node;
+mod overdue;
 mod table;
 mod walk;
 

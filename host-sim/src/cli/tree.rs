@@ -2,7 +2,9 @@
 
 use super::{Failure, UNUSABLE, print, read_up_to};
 use clap::{Args, Subcommand, ValueEnum};
-use host_sim::tree::{self, Document, DryRun, Extras, Instance, LoadError, Mode, Severity, Statuses, library};
+use host_sim::tree::{
+    self, Document, DryRun, Extras, Instance, LoadError, Mode, Severity, Statuses, library,
+};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -220,7 +222,12 @@ impl Source {
         let remarks = tree::check(&document, self.tree.as_deref());
         let errors = remarks.iter().filter(|remark| remark.severity == Severity::Error).count();
         let mut text: String = remarks.iter().map(|remark| format!("{remark}\n")).collect();
-        text += &format!("{}: {}, {}\n", self.source, counted(errors, "error"), counted(remarks.len() - errors, "warning"));
+        text += &format!(
+            "{}: {}, {}\n",
+            self.source,
+            counted(errors, "error"),
+            counted(remarks.len() - errors, "warning")
+        );
         print(&text)?;
         Ok(if errors == 0 { ExitCode::SUCCESS } else { ExitCode::from(ERRORS) })
     }
@@ -260,7 +267,7 @@ impl Source {
 
 impl Show {
     fn run(&self) -> Result<ExitCode, Failure> {
-        self.source.print(|instance| Ok(if self.dot { instance.dot() } else { instance.text() }))
+        self.source.print(|instance| Ok(if self.dot { instance.dot() } else { instance.outline() }))
     }
 }
 
@@ -288,10 +295,11 @@ impl Run {
         };
         print(&record.text)?;
         if let Some(path) = &self.log {
-            fs::write(path, record.btlog(&instance)).map_err(|error| format!("{}: {error}", path.display()))?;
+            fs::write(path, instance.btlog(&record.transitions))
+                .map_err(|error| format!("{}: {error}", path.display()))?;
         }
         if let Some(path) = &self.timeline {
-            let page = record.timeline(&instance);
+            let page = instance.timeline(&record.transitions);
             fs::write(path, page).map_err(|error| format!("{}: {error}", path.display()))?;
         }
         match record.error {

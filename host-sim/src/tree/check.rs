@@ -6,6 +6,7 @@ use super::document::Document;
 use super::instance::{Instance, Node};
 use super::model::Direction;
 use super::parameter::Given;
+use super::value::Fit;
 use std::collections::BTreeSet;
 
 /// The remarks on a document whose main tree is `wanted`, else the one that the file names, in the order of
@@ -29,7 +30,13 @@ pub fn check(document: &Document, wanted: Option<&str>) -> Vec<Diagnostic> {
         Err(error) if document.trees.is_empty() => _ = error,
         Err(error) => remarks.extend([error]),
     }
-    for name in document.order.iter().filter(|name| wanted.is_none() && !used.contains(*name)).cloned().collect::<Vec<_>>() {
+    for name in document
+        .order
+        .iter()
+        .filter(|name| wanted.is_none() && !used.contains(*name))
+        .cloned()
+        .collect::<Vec<_>>()
+    {
         if used.contains(&name) {
             continue;
         }
@@ -69,9 +76,10 @@ fn parameters(instance: &Instance, node: &Node, remarks: &mut Remarks) -> Result
         "Precondition" => {
             instance.script(node, "if")?;
             match instance.given(node, "else") {
-                Given::Text("IDLE", place) => {
-                    Err(Diagnostic::error(place, "no node may return IDLE: SUCCESS, FAILURE, RUNNING or SKIPPED"))
-                }
+                Given::Text("IDLE", place) => Err(Diagnostic::error(
+                    place,
+                    "no node may return IDLE: SUCCESS, FAILURE, RUNNING or SKIPPED",
+                )),
                 _ => Ok(()),
             }
         }
@@ -83,9 +91,8 @@ fn parameters(instance: &Instance, node: &Node, remarks: &mut Remarks) -> Result
             switch(node, remarks);
             Ok(())
         }
-        "L" => {
-            statuses(instance, node)
-        }
+        super::model::SCRIPTED => statuses(instance, node),
+        id if id.starts_with("Loop") && node.model.is_built_in => queue(instance, node),
         _ => {
             inputs(node, remarks);
             Ok(())
@@ -94,7 +101,12 @@ fn parameters(instance: &Instance, node: &Node, remarks: &mut Remarks) -> Result
 }
 
 /// A value that is given must be right; one from the blackboard is left to the run.
-fn known<T>(value: Result<T, Diagnostic>, instance: &Instance, node: &Node, port: &str) -> Result<(), Diagnostic> {
+fn known<T>(
+    value: Result<T, Diagnostic>,
+    instance: &Instance,
+    node: &Node,
+    port: &str,
+) -> Result<(), Diagnostic> {
     match instance.given(node, port) {
         Given::Entry(..) => Ok(()),
         _ => value.map(|_| ()),
@@ -126,7 +138,8 @@ fn threshold(
         return Err(Diagnostic::error(place, message));
     }
     if value == 0 || value < -children {
-        remarks.warning(place, format!("with {port} {value} the node does not wait for its children to {verb}"));
+        remarks
+            .warning(place, format!("with {port} {value} the node does not wait for its children to {verb}"));
     }
     Ok(())
 }
@@ -142,10 +155,28 @@ fn rate(instance: &Instance, node: &Node) -> Result<(), Diagnostic> {
 }
 
 fn switch(node: &Node, remarks: &mut Remarks) {
-    let missing = node.model.ports.iter().map(|port| &port.name).filter(|name| !node.ports.contains_key(*name));
+    let missing =
+        node.model.ports.iter().map(|port| &port.name).filter(|name| !node.ports.contains_key(*name));
     for name in missing {
-        let consequence = if name == "variable" { "the default is always taken" } else { "that case is never taken" };
+        let consequence =
+            if name == "variable" { "the default is always taken" } else { "that case is never taken" };
         remarks.warning(&node.place, format!("without a value for '{name}' {consequence}"));
+    }
+}
+
+/// A queue that is written out has values of the loop's type, with semicolons between them.
+fn queue(instance: &Instance, node: &Node) -> Result<(), Diagnostic> {
+    let kind = node.model.port("value").map(|port| &port.kind);
+    match instance.given(node, "queue") {
+        Given::Text(text, place) => {
+            let wrong = text.split(';').find(|part| kind.is_some_and(|kind| kind.fit(part) == Fit::None));
+            wrong.map_or(Ok(()), |part| {
+                let kind = kind.map_or("", |kind| kind.name());
+                Err(Diagnostic::error(place, format!("'{part}' in the queue is no {kind}")))
+            })
+        }
+        Given::Entry(..) => Ok(()),
+        Given::Missing => instance.text(node, "queue").map(|_| ()),
     }
 }
 
@@ -165,7 +196,10 @@ fn inputs(node: &Node, remarks: &mut Remarks) {
     }
     for port in &node.model.ports {
         if port.direction == Direction::Input && !node.ports.contains_key(&port.name) {
-            remarks.warning(&node.place, format!("{} is given no value for its port '{}'", node.id(), port.name));
+            remarks.warning(
+                &node.place,
+                format!("{} is given no value for its port '{}'", node.id(), port.name),
+            );
         }
     }
 }

@@ -96,9 +96,10 @@ impl Document {
         for root in &roots {
             structure::verify(root, &document.models, &mut document.remarks);
         }
-        document.main = roots.last().and_then(|root| root.attribute("main_tree_to_execute")).map(|main| {
-            (main.value.clone(), main.place.clone())
-        });
+        document.main = roots
+            .last()
+            .and_then(|root| root.attribute("main_tree_to_execute"))
+            .map(|main| (main.value.clone(), main.place.clone()));
         roots.into_iter().for_each(|root| document.define(root));
         if document.trees.is_empty() {
             document.remarks.error(&document.place.clone(), "there is no <BehaviorTree> in the file");
@@ -115,7 +116,10 @@ impl Document {
     fn declare(&mut self, root: &Element) {
         for entry in root.children_called("TreeNodesModel").flat_map(|models| &models.children) {
             let Some(class) = Class::with_tag(&entry.tag) else {
-                let message = format!("<{}> is no kind of node: Action, Condition, Control, Decorator or SubTree", entry.tag);
+                let message = format!(
+                    "<{}> is no kind of node: Action, Condition, Control, Decorator or SubTree",
+                    entry.tag
+                );
                 self.remarks.warning(&entry.place, message);
                 continue;
             };
@@ -155,7 +159,8 @@ impl Document {
     /// Takes over the trees of one file.
     fn define(&mut self, root: Element) {
         for mut tree in root.children.into_iter().filter(|child| child.tag == "BehaviorTree") {
-            let id = tree.value("ID").map_or_else(|| format!("BehaviorTree_{}", self.order.len()), str::to_owned);
+            let id =
+                tree.value("ID").map_or_else(|| format!("BehaviorTree_{}", self.order.len()), str::to_owned);
             tree.attributes.retain(|attribute| attribute.name != "ID");
             let definition = Definition {
                 root: (tree.children.len() == 1).then(|| tree.children.remove(0)),
@@ -164,7 +169,8 @@ impl Document {
             };
             if let Some(earlier) = self.trees.insert(id.clone(), definition) {
                 let place = self.trees[&id].place.clone();
-                let message = format!("a second tree is called '{id}'; it replaces that of {}", earlier.place);
+                let message =
+                    format!("a second tree is called '{id}'; it replaces that of {}", earlier.place);
                 self.remarks.warning(&place, message);
                 continue;
             }

@@ -71,7 +71,7 @@ fn push_model(text: &mut String, model: &Model) {
     push_entry(text, model.class, &model.id, &model.ports);
 }
 
-fn push_entry(text: &mut String, class: Class, id: &str, ports: &[Port]) {
+pub(super) fn push_entry(text: &mut String, class: Class, id: &str, ports: &[Port]) {
     _ = write!(text, "    <{}", class.tag());
     push_attribute(text, "ID", id);
     if ports.is_empty() {
@@ -106,6 +106,6 @@ fn push_attributes<'a>(text: &mut String, attributes: impl IntoIterator<Item = &
     }
 }
 
-fn push_attribute(text: &mut String, name: &str, value: &str) {
+pub(super) fn push_attribute(text: &mut String, name: &str, value: &str) {
     _ = write!(text, " {name}=\"{}\"", escaped(value));
 }

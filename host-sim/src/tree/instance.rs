@@ -40,8 +40,6 @@ pub(super) struct PlacedTree {
 pub(super) struct Node {
     pub model: Arc<Model>,
     pub name: String,
-    /// Where it stands, as BehaviorTree.CPP writes it in logs.
-    pub path: String,
     pub parent: Option<usize>,
     pub children: Vec<usize>,
     pub level: usize,
@@ -78,10 +76,6 @@ impl Node {
     pub(super) fn id(&self) -> &str {
         &self.model.id
     }
-
-    pub(super) fn is_leaf(&self) -> bool {
-        matches!(self.model.class, Class::Action | Class::Condition)
-    }
 }
 
 impl Document {
@@ -97,7 +91,7 @@ impl Document {
             types: BTreeMap::new(),
             is_full: false,
         };
-        let from = Site { parent: None, scope: 0, level: 1, prefix: "", tree_path: "" };
+        let from = Site { parent: None, scope: 0, level: 1, tree_path: "" };
         assembly.tree(main, &self.place, &from);
         assembly.instance
     }
@@ -109,8 +103,6 @@ struct Site<'s> {
     parent: Option<usize>,
     scope: usize,
     level: usize,
-    /// What paths of nodes start with.
-    prefix: &'s str,
     /// The path of the tree.
     tree_path: &'s str,
 }
@@ -157,10 +149,8 @@ impl Assembly<'_> {
         };
         let index = self.instance.nodes.len();
         let name = element.value("name").unwrap_or(id).to_owned();
-        let suffix = if name == id { format!("::{}", index + 1) } else { String::new() };
         let node = Node {
             model: model.clone(),
-            path: format!("{}{name}{suffix}", site.prefix),
             name,
             parent: site.parent,
             children: Vec::new(),
@@ -220,7 +210,9 @@ impl Assembly<'_> {
                     let (text, place) = (written.value.clone(), written.place.clone());
                     guards.push(Guard { attribute, text, script, place });
                 }
-                Err(reason) => self.remarks.error(&written.place, format!("in the script of {attribute}: {reason}")),
+                Err(reason) => {
+                    self.remarks.error(&written.place, format!("in the script of {attribute}: {reason}"))
+                }
             }
         }
         guards
@@ -296,7 +288,8 @@ impl Assembly<'_> {
                 self.remarks.warning(&attribute.place, message);
             }
             Fit::None => {
-                self.remarks.error(&attribute.place, format!("'{text}' for port '{name}' is no {}", kind.name()));
+                self.remarks
+                    .error(&attribute.place, format!("'{text}' for port '{name}' is no {}", kind.name()));
             }
         }
     }
@@ -351,7 +344,10 @@ impl Assembly<'_> {
                     }
                     _ => {
                         let declared = format!("{}:{}", model.place.file, model.place.line);
-                        let message = format!("the tree '{id}' needs a value for its port '{}', declared at {declared}", port.name);
+                        let message = format!(
+                            "the tree '{id}' needs a value for its port '{}', declared at {declared}",
+                            port.name
+                        );
                         self.remarks.error(&element.place, message);
                     }
                 }
@@ -363,9 +359,7 @@ impl Assembly<'_> {
             let message = format!("a second SubTree is called '{path}': give it another name, or none");
             self.remarks.error(&element.place, message);
         }
-        let prefix = format!("{path}/");
-        let below =
-            Site { parent: Some(index), scope, level: site.level + 1, prefix: &prefix, tree_path: &path };
+        let below = Site { parent: Some(index), scope, level: site.level + 1, tree_path: &path };
         self.tree(id, &element.place, &below);
     }
 

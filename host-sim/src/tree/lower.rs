@@ -4,7 +4,7 @@ use super::diagnostic::{Diagnostic, Place, Severity};
 use super::instance::{Guard, Instance, Node};
 use super::parameter::Given;
 use super::script::Script;
-use iibt_core::tree::{Full, Kinds, Millis, Node as Row, Row as LinkedRow, Rule, Status, Times, TreeRef};
+use iibt_core::tree::{Full, Millis, Node as Row, Row as LinkedRow, Rule, Status, Times, TreeRef};
 
 /// A tree as the engine's table.
 #[derive(Clone, Debug)]
@@ -84,7 +84,8 @@ impl Instance {
             Ok(_) => Ok(lowering.lowered),
             Err(error) => {
                 let place = self.place_of(&lowering.lowered, error.node);
-                let reason = if error.rule == Rule::TooDeep { " (conditions before nodes count)" } else { "" };
+                let reason =
+                    if error.rule == Rule::TooDeep { " (conditions before nodes count)" } else { "" };
                 Err(Diagnostic::error(&place, format!("{}{reason}", message(error.rule))))
             }
         }
@@ -112,7 +113,8 @@ pub(super) fn remarks(instance: &Instance) -> Vec<Diagnostic> {
     };
     let mut rows = linked(&lowered);
     let mut scratch = vec![0; rows.len()];
-    let never = TreeRef::<u16, Full>::try_new(&mut rows).ok().and_then(|tree| tree.never_ticked(&mut scratch));
+    let never =
+        TreeRef::<u16, Full>::try_new(&mut rows).ok().and_then(|tree| tree.never_ticked(&mut scratch));
     let place = never.map(|row| instance.place_of(&lowered, row));
     place.map(|place| Diagnostic::warning(&place, "no tick can reach this node")).into_iter().collect()
 }
@@ -229,7 +231,11 @@ impl<'i> Lowering<'i> {
             Class::Action => Ok(Row::Action(self.hook(index, Task::Leaf))),
             Class::Condition => Ok(Row::Condition(self.hook(index, Task::Leaf))),
             class => {
-                let message = format!("'{}' is {} of your own, and the table has only built-in ones", node.id(), class.tag());
+                let message = format!(
+                    "'{}' is {} of your own, and the table has only built-in ones",
+                    node.id(),
+                    class.tag()
+                );
                 Err(Diagnostic::error(&node.place, message))
             }
         }
@@ -257,11 +263,16 @@ impl<'i> Lowering<'i> {
                 success_count: self.threshold(node, "success_count")?,
                 failure_count: self.threshold(node, "failure_count")?,
             },
-            "ParallelAll" => Row::ParallelAll { children, max_failures: self.threshold(node, "max_failures")? },
+            "ParallelAll" => {
+                Row::ParallelAll { children, max_failures: self.threshold(node, "max_failures")? }
+            }
             "RecoveryNode" => {
                 let retries = self.instance.int(node, "number_of_retries")?;
                 Row::RecoveryNode(u8::try_from(retries).map_err(|_| {
-                    Diagnostic::error(&node.place, format!("number_of_retries {retries} is not from 0 to 255"))
+                    Diagnostic::error(
+                        &node.place,
+                        format!("number_of_retries {retries} is not from 0 to 255"),
+                    )
                 })?)
             }
             id if id.starts_with("Switch") => Row::Switch(children, self.hook(index, Task::Switch)),
@@ -277,7 +288,9 @@ impl<'i> Lowering<'i> {
             "FAILURE" => Status::Failure,
             "RUNNING" => Status::Running,
             "SKIPPED" => Status::Skipped,
-            _ => return Err(Diagnostic::error(place, format!("'{text}' is no status that a node may return"))),
+            _ => {
+                return Err(Diagnostic::error(place, format!("'{text}' is no status that a node may return")));
+            }
         };
         Ok(Row::Precondition { condition: self.hook(index, Task::Precondition(script)), otherwise })
     }
@@ -296,7 +309,10 @@ impl<'i> Lowering<'i> {
             Given::Text(_, place) | Given::Entry(_, place) => place,
             Given::Missing => &node.place,
         };
-        Err(Diagnostic::error(place, format!("{value} ms is more than the clock can measure, {} ms", Millis::MAX.get())))
+        Err(Diagnostic::error(
+            place,
+            format!("{value} ms is more than the clock can measure, {} ms", Millis::MAX.get()),
+        ))
     }
 
     fn period(&self, node: &Node) -> Result<Millis, Diagnostic> {
@@ -313,7 +329,10 @@ impl<'i> Lowering<'i> {
         let value = self.instance.int(node, port)?;
         let least = -(i32::try_from(node.children.len()).unwrap_or(i32::MAX).min(126)) - 1;
         i8::try_from(value.max(least)).map_err(|_| {
-            Diagnostic::error(&node.place, format!("{port} {value} is more than the 127 children that can be counted"))
+            Diagnostic::error(
+                &node.place,
+                format!("{port} {value} is more than the 127 children that can be counted"),
+            )
         })
     }
 }

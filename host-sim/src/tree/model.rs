@@ -214,7 +214,8 @@ fn input(name: &str, kind: ValueType, default: Option<&str>) -> Port {
 pub(super) fn ports_of(entry: &Element, remarks: &mut Remarks) -> Vec<Port> {
     let mut ports: Vec<Port> = Vec::new();
     for child in &entry.children {
-        let Some(direction) = Direction::ALL.into_iter().find(|direction| direction.tag() == child.tag) else {
+        let Some(direction) = Direction::ALL.into_iter().find(|direction| direction.tag() == child.tag)
+        else {
             if !matches!(child.tag.as_str(), "description" | "MetadataFields" | "Metadata") {
                 remarks.warning(&child.place, format!("<{}> means nothing in a model of a node", child.tag));
             }
@@ -236,7 +237,8 @@ pub(super) fn ports_of(entry: &Element, remarks: &mut Remarks) -> Vec<Port> {
             && super::value::pointer(&default.value).is_none()
             && kind.fit(&default.value) == Fit::None
         {
-            let reason = format!("the default '{}' of port '{}' is no {}", default.value, name.value, kind.name());
+            let reason =
+                format!("the default '{}' of port '{}' is no {}", default.value, name.value, kind.name());
             remarks.error(&default.place, reason);
         }
         ports.push(Port {
@@ -294,8 +296,7 @@ pub(super) fn model_name(name: &str) -> Result<(), String> {
 
 /// The first character of a name that breaks files or editors.
 fn forbidden(name: &str) -> Option<char> {
-    let is_forbidden =
-        |sign: &char| sign.is_ascii_control() || " <>&\"'/\\:*?|.".contains(*sign);
+    let is_forbidden = |sign: &char| sign.is_ascii_control() || " <>&\"'/\\:*?|.".contains(*sign);
     name.chars().find(is_forbidden)
 }
 
@@ -314,7 +315,7 @@ mod tests {
     #[test]
     fn the_built_in_nodes_are_there_with_their_ports() {
         let models = built_in();
-        assert_eq!(models.len(), 46);
+        assert_eq!(models.len(), 47);
         assert_eq!(models["Switch3"].ports.len(), 4);
         assert_eq!(models["Parallel"].port("success_count").unwrap().default.as_deref(), Some("-1"));
         assert_eq!(models["Timeout"].port("msec").unwrap().kind, ValueType::Unsigned);

@@ -33,12 +33,17 @@ impl Instance {
     }
 
     /// The text of a port that must be known before the tree runs.
-    pub(super) fn text<'i>(&'i self, node: &'i Node, port: &'i str) -> Result<(&'i str, &'i Place), Diagnostic> {
+    pub(super) fn text<'i>(
+        &'i self,
+        node: &'i Node,
+        port: &'i str,
+    ) -> Result<(&'i str, &'i Place), Diagnostic> {
         match self.given(node, port) {
             Given::Text(text, place) => Ok((text, place)),
-            Given::Missing => {
-                Err(Diagnostic::error(&node.place, format!("{} needs a value for its port '{port}'", node.id())))
-            }
+            Given::Missing => Err(Diagnostic::error(
+                &node.place,
+                format!("{} needs a value for its port '{port}'", node.id()),
+            )),
             Given::Entry(key, place) => {
                 let reason = "is known only when the tree runs, and a table in flash needs a constant";
                 Err(Diagnostic::error(place, format!("the entry '{key}' for port '{port}' {reason}")))
@@ -54,7 +59,8 @@ impl Instance {
         parse: impl Fn(&str) -> Option<T>,
     ) -> Result<T, Diagnostic> {
         let (text, place) = self.text(node, port)?;
-        parse(text).ok_or_else(|| Diagnostic::error(place, format!("'{text}' for port '{port}' is no {kind}")))
+        parse(text)
+            .ok_or_else(|| Diagnostic::error(place, format!("'{text}' for port '{port}' is no {kind}")))
     }
 
     pub(super) fn int(&self, node: &Node, port: &str) -> Result<i32, Diagnostic> {

@@ -120,7 +120,12 @@ mod tests {
 
     #[test]
     fn constants_have_the_types_of_behavior_tree_cpp() {
-        for (text, kind) in [("3", ValueType::Int), ("0.3", ValueType::Double), ("1;2", ValueType::Text), ("", ValueType::Text)] {
+        for (text, kind) in [
+            ("3", ValueType::Int),
+            ("0.3", ValueType::Double),
+            ("1;2", ValueType::Text),
+            ("", ValueType::Text),
+        ] {
             assert_eq!(constant_type(text), kind, "{text}");
         }
     }

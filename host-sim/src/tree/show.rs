@@ -8,7 +8,7 @@ use std::fmt::Write;
 impl Instance {
     /// The tree as indented text, one node a line, and below it how many nodes of which kind there are.
     #[must_use]
-    pub fn text(&self) -> String {
+    pub fn outline(&self) -> String {
         let census = self.census();
         let mut text = format!("{}: {}, {}\n", self.main, nodes(census.nodes()), levels(census.depth()));
         if let Some(root) = self.nodes.first() {
@@ -39,7 +39,9 @@ impl Instance {
     #[must_use]
     pub fn dot(&self) -> String {
         let mut text = format!("digraph {} {{\n", quoted(&self.main));
-        text.push_str("  node [fontname=\"sans-serif\", fontsize=11];\n  edge [arrowhead=none];\n  ordering=out;\n");
+        text.push_str(
+            "  node [fontname=\"sans-serif\", fontsize=11];\n  edge [arrowhead=none];\n  ordering=out;\n",
+        );
         for (index, node) in self.nodes.iter().enumerate() {
             let shape = match node.model.class {
                 Class::Control => "box",

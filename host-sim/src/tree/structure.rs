@@ -22,8 +22,15 @@ pub(super) fn verify(root: &Element, models: &Models, remarks: &mut Remarks) {
         match child.tag.as_str() {
             "BehaviorTree" => tree(child, only, models, remarks),
             "TreeNodesModel" | "include" => {}
+            tag if Class::with_tag(tag).is_some() && child.attribute("ID").is_none() => {
+                remarks.error(
+                    &child.place,
+                    format!("<{tag}> must have the attribute 'ID', and stands in a tree or a model"),
+                );
+            }
             tag => {
-                let message = format!("<{tag}> means nothing here: <BehaviorTree>, <TreeNodesModel> or <include>");
+                let message =
+                    format!("<{tag}> means nothing here: <BehaviorTree>, <TreeNodesModel> or <include>");
                 remarks.warning(&child.place, message);
             }
         }
@@ -52,7 +59,10 @@ fn tree(tree: &Element, only: bool, models: &Models, remarks: &mut Remarks) {
             if let Err(reason) = model::model_name(&id.value) {
                 remarks.error(&id.place, reason);
             } else if models.contains_key(&id.value) {
-                remarks.error(&id.place, format!("a tree cannot be called '{}', as a kind of node is", id.value));
+                remarks.error(
+                    &id.place,
+                    format!("a tree cannot be called '{}', as a kind of node is", id.value),
+                );
             }
         }
     }
@@ -124,10 +134,15 @@ fn known_node(element: &Element, id: &str, models: &Models, remarks: &mut Remark
             "SubTreePlus" => "; version 4 calls it SubTree",
             _ => "",
         };
-        let nearest = nearest(id, models).map_or_else(String::new, |name| format!("; did you mean '{name}'?"));
-        let hint = if !old.is_empty() { old.to_owned() } else if nearest.is_empty() {
+        let nearest =
+            nearest(id, models).map_or_else(String::new, |name| format!("; did you mean '{name}'?"));
+        let hint = if !old.is_empty() {
+            old.to_owned()
+        } else if nearest.is_empty() {
             "; declare it in <TreeNodesModel>".to_owned()
-        } else { nearest };
+        } else {
+            nearest
+        };
         remarks.error(&element.place, format!("there is no kind of node called '{id}'{hint}"));
         return;
     };
@@ -175,7 +190,10 @@ fn number_at_run_time(element: &Element, id: &str, count: usize, remarks: &mut R
 fn children_of_reactive_sequence(element: &Element, models: &Models, remarks: &mut Remarks) {
     for child in element.children.iter().filter(|child| !models.contains_key(&child.tag)) {
         if let (Some(_), Some(id)) = (Class::with_tag(&child.tag), child.value("ID")) {
-            let message = format!("a child of ReactiveSequence must be written <{id}>, not <{} ID=\"{id}\">", child.tag);
+            let message = format!(
+                "a child of ReactiveSequence must be written <{id}>, not <{} ID=\"{id}\">",
+                child.tag
+            );
             remarks.error(&child.place, message);
         }
     }

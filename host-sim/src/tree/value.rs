@@ -70,9 +70,7 @@ impl ValueType {
                 None => Fit::None,
             },
             Self::Bool => fit_if(truth(text).is_some()),
-            Self::Status => {
-                fit_if(matches!(text, "IDLE" | "RUNNING" | "SUCCESS" | "FAILURE" | "SKIPPED"))
-            }
+            Self::Status => fit_if(matches!(text, "IDLE" | "RUNNING" | "SUCCESS" | "FAILURE" | "SKIPPED")),
             Self::Text | Self::Any | Self::Own(_) => Fit::Whole,
         }
     }

@@ -80,10 +80,16 @@ impl<'t> Reader<'t> {
             } else {
                 let place = self.place();
                 if root.is_some() && open.is_empty() {
-                    return Err(Diagnostic::error(&place, "a file has one root element, this is a second one"));
+                    return Err(Diagnostic::error(
+                        &place,
+                        "a file has one root element, this is a second one",
+                    ));
                 }
                 if open.len() == MAX_LEVELS {
-                    return Err(Diagnostic::error(&place, format!("more than {MAX_LEVELS} elements in each other")));
+                    return Err(Diagnostic::error(
+                        &place,
+                        format!("more than {MAX_LEVELS} elements in each other"),
+                    ));
                 }
                 self.opening_tag(&mut open)?
             };
@@ -94,7 +100,9 @@ impl<'t> Reader<'t> {
             }
         }
         match (open.pop(), root) {
-            (Some(element), _) => Err(Diagnostic::error(&element.place, format!("<{}> is never closed", element.tag))),
+            (Some(element), _) => {
+                Err(Diagnostic::error(&element.place, format!("<{}> is never closed", element.tag)))
+            }
             (None, Some(root)) => Ok(root),
             (None, None) => Err(self.error("this is no XML: there is no element in it")),
         }
@@ -168,8 +176,13 @@ impl<'t> Reader<'t> {
         if tag.is_empty() {
             return Err(self.error("expected the name of an element after '<'"));
         }
-        let mut element =
-            Element { tag: tag.into(), place, attributes: Vec::new(), children: Vec::new(), text: String::new() };
+        let mut element = Element {
+            tag: tag.into(),
+            place,
+            attributes: Vec::new(),
+            children: Vec::new(),
+            text: String::new(),
+        };
         loop {
             let spaced = self.skip_white_space();
             if self.skips("/>") {
@@ -190,7 +203,9 @@ impl<'t> Reader<'t> {
         if name.is_empty() {
             return Err(match self.rest().chars().next() {
                 None => Diagnostic::error(&element.place, format!("the tag <{tag}> is never ended with '>'")),
-                Some(found) => self.error(format!("expected an attribute or '>' in <{tag}>, found '{found}'")),
+                Some(found) => {
+                    self.error(format!("expected an attribute or '>' in <{tag}>, found '{found}'"))
+                }
             });
         }
         if !spaced {
@@ -237,7 +252,8 @@ impl<'t> Reader<'t> {
     /// Reads a name, which may be empty.
     fn name(&mut self) -> &'t str {
         let rest = self.rest();
-        let is_start = |sign: char| !sign.is_ascii() || sign.is_ascii_alphabetic() || matches!(sign, '_' | ':');
+        let is_start =
+            |sign: char| !sign.is_ascii() || sign.is_ascii_alphabetic() || matches!(sign, '_' | ':');
         let is_part = |sign: char| is_start(sign) || sign.is_ascii_digit() || matches!(sign, '-' | '.');
         if !rest.starts_with(is_start) {
             return "";
@@ -338,7 +354,10 @@ mod tests {
 
     #[test]
     fn elements_attributes_and_text_are_read_with_their_places() {
-        let root = read("f", "\u{feff}<?xml version=\"1.0\"?>\n<!-- note -->\n<root a='1'>\n  <b é=\"&lt;x&gt;\"/>to &amp; fro</root>\n");
+        let root = read(
+            "f",
+            "\u{feff}<?xml version=\"1.0\"?>\n<!-- note -->\n<root a='1'>\n  <b é=\"&lt;x&gt;\"/>to &amp; fro</root>\n",
+        );
         let root = root.unwrap();
         assert_eq!((root.tag.as_str(), root.value("a"), root.text.as_str()), ("root", Some("1"), "to & fro"));
         assert_eq!(root.place.to_string(), "f:3:1");
@@ -372,7 +391,10 @@ mod tests {
             ("<1/>", "f:1:2: error: expected the name of an element after '<'"),
             ("<a></a", "f:1:7: error: expected '>' to end </a"),
             ("<!-- <a/>", "f:1:1: error: this comment is never closed with '-->'"),
-            ("<!DOCTYPE a [<!ENTITY b 'c'>]><a/>", "f:1:1: error: a document type with definitions of its own is not read: delete it"),
+            (
+                "<!DOCTYPE a [<!ENTITY b 'c'>]><a/>",
+                "f:1:1: error: a document type with definitions of its own is not read: delete it",
+            ),
         ] {
             assert_eq!(refusal(text), expected, "{text}");
         }

@@ -10,6 +10,7 @@ use super::leaves::{Halt, Leaves, Status};
 use super::log::Transition;
 use super::memory::{Cell, Slot};
 use super::node::Node;
+use super::overdue::halt_overdue;
 use super::table::{Next, Row, Tick};
 use super::{deadline, full};
 use crate::time::Instant;
@@ -32,7 +33,8 @@ where
             return Tick { status: Status::Running, next: Next::Now };
         }
     }
-    let mut walk = Walk { rows, cells, leaves, now, stopping: false, yielded: false };
+    let stopping = K::COMPAT && halt_overdue(rows, cells, leaves, now) == Halt::Pending;
+    let mut walk = Walk { rows, cells, leaves, now, stopping, yielded: false };
     let status = walk.pass();
     let (stopping, yielded) = (walk.stopping, walk.yielded);
     if stopping {

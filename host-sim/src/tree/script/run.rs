@@ -131,7 +131,9 @@ fn assign(
         (_, Some(Scalar::Integer(_) | Scalar::Real(_))) if right.number().is_none() => {
             Scalar::Real(right.as_number()?)
         }
-        (_, Some(Scalar::Text(_))) => Scalar::Text(right.text()),
+        (_, Some(Scalar::Text(_))) if right.number().is_some() => {
+            return Err(format!("'{name}' holds text, and a number cannot be assigned to it"));
+        }
         _ => right,
     };
     variables.set(name, new.clone());
