@@ -87,7 +87,7 @@ pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeE
             if parent < rows.len() {
                 rows[parent].next -= 1;
                 if rows[parent].next > 0 {
-                    rows[open].next = at as u16 + 1 | goes_on(&rows[parent].node) << 14;
+                    rows[open].next = (at as u16 + 1) | (goes_on(&rows[parent].node) << 14);
                 }
             }
             open = parent;
@@ -329,7 +329,9 @@ impl Rule {
             Self::SuccessCount => "a parallel node of a behavior tree has fewer children than must succeed",
             Self::FailureCount => "a parallel node of a behavior tree has fewer children than must fail",
             Self::Times => "a number of attempts or cycles is neither -1 nor from 0 to 8388607",
-            Self::Duration => "a duration is more than 24 days, or more than 2 hours and no whole second, or a period is zero",
+            Self::Duration => {
+                "a duration is more than 24 days, or more than 2 hours and no whole second, or a period is zero"
+            }
             Self::NotInSet => "a behavior tree of the basic set has a node of another kind: use Full",
             Self::NeverTicked => "a node of a behavior tree can never be ticked",
         }
@@ -391,7 +393,8 @@ mod tests {
 
     #[test]
     fn children_know_their_parent() {
-        let tree = Tree::<_, 6>::new([Sequence(3), Fallback(1), Action('a'), Inverter, Action('b'), Action('c')]);
+        let tree =
+            Tree::<_, 6>::new([Sequence(3), Fallback(1), Action('a'), Inverter, Action('b'), Action('c')]);
         let parents: [_; 7] = core::array::from_fn(|row| tree.parent(row as u16));
         assert_eq!(parents, [None, Some(0), Some(1), Some(0), Some(3), Some(0), None]);
         assert_eq!(tree.nodes().nth(3), Some(&Inverter));

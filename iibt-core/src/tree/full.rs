@@ -188,4 +188,3 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
         }
     }
 }
-

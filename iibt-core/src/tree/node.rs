@@ -130,8 +130,8 @@ impl Millis {
     pub const fn new(milliseconds: u32) -> Self {
         let code = if milliseconds < Self::SECONDS {
             milliseconds
-        } else if milliseconds <= Self::MAX && milliseconds % 1000 == 0 {
-            Self::SECONDS | milliseconds / 1000
+        } else if milliseconds <= Self::MAX && milliseconds.is_multiple_of(1000) {
+            Self::SECONDS | (milliseconds / 1000)
         } else {
             0xFF_FFFF
         };

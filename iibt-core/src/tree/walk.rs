@@ -247,7 +247,9 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
     #[cold]
     pub(super) fn skip(&mut self, parent: usize, child: usize) -> ControlFlow<Status, usize> {
         let rows = self.rows;
-        let (Some(row), Some(this)) = (rows.get(parent), rows.get(child)) else { return Break(Status::Skipped) };
+        let (Some(row), Some(this)) = (rows.get(parent), rows.get(child)) else {
+            return Break(Status::Skipped);
+        };
         let mut index = 0;
         let mut sibling = parent + 1;
         while sibling < child {
@@ -458,7 +460,8 @@ mod tests {
 
     #[test]
     fn a_halt_from_outside_tells_only_what_is_running() {
-        let tree: Tree<char, _> = tree! { Sequence { Action('a'), ReactiveSequence { Condition('g'), Action('b') } } };
+        let tree: Tree<char, _> =
+            tree! { Sequence { Action('a'), ReactiveSequence { Condition('g'), Action('b') } } };
         let mut memory = Memory::new();
         let mut script = Script::new("a=S g=S b=R");
         tree.halt(&mut memory, &mut script, Instant(0));
