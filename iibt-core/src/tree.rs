@@ -1,23 +1,42 @@
 //! Behavior trees as flat constant tables.
 //!
-//! A tree is a table of nodes in preorder that lives in flash. What it remembers between two ticks is kept
-//! apart from it, two bytes a node, so that any number of robots share one table. The nodes are those
-//! of BehaviorTree.CPP 4 and mean the same:
+//! A tree is a table of nodes in preorder that lives in flash, eight to ten bytes a node. What it remembers between two
+//! ticks is kept apart from it, so that any number of robots share one table. The nodes are those of BehaviorTree.CPP 4.10
+//! and four of Nav2, and mean the same; [`Node`] says what each does.
 //!
-//! | node | ticks its children | on an unfinished child |
+//! | | | RAM a node |
 //! |---|---|---|
-//! | [`Sequence`](Node::Sequence) | until one fails | resumes at it |
-//! | [`Fallback`](Node::Fallback) | until one succeeds | resumes at it |
-//! | [`ReactiveSequence`](Node::ReactiveSequence) | until one fails | starts again from the first child |
-//! | [`ReactiveFallback`](Node::ReactiveFallback) | until one succeeds | starts again from the first child |
-//! | [`Inverter`](Node::Inverter) | its only one, exchanging success and failure | resumes at it |
+//! | [`Basic`], the default | sequences and fallbacks, with memory and reactive, inverters, leaves | 4 bytes |
+//! | [`Full`] | every node, [`Status::Skipped`], halts that take several ticks, deadlines | 8 bytes |
+//! | [`Compat`] | as `Full`, following BehaviorTree.CPP also where it is peculiar | 8 bytes |
+//! | [`compiled`] | the basic kinds as straight-line code | 1 byte for a composite or action |
 //!
-//! A reactive node that ends its tick at an earlier child than the one it left running halts the
-//! latter. What the leaves do is the caller's: [`Leaves`] states when they are started, continued and halted.
+//! What the leaves do is the caller's: [`Leaves`] states the contract. The blackboard is the caller's as well: leaves
+//! are named by an enum, and what they share are the fields of the type that implements `Leaves`.
 //!
-//! Cost: a tick visits each node at most once and needs no stack that grows with the tree; a halt
-//! looks at each node below it once. The 21-node reference tree of four guarded actions takes about 450
-//! instructions a tick on x86-64, leaves included.
+//! # Ticks
+//! [`Tree::tick`] makes exactly one pass; [`Tree::tick_until_idle`] goes on while a node yields, up to a bound. Time is an
+//! argument, a wrapping counter of milliseconds. [`Tick::next`] says when another tick can change something, so that
+//! a controller can sleep until then or until an interrupt.
+//!
+//! A pass needs no stack that grows with the tree and visits at most [`Tree::visits`] nodes, which is a constant: each
+//! once, but for loops whose child was running before (one round more) and a recovery (as often as it retries). Loops
+//! yield after every other round, so `Repeat` without end cannot hold a tick up. Each halt looks at each node below it once,
+//! and finding the deadline at each node of the tree once.
+//!
+//! # Differences from BehaviorTree.CPP
+//! | where | there | here |
+//! |---|---|---|
+//! | a halt of the tree | then halts every node again, idle ones too | halts each running action once; [`Compat`]: every action again |
+//! | `Precondition` | not asked again while its child runs | asked at every tick, and halts the child; [`Compat`]: as there |
+//! | `tickOnce` | has no bound | [`Tree::tick_until_idle`] has one |
+//! | a node that is skipped while it was running | remains running until its parent resets it | is idle at once, without a halt |
+//! | a skipped `Repeat`, `RetryUntilSuccessful`, `Timeout`, `Delay` | goes on counting | begins anew |
+//! | `IfThenElse`, `WhileDoElse` with a skipped condition | an exception | skipped |
+//! | `Timeout` | a thread halts the child when time is up | the first tick after that does |
+//! | `RecoveryNode` whose recovery is skipped | fails and keeps its count | fails and forgets it |
+//! | `RateController` | keeps its rate until its parent resets it | after a success only below a `PipelineSequence` |
+//! | thresholds, missing children and parameters | exceptions at run time | [`Rule`]s, broken when the table is built |
 //!
 //! ```
 //! use iibt_core::time::Instant;
@@ -53,6 +72,7 @@
 
 mod census;
 mod check;
+pub mod compiled;
 mod composites;
 mod deadline;
 mod decorators;
@@ -75,6 +95,7 @@ mod script;
 
 pub use census::Census;
 pub use check::{Rule, TreeError};
+pub use compiled::Compiled;
 pub use kinds::{Basic, Compat, Full, Kinds};
 pub use leaves::{Halt, Leaves, Status};
 pub use log::{Log, Transition};

@@ -1,7 +1,7 @@
 //! How large a tree is.
 
-use super::node::Node;
 use super::kinds::Kinds;
+use super::node::Node;
 use super::table::Tree;
 
 /// The size of a tree: its nodes by kind, and its levels.

@@ -3,7 +3,7 @@
 
 use super::leaves::Status;
 use super::node::{Millis, Node};
-use super::table::{MAX_DEPTH, MAX_NODES, NONE, Row};
+use super::table::{LAST, MAX_DEPTH, MAX_NODES, NONE, Row};
 
 /// A rule that a table broke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -29,9 +29,11 @@ pub enum Rule {
     SuccessCount,
     /// A parallel node has as many children as must fail.
     FailureCount,
-    /// A number of attempts or cycles is -1, for ever, or more.
+    /// A number of attempts or cycles is -1, for ever, or from 0 to [`Times::MAX`].
+    ///
+    /// [`Times::MAX`]: super::Times::MAX
     Times,
-    /// A duration is at most [`Millis::MAX`], and a period more than zero.
+    /// A duration is what [`Millis`] can hold, and a period more than zero.
     Duration,
     /// The kind of node belongs to the tree's set.
     NotInSet,
@@ -72,7 +74,6 @@ pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeE
             return Err(TreeError { node: at as u16, rule });
         }
         rows[at].parent = open as u16;
-        rows[at].next_on = 0;
         rows[at].next = match rows[at].node.children() {
             Some(count) => count as u16,
             None => 0,
@@ -80,14 +81,13 @@ pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeE
         open = at;
         depth += 1;
         while open < rows.len() && rows[open].next == 0 {
-            rows[open].next = NONE;
+            rows[open].next = LAST;
             depth -= 1;
             let parent = rows[open].parent as usize;
             if parent < rows.len() {
                 rows[parent].next -= 1;
                 if rows[parent].next > 0 {
-                    rows[open].next = at as u16 + 1;
-                    rows[open].next_on = goes_on(&rows[parent].node);
+                    rows[open].next = (at as u16 + 1) | (goes_on(&rows[parent].node) << 14);
                 }
             }
             open = parent;
@@ -101,10 +101,10 @@ pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeE
 }
 
 /// The code of the status of one child at which `node` ticks the next without further ado.
-const fn goes_on<L>(node: &Node<L>) -> u8 {
+const fn goes_on<L>(node: &Node<L>) -> u16 {
     match node {
-        Node::Sequence(_) | Node::ReactiveSequence(_) => Status::Success as u8,
-        Node::Fallback(_) | Node::ReactiveFallback(_) => Status::Failure as u8,
+        Node::Sequence(_) | Node::ReactiveSequence(_) => Status::Success as u16,
+        Node::Fallback(_) | Node::ReactiveFallback(_) => Status::Failure as u16,
         _ => 0,
     }
 }
@@ -146,12 +146,20 @@ const fn broken<L>(node: &Node<L>, full: bool) -> Option<Rule> {
         }
         Node::RetryUntilSuccessful(times) | Node::Repeat(times) if times.get() < -1 => Some(Rule::Times),
         Node::Timeout(time) | Node::Delay(time) | Node::Sleep(time) | Node::RateController(time)
-            if time.get() > Millis::MAX.get() =>
+            if time.get() > Millis::MAX =>
         {
             Some(Rule::Duration)
         }
         Node::RateController(period) if period.get() == 0 => Some(Rule::Duration),
         _ => None,
+    }
+}
+
+/// The next child of the same parent; past every table after the last.
+const fn next<L>(rows: &[Row<L>], child: usize) -> usize {
+    match rows[child].sibling() {
+        Some(next) => next,
+        None => NONE as usize,
     }
 }
 
@@ -171,7 +179,7 @@ pub(super) const fn visits<L>(rows: &[Row<L>], most: &mut [(u32, u32)]) -> u32 {
             if last > largest {
                 largest = last;
             }
-            child = rows[child].next as usize;
+            child = next(rows, child);
         }
         let (running, idle) = match rows[at].node {
             Node::Switch(..) => (largest, largest),
@@ -213,7 +221,7 @@ pub(super) const fn never_ticked<L>(rows: &[Row<L>], can: &mut [u8]) -> Option<u
 const fn outcomes<L>(rows: &[Row<L>], can: &[u8], at: usize) -> (u8, usize) {
     const NOBODY: usize = NONE as usize;
     let child = if at + 1 < rows.len() { can[at + 1] } else { 0 };
-    let second = if at + 1 < rows.len() { rows[at + 1].next as usize } else { NOBODY };
+    let second = if at + 1 < rows.len() { next(rows, at + 1) } else { NOBODY };
     let set = match &rows[at].node {
         Node::Sequence(_)
         | Node::SequenceWithMemory(_)
@@ -273,7 +281,7 @@ const fn chain<L>(rows: &[Row<L>], can: &[u8], at: usize, passing: u8) -> (u8, u
         set |= this & !(passing | K);
         some_pass |= this & passing != 0;
         all_skip &= this & K != 0;
-        let next = rows[child].next as usize;
+        let next = next(rows, child);
         if this & (passing | K) == 0 {
             return (set, next);
         }
@@ -291,7 +299,7 @@ const fn chain<L>(rows: &[Row<L>], can: &[u8], at: usize, passing: u8) -> (u8, u
 /// The outcomes of a node with a condition in row `at + 1` and one or two branches from row `second` on.
 const fn branches<L>(rows: &[Row<L>], can: &[u8], at: usize, second: usize) -> (u8, usize) {
     let condition = can[at + 1];
-    let third = rows[second].next as usize;
+    let third = next(rows, second);
     let mut set = condition & (R | K);
     let mut dead = NONE as usize;
     if condition & F == 0 {
@@ -311,7 +319,7 @@ impl Rule {
     pub(super) const fn message(self) -> &'static str {
         match self {
             Self::Empty => "a behavior tree needs a root",
-            Self::TooLarge => "a behavior tree has more than 32768 nodes",
+            Self::TooLarge => "a behavior tree has more than 16383 nodes",
             Self::NoChildren => "a composite of a behavior tree has no children",
             Self::MissingChildren => "a node of a behavior tree has fewer children than it says",
             Self::Unreachable => "a node of a behavior tree is no child of another",
@@ -320,8 +328,10 @@ impl Rule {
             Self::TooManyChildren => "a parallel node of a behavior tree has more than 127 children",
             Self::SuccessCount => "a parallel node of a behavior tree has fewer children than must succeed",
             Self::FailureCount => "a parallel node of a behavior tree has fewer children than must fail",
-            Self::Times => "a number of attempts or cycles is less than -1",
-            Self::Duration => "a duration is more than 2147483647 ms, or a period is zero",
+            Self::Times => "a number of attempts or cycles is neither -1 nor from 0 to 8388607",
+            Self::Duration => {
+                "a duration is more than 24 days, or more than 2 hours and no whole second, or a period is zero"
+            }
             Self::NotInSet => "a behavior tree of the basic set has a node of another kind: use Full",
             Self::NeverTicked => "a node of a behavior tree can never be ticked",
         }
@@ -383,7 +393,8 @@ mod tests {
 
     #[test]
     fn children_know_their_parent() {
-        let tree = Tree::<_, 6>::new([Sequence(3), Fallback(1), Action('a'), Inverter, Action('b'), Action('c')]);
+        let tree =
+            Tree::<_, 6>::new([Sequence(3), Fallback(1), Action('a'), Inverter, Action('b'), Action('c')]);
         let parents: [_; 7] = core::array::from_fn(|row| tree.parent(row as u16));
         assert_eq!(parents, [None, Some(0), Some(1), Some(0), Some(3), Some(0), None]);
         assert_eq!(tree.nodes().nth(3), Some(&Inverter));
@@ -391,7 +402,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_takes_ten_bytes_of_flash_with_a_leaf_of_one() {
-        assert_eq!(size_of::<Tree<u8, 21>>(), 21 * 10);
+    fn a_row_takes_eight_bytes_of_flash_with_a_leaf_of_up_to_two() {
+        assert_eq!(size_of::<Tree<[u8; 2], 21>>(), 21 * 8);
     }
 }

@@ -188,7 +188,12 @@ where
     walk.conclude(at, if failed { Failure } else { Success })
 }
 
-pub(super) fn if_then_else<L, V, K>(walk: &mut Walk<'_, L, V, K>, at: usize, child: usize, status: Status) -> Step
+pub(super) fn if_then_else<L, V, K>(
+    walk: &mut Walk<'_, L, V, K>,
+    at: usize,
+    child: usize,
+    status: Status,
+) -> Step
 where
     V: Leaves<L> + ?Sized,
     K: Kinds,
@@ -272,12 +277,23 @@ where
     if status == Skipped {
         walk.put(at, slot.with_skips(slot.skips() + 1));
     }
-    if status != Failure && let Some(next) = walk.sibling(child) {
+    if status != Failure
+        && let Some(next) = walk.sibling(child)
+    {
         return Continue(next);
     }
     let all_skipped = walk.slot(at).skips() == usize::from(count);
     walk.reset_children(at);
-    walk.conclude(at, if status == Failure { Failure } else if all_skipped { Skipped } else { Success })
+    walk.conclude(
+        at,
+        if status == Failure {
+            Failure
+        } else if all_skipped {
+            Skipped
+        } else {
+            Success
+        },
+    )
 }
 
 /// Failures in the low half of the extra word, children skipped in this pass in the high one.

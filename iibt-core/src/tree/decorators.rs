@@ -11,7 +11,12 @@ use Status::{Failure, Running, Skipped, Success};
 use core::ops::ControlFlow::Continue;
 
 /// A loop that goes on while its child returns `again`.
-pub(super) fn enter_loop<L, V, K>(walk: &mut Walk<'_, L, V, K>, at: usize, times: Times, again: Status) -> Step
+pub(super) fn enter_loop<L, V, K>(
+    walk: &mut Walk<'_, L, V, K>,
+    at: usize,
+    times: Times,
+    again: Status,
+) -> Step
 where
     V: Leaves<L> + ?Sized,
     K: Kinds,

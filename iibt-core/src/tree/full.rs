@@ -6,7 +6,7 @@ use super::kinds::sealed::Extra;
 use super::leaves::{Leaves, Status};
 use super::memory::{Cell, Slot};
 use super::node::{Millis, Node};
-use super::table::{NONE, Row};
+use super::table::Row;
 use super::walk::Walk;
 use super::{composites, decorators};
 use crate::time::Instant;
@@ -130,8 +130,7 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
 
     /// The next child of the same parent.
     pub(super) fn sibling(&self, at: usize) -> Option<usize> {
-        let next = self.rows.get(at)?.next;
-        (next != NONE).then_some(usize::from(next))
+        self.rows.get(at)?.sibling()
     }
 
     /// Sets what a node that is not running counts or measures.
@@ -189,4 +188,3 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
         }
     }
 }
-

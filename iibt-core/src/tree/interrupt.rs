@@ -28,10 +28,11 @@ where
             break;
         }
         let before = cell.slot;
-        cell.slot = if K::FULL { at_rest(row, before) } else { resting_leaf(before) };
+        cell.slot = if K::FULL { at_rest(row, before) } else { Slot::IDLE };
         if before.is_running() {
             if let Node::Action(leaf) | Node::Inference(leaf) = &row.node
                 && leaves.on_halted(leaf, now) == Halt::Pending
+                && K::FULL
             {
                 cell.slot = Slot::STOPPING_LEAF;
                 result = Halt::Pending;
@@ -42,18 +43,14 @@ where
     result
 }
 
-/// What a basic node keeps when it is halted.
-fn resting_leaf(before: Slot) -> Slot {
-    if before.is_stopping() { before } else { Slot::IDLE }
-}
-
 /// What a node keeps when it is halted.
 fn at_rest<L>(row: &Row<L>, before: Slot) -> Slot {
     match row.node {
         Node::SequenceWithMemory(_) => before.place(),
         Node::RoundRobin(_) if !before.is_running() => before.place(),
         Node::RunOnce { .. } => before.only_kept(),
-        _ => resting_leaf(before),
+        _ if before.is_stopping() => before,
+        _ => Slot::IDLE,
     }
 }
 

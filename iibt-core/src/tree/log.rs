@@ -121,7 +121,10 @@ mod tests {
         assert_eq!((log.len(), log.lost()), (3, 2));
         assert_eq!(log.pop(), Some(at(2)));
         log.push(at(5));
-        assert_eq!([log.pop(), log.pop(), log.pop(), log.pop()], [Some(at(3)), Some(at(4)), Some(at(5)), None]);
+        assert_eq!(
+            [log.pop(), log.pop(), log.pop(), log.pop()],
+            [Some(at(3)), Some(at(4)), Some(at(5)), None]
+        );
         assert!(log.is_empty() && log.lost() == 2);
     }
 

@@ -140,3 +140,55 @@ macro_rules! tree {
         $crate::tree!(@table [] $($tree)*)
     };
 }
+
+/// A tree written as [`tree!`](crate::tree!) writes it, of the basic kinds, as code instead of a table.
+///
+/// The value's type is the tree; see [`compiled`](crate::tree::compiled). Let a function own it, or be generic over
+/// [`Compiled`](crate::tree::Compiled).
+///
+/// ```
+/// use iibt_core::time::Instant;
+/// use iibt_core::tree::{Compiled, Halt, Leaves, Status};
+///
+/// struct Door { open: bool }
+///
+/// impl Leaves<&str> for Door {
+///     fn condition(&mut self, _: &&str, _: Instant) -> bool { self.open }
+///     fn on_start(&mut self, _: &&str, _: Instant) -> Status { self.open = true; Status::Success }
+///     fn on_running(&mut self, _: &&str, _: Instant) -> Status { Status::Success }
+///     fn on_halted(&mut self, _: &&str, _: Instant) -> Halt { Halt::Done }
+/// }
+///
+/// let mut tree = iibt_core::compiled_tree! { Fallback { Condition("is open"), Action("open it") } };
+/// let mut door = Door { open: false };
+/// assert_eq!(tree.tick(&mut door, Instant(0)), Status::Success);
+/// assert!(door.open);
+/// ```
+#[macro_export]
+macro_rules! compiled_tree {
+    (@list) => { $crate::tree::compiled::End };
+    (@list $kind:ident $body:tt $(, $($rest:tt)*)?) => {
+        $crate::tree::compiled::Cons(
+            $crate::compiled_tree!($kind $body),
+            $crate::compiled_tree!(@list $($($rest)*)?),
+        )
+    };
+    (Sequence { $($children:tt)* }) => {
+        $crate::tree::compiled::Composite::<_, true, false>::new($crate::compiled_tree!(@list $($children)*))
+    };
+    (Fallback { $($children:tt)* }) => {
+        $crate::tree::compiled::Composite::<_, false, false>::new($crate::compiled_tree!(@list $($children)*))
+    };
+    (ReactiveSequence { $($children:tt)* }) => {
+        $crate::tree::compiled::Composite::<_, true, true>::new($crate::compiled_tree!(@list $($children)*))
+    };
+    (ReactiveFallback { $($children:tt)* }) => {
+        $crate::tree::compiled::Composite::<_, false, true>::new($crate::compiled_tree!(@list $($children)*))
+    };
+    (Inverter { $kind:ident $body:tt $(,)? }) => {
+        $crate::tree::compiled::Inverter($crate::compiled_tree!($kind $body))
+    };
+    (Condition ($leaf:expr)) => { $crate::tree::compiled::Condition(|| $leaf) };
+    (Action ($leaf:expr)) => { $crate::tree::compiled::Action::new(|| $leaf) };
+    (Inference ($leaf:expr)) => { $crate::tree::compiled::Action::new(|| $leaf) };
+}

@@ -77,13 +77,13 @@ impl<K: Kinds> Eq for Cell<K> {}
 /// | bits | what |
 /// |---|---|
 /// | 0 | it is running |
-/// | 1-15 | an inner node: how many rows lie between it and the child that it waits for |
-/// | 16-23 | a composite: how many of its first children were skipped, one after the other |
-/// | 24-25 | the status with which it finished, for a parent that does not tick it again |
-/// | 26-27 | the status with which a node that runs once has finished |
-/// | 28 | something of its kind: a delay has passed, a rate is kept, the child was running before |
-/// | 29 | an action that was told to stop and has not stopped |
-/// | 31 | of the root: some action has not stopped |
+/// | 1 | it has finished, and its parent does not tick it again |
+/// | 2 | something of its kind: a delay has passed, a rate is kept, the child was running before |
+/// | 3 | an action that was told to stop and has not stopped |
+/// | 4-5 | the code of the status with which a node that runs once has finished |
+/// | 7 | of the root: some action has not stopped |
+/// | 8-15 | a composite: how many of its first children were skipped, one after the other |
+/// | 18-31 | an inner node: how many rows lie between it and the child that it waits for |
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Slot(u32);
 
@@ -94,7 +94,7 @@ impl Slot {
 
     /// A node in row `parent` that waits for its child in row `child`, both rows of one table.
     pub(super) const fn waiting(parent: usize, child: usize) -> Self {
-        Self((child.wrapping_sub(parent).wrapping_sub(1) << 1) as u32 & PLACE | 1)
+        Self((child.wrapping_sub(parent).wrapping_sub(1) as u32) << 18 | 1)
     }
 
     pub(super) const fn is_running(self) -> bool {
@@ -103,7 +103,7 @@ impl Slot {
 
     /// The row of the child that the inner node in row `parent` waits for, its first child if none.
     pub(super) const fn child(self, parent: usize) -> usize {
-        parent.wrapping_add(1).wrapping_add((self.0 & PLACE) as usize >> 1)
+        parent.wrapping_add(1).wrapping_add((self.0 >> 18) as usize)
     }
 
     /// Only the place.
@@ -112,11 +112,11 @@ impl Slot {
     }
 
     pub(super) const fn skips(self) -> usize {
-        (self.0 >> 16) as u8 as usize
+        (self.0 >> 8) as u8 as usize
     }
 
     pub(super) const fn with_skips(self, skips: usize) -> Self {
-        Self(self.0 & !SKIPS | (skips as u32) << 16 & SKIPS)
+        Self(self.0 & !SKIPS | (skips as u32) << 8 & SKIPS)
     }
 
     pub(super) const fn is_done(self) -> bool {
@@ -129,11 +129,11 @@ impl Slot {
 
     /// The code of the status that a node which runs once has kept; 0 if none.
     pub(super) const fn kept(self) -> u32 {
-        self.0 >> 26 & 3
+        self.0 >> 4 & 3
     }
 
     pub(super) const fn keeping(code: u32) -> Self {
-        Self((code & 3) << 26)
+        Self((code & 3) << 4)
     }
 
     /// Only the kept status.
@@ -166,12 +166,12 @@ impl Slot {
     }
 }
 
-const PLACE: u32 = 0xFFFE;
-const SKIPS: u32 = 0xFF_0000;
-const DONE: u32 = 1 << 24;
-const LATCH: u32 = 1 << 28;
-const STOPPING: u32 = 1 << 29;
-const ALARM: u32 = 1 << 31;
+const DONE: u32 = 1 << 1;
+const LATCH: u32 = 1 << 2;
+const STOPPING: u32 = 1 << 3;
+const ALARM: u32 = 1 << 7;
+const SKIPS: u32 = 0xFF << 8;
+const PLACE: u32 = 0x3FFF << 18;
 
 #[cfg(test)]
 mod tests {
@@ -186,19 +186,19 @@ mod tests {
 
     #[test]
     fn remembers_the_farthest_child_of_the_largest_table() {
-        assert_eq!(Slot::waiting(0, 32767).child(0), 32767);
+        assert_eq!(Slot::waiting(0, 16383).child(0), 16383);
         assert_eq!(Slot::waiting(7, 9).child(7), 9);
         assert_eq!(Slot::IDLE.child(7), 8);
     }
 
     #[test]
     fn the_parts_of_a_slot_do_not_touch_each_other() {
-        let full = Slot::waiting(0, 32767).with_skips(255).done().with_latch(true).with_alarm(true);
-        assert_eq!((full.child(0), full.skips()), (32767, 255));
+        let full = Slot::waiting(0, 16383).with_skips(255).done().with_latch(true).with_alarm(true);
+        assert_eq!((full.child(0), full.skips()), (16383, 255));
         assert!(full.is_running() && full.is_done() && full.has_latch() && full.has_alarm());
         assert!(!full.is_stopping() && full.kept() == 0);
         let less = full.with_running(false).with_skips(0).with_latch(false).with_alarm(false);
-        assert_eq!(less, Slot::waiting(0, 32767).place().done());
+        assert_eq!(less, Slot::waiting(0, 16383).place().done());
         assert_eq!((Slot::keeping(3).kept(), Slot::keeping(3).done().only_kept()), (3, Slot::keeping(3)));
     }
 

@@ -113,47 +113,69 @@ pub enum Node<L> {
     Sleep(Millis),
 }
 
-/// A number of milliseconds; a byte array, so that a row of the table needs no padding.
+/// A number of milliseconds in three bytes, so that a row of the table takes eight: each below 2^23 (2 hours), from
+/// there on whole seconds up to 24 days, which is what a wrapping clock can measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Millis([u8; 4]);
+pub struct Millis([u8; 3]);
 
 impl Millis {
-    /// The longest that a wrapping clock can measure: 24 days.
-    pub const MAX: Self = Self::new(u32::MAX / 2);
+    /// The most milliseconds.
+    pub const MAX: u32 = i32::MAX as u32 / 1000 * 1000;
 
-    /// So many milliseconds. A table with more than [`MAX`](Self::MAX) is refused.
+    const SECONDS: u32 = 1 << 23;
+
+    /// So many milliseconds. A table with a number that does not fit is refused.
     #[must_use]
     pub const fn new(milliseconds: u32) -> Self {
-        Self(milliseconds.to_le_bytes())
+        let code = if milliseconds < Self::SECONDS {
+            milliseconds
+        } else if milliseconds <= Self::MAX && milliseconds.is_multiple_of(1000) {
+            Self::SECONDS | (milliseconds / 1000)
+        } else {
+            0xFF_FFFF
+        };
+        let [a, b, c, _] = code.to_le_bytes();
+        Self([a, b, c])
     }
 
-    /// The number.
+    /// The number; [`u32::MAX`] for one that did not fit.
     #[must_use]
     pub const fn get(self) -> u32 {
-        u32::from_le_bytes(self.0)
+        let [a, b, c] = self.0;
+        match u32::from_le_bytes([a, b, c, 0]) {
+            0xFF_FFFF => u32::MAX,
+            code if code < Self::SECONDS => code,
+            code => (code - Self::SECONDS) * 1000,
+        }
     }
 }
 
-/// How often, or for ever; a byte array like [`Millis`].
+/// How often, or for ever; three bytes like [`Millis`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Times([u8; 4]);
+pub struct Times([u8; 3]);
 
 impl Times {
+    /// The most times.
+    pub const MAX: i32 = (1 << 23) - 1;
+
     /// Without end, written -1 in BehaviorTree.CPP.
     pub const FOREVER: Self = Self::new(-1);
 
-    /// So many times, -1 for ever. A table with less is refused.
+    /// So many times, -1 for ever. A table with a number that does not fit is refused.
     #[must_use]
     pub const fn new(times: i32) -> Self {
-        Self(times.to_le_bytes())
+        let fits = times >= -1 && times <= Self::MAX;
+        let [a, b, c, _] = (if fits { times } else { -2 }).to_le_bytes();
+        Self([a, b, c])
     }
 
-    /// The number; -1 for ever.
+    /// The number; -1 for ever, -2 for one that did not fit.
     #[must_use]
     pub const fn get(self) -> i32 {
-        i32::from_le_bytes(self.0)
+        let [a, b, c] = self.0;
+        i32::from_le_bytes([0, a, b, c]) >> 8
     }
 
     /// Whether `count` is less than this.

@@ -14,7 +14,7 @@ use core::marker::PhantomData;
 pub const MAX_DEPTH: usize = 256;
 
 /// The most nodes a tree may have.
-pub const MAX_NODES: usize = 1 << 15;
+pub const MAX_NODES: usize = 16383;
 
 /// A behavior tree of `N` nodes of the set `K`, whose leaves are named by `L`.
 ///
@@ -38,15 +38,16 @@ pub struct Row<L> {
     pub(super) node: Node<L>,
     /// The parent; [`NONE`] for the root.
     pub(super) parent: u16,
-    /// The next child of the same parent; [`NONE`] for the last.
+    /// The low 14 bits: the next child of the same parent; [`LAST`] for the last. The high two: the code of
+    /// the status of this node at which the parent goes on to it, 0 if that is for the parent to decide.
     pub(super) next: u16,
-    /// The code of the status of this node at which the parent goes on to `next`; 0 if that is for the walk
-    /// to decide.
-    pub(super) next_on: u8,
 }
 
 /// Past the end of every table.
 pub(super) const NONE: u16 = u16::MAX;
+
+/// The next child of a last child.
+pub(super) const LAST: u16 = 0x3FFF;
 
 /// What a tick came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,12 +74,27 @@ pub enum Next {
 impl<L> Row<L> {
     /// A row that is not linked yet.
     pub const fn new(node: Node<L>) -> Self {
-        Self { node, parent: NONE, next: NONE, next_on: 0 }
+        Self { node, parent: NONE, next: LAST }
     }
 
     /// The node.
     pub const fn node(&self) -> &Node<L> {
         &self.node
+    }
+
+    /// The next child of the same parent.
+    #[inline]
+    pub(super) const fn sibling(&self) -> Option<usize> {
+        let next = self.next & LAST;
+        if next == LAST { None } else { Some(next as usize) }
+    }
+
+    /// The next child of the same parent, if that is what follows `status`, in a table of `len` rows. One
+    /// comparison does both: unless the codes are equal, what remains is past every table.
+    #[inline]
+    pub(super) const fn next_on(&self, status: Status, len: usize) -> Option<usize> {
+        let next = (self.next as u32 ^ (status as u32) << 14) as usize;
+        if next < len { Some(next) } else { None }
     }
 }
 

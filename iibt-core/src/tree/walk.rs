@@ -27,7 +27,7 @@ where
     let Some(cells) = cells.get_mut(..rows.len()) else {
         return Tick { status: Status::Failure, next: Next::Event };
     };
-    if cells.first().is_some_and(|root| root.slot.has_alarm()) {
+    if K::FULL && cells.first().is_some_and(|root| root.slot.has_alarm()) {
         cold_path();
         if go_on_halting(rows, cells, leaves, now) == Halt::Pending {
             return Tick { status: Status::Running, next: Next::Now };
@@ -37,13 +37,15 @@ where
     let mut walk = Walk { rows, cells, leaves, now, stopping, yielded: false };
     let status = walk.pass();
     let (stopping, yielded) = (walk.stopping, walk.yielded);
-    if stopping {
+    if K::FULL && stopping {
         cold_path();
         raise_alarm(cells);
     }
-    let next = if stopping || K::FULL && yielded && status == Status::Running {
+    let next = if !K::FULL {
+        Next::Event
+    } else if stopping || yielded && status == Status::Running {
         Next::Now
-    } else if K::FULL && status == Status::Running {
+    } else if status == Status::Running {
         deadline::next(rows, cells, leaves, now)
     } else {
         Next::Event
@@ -83,7 +85,7 @@ where
 {
     let Some(cells) = cells.get_mut(..rows.len()) else { return Halt::Done };
     let mut pending = false;
-    if cells.first().is_some_and(|root| root.slot.has_alarm()) {
+    if K::FULL && cells.first().is_some_and(|root| root.slot.has_alarm()) {
         pending = go_on_halting(rows, cells, leaves, now) == Halt::Pending;
     }
     pending |= halt_from(rows, cells, leaves, now, 0) == Halt::Pending;
@@ -120,64 +122,68 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
         let mut at = 0;
         loop {
             let status = match self.enter(at) {
-                Continue(child) => {
+                Some(Continue(child)) => {
                     at = child;
                     continue;
                 }
-                Break(status) => status,
+                Some(Break(status)) => status,
+                None => return Status::Failure,
             };
-            let step = if K::FULL || matches!(status, Status::Success | Status::Failure) {
-                self.climb(at, status)
-            } else {
-                self.leave_unfinished(at, status)
-            };
-            match step {
+            if !K::FULL && status == Status::Running {
+                return self.suspend(at);
+            }
+            match self.climb(at, status) {
                 Continue(sibling) => at = sibling,
                 Break(status) => return status,
             }
         }
     }
 
-    /// Ticks the node in row `at`: its status if it is a leaf, else the row of the child to enter first.
+    /// Ticks the node in row `at`: its status if it is a leaf, else the row of the child to enter first; `None`
+    /// past the end, which only the memory of another tree leads to.
+    ///
+    /// The basic kinds make three groups, so that telling them apart takes comparisons and no table.
     #[inline]
-    fn enter(&mut self, at: usize) -> ControlFlow<Status, usize> {
-        let (Some(row), Some(cell)) = (self.rows.get(at), self.cells.get_mut(at)) else {
-            return Break(Status::Failure); // only with the memory of another tree
-        };
+    fn enter(&mut self, at: usize) -> Option<ControlFlow<Status, usize>> {
+        let (row, cell) = (self.rows.get(at)?, self.cells.get_mut(at)?);
         if K::FULL && self.stopping {
-            return Break(Status::Running);
+            return Some(Break(Status::Running));
         }
-        let (before, status) = match &row.node {
-            Node::Sequence(_) | Node::Fallback(_) => return Continue(cell.slot.child(at)),
-            Node::ReactiveSequence(_) | Node::ReactiveFallback(_) | Node::Inverter => {
-                return Continue(at.wrapping_add(1));
+        let before = cell.slot;
+        let status = match &row.node {
+            Node::Sequence(_)
+            | Node::Fallback(_)
+            | Node::ReactiveSequence(_)
+            | Node::ReactiveFallback(_)
+            | Node::Inverter => {
+                let reactive = matches!(row.node, Node::ReactiveSequence(_) | Node::ReactiveFallback(_));
+                return Some(Continue(if reactive { at + 1 } else { before.child(at) }));
             }
-            Node::Condition(leaf) => (Slot::IDLE, self.leaves.condition(leaf, self.now).into()),
+            Node::Condition(leaf) => self.leaves.condition(leaf, self.now).into(),
             Node::Action(leaf) | Node::Inference(leaf) => {
-                let before = cell.slot;
                 let status = if before.is_running() {
                     self.leaves.on_running(leaf, self.now)
                 } else {
                     self.leaves.on_start(leaf, self.now)
                 };
                 cell.slot = if status == Status::Running { Slot::RUNNING_LEAF } else { Slot::IDLE };
-                (before, status)
+                status
             }
-            _ if K::FULL => return full::enter(self, row, at),
-            _ => return Break(Status::Failure), // the table was checked
+            _ if K::FULL => return Some(full::enter(self, row, at)),
+            _ => return None, // the table was checked
         };
         self.report(at, before, Some(status));
-        Break(status)
+        Some(Break(status))
     }
 
     /// Takes the status of the node in row `at` to its parent, and on from there to the next node to enter, or to
-    /// the status of the root. In the basic set the status is success or failure.
+    /// the status of the root. In the basic set the status is not running.
     #[inline]
     fn climb(&mut self, mut at: usize, mut status: Status) -> ControlFlow<Status, usize> {
         let rows = self.rows;
         while let Some(child) = rows.get(at) {
-            if child.next_on == status as u8 {
-                return Continue(usize::from(child.next));
+            if let Some(next) = child.next_on(status, rows.len()) {
+                return Continue(next);
             }
             let parent = usize::from(child.parent);
             let Some(row) = rows.get(parent) else { break };
@@ -198,64 +204,11 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
                         Break(own) => status = own,
                     }
                 }
-                if self.settle(parent, at, Slot::IDLE, status) && !K::FULL {
-                    cold_path();
-                    return Break(self.hold(parent, status));
-                }
+                self.settle(parent, at, Slot::IDLE, status);
             }
             at = parent;
         }
         Break(status)
-    }
-
-    /// In the basic set, goes on from a node that is neither a success nor a failure.
-    #[inline(never)]
-    fn leave_unfinished(&mut self, mut at: usize, mut status: Status) -> ControlFlow<Status, usize> {
-        let rows = self.rows;
-        while status == Status::Skipped {
-            let Some(row) = rows.get(at) else { break };
-            let parent = usize::from(row.parent);
-            let Some(row) = rows.get(parent) else { break };
-            if !matches!(row.node, Node::Inverter) {
-                match self.skip(parent, at) {
-                    Continue(next) => return Continue(next),
-                    Break(own) => status = own,
-                }
-            }
-            if self.settle(parent, at, Slot::IDLE, status) {
-                return Break(self.hold(parent, status));
-            }
-            at = parent;
-        }
-        match status {
-            Status::Running => Break(self.suspend(at)),
-            Status::Skipped => Break(status),
-            Status::Success | Status::Failure => self.climb(at, status),
-        }
-    }
-
-    /// In the basic set, ends the pass without ticking anything else, because an action is still stopping:
-    /// what would be next counts as running.
-    fn hold(&mut self, mut at: usize, mut status: Status) -> Status {
-        let rows = self.rows;
-        while let Some(row) = rows.get(at) {
-            if row.next_on == status as u8 {
-                return self.suspend(usize::from(row.next));
-            }
-            let parent = usize::from(row.parent);
-            let Some(row) = rows.get(parent) else { break };
-            if matches!(row.node, Node::Inverter) {
-                status = inverted(status);
-            } else if status == Status::Skipped {
-                match self.skip(parent, at) {
-                    Continue(next) => return self.suspend(next),
-                    Break(own) => status = own,
-                }
-            }
-            self.settle(parent, at, Slot::IDLE, status);
-            at = parent;
-        }
-        status
     }
 
     /// In the basic set, leaves all nodes above the node in row `at` waiting for it.
@@ -271,13 +224,13 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
     }
 
     /// Ends the tick of the basic inner node in row `parent`, which ticked the child in row `child` last and
-    /// keeps `after` in mind. A later child that it was waiting for is halted; whether that is still stopping.
+    /// keeps `after` in mind. A later child that it was waiting for is halted.
     #[inline]
-    fn settle(&mut self, parent: usize, child: usize, mut after: Slot, status: Status) -> bool {
-        let Some(cell) = self.cells.get_mut(parent) else { return false };
+    fn settle(&mut self, parent: usize, child: usize, mut after: Slot, status: Status) {
+        let Some(cell) = self.cells.get_mut(parent) else { return };
         let before = cell.slot;
         if before != Slot::IDLE || after != Slot::IDLE {
-            if before.skips() > 0 && after.is_running() {
+            if K::FULL && before.skips() > 0 && after.is_running() {
                 cold_path();
                 if let Some(Node::Sequence(_) | Node::Fallback(_)) = self.rows.get(parent).map(Row::node) {
                     after = after.with_skips(before.skips());
@@ -285,12 +238,10 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
             }
             cell.slot = after;
         }
-        let mut stopping = false;
         if before.is_running() && before.child(parent) > child {
-            stopping = self.halt_from(before.child(parent));
+            self.halt_from(before.child(parent));
         }
         self.report(parent, before, Some(status));
-        stopping
     }
 
     /// Counts a child that was skipped: the next one to enter or, after the last, the parent's own status.
@@ -298,20 +249,22 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
     #[cold]
     pub(super) fn skip(&mut self, parent: usize, child: usize) -> ControlFlow<Status, usize> {
         let rows = self.rows;
-        let (Some(row), Some(this)) = (rows.get(parent), rows.get(child)) else { return Break(Status::Skipped) };
+        let (Some(row), Some(this)) = (rows.get(parent), rows.get(child)) else {
+            return Break(Status::Skipped);
+        };
         let mut index = 0;
         let mut sibling = parent + 1;
         while sibling < child {
             index += 1;
-            sibling = rows.get(sibling).map_or(child, |row| usize::from(row.next));
+            sibling = rows.get(sibling).and_then(Row::sibling).unwrap_or(child);
         }
         let Some(cell) = self.cells.get_mut(parent) else { return Break(Status::Skipped) };
         let all = index == 0 || cell.slot.skips() == index;
         if all {
             cell.slot = cell.slot.with_skips(index + 1);
         }
-        if usize::from(this.next) < rows.len() {
-            return Continue(usize::from(this.next));
+        if let Some(next) = this.sibling() {
+            return Continue(next);
         }
         Break(match row.node {
             _ if all => Status::Skipped,
@@ -320,11 +273,10 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
         })
     }
 
-    /// Halts the node in row `top` and what runs below it; whether any of it is still stopping.
-    pub(super) fn halt_from(&mut self, top: usize) -> bool {
-        let stopping = halt_from(self.rows, self.cells, self.leaves, self.now, top) == Halt::Pending;
-        self.stopping |= stopping;
-        stopping
+    /// Halts the node in row `top` and what runs below it.
+    pub(super) fn halt_from(&mut self, top: usize) {
+        let halted = halt_from(self.rows, self.cells, self.leaves, self.now, top);
+        self.stopping |= K::FULL && halted == Halt::Pending;
     }
 
     #[inline]
@@ -510,7 +462,8 @@ mod tests {
 
     #[test]
     fn a_halt_from_outside_tells_only_what_is_running() {
-        let tree: Tree<char, _> = tree! { Sequence { Action('a'), ReactiveSequence { Condition('g'), Action('b') } } };
+        let tree: Tree<char, _> =
+            tree! { Sequence { Action('a'), ReactiveSequence { Condition('g'), Action('b') } } };
         let mut memory = Memory::new();
         let mut script = Script::new("a=S g=S b=R");
         tree.halt(&mut memory, &mut script, Instant(0));
