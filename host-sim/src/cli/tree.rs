@@ -88,9 +88,15 @@ One line a tick, leaves in the order in which they are told:
   tick 2: guard:F halt(b) => FAILURE
   haltTree: halt(a)
 
---compat follows BehaviorTree.CPP 4.10 also where we differ from it on purpose:
-  - haltTree halts every leaf a second time, running or not
-  - further differences are listed in the documentation of iibt_core::tree
+With --mode once the tree is gone through again while nodes ask for it and, as in BehaviorTree.CPP, once more if a
+timer has gone off since the last tick; 10000 times at the most.
+
+--compat follows BehaviorTree.CPP 4.10 also where we differ from it on purpose. Without it
+  - haltTree tells only leaves that are running, not all leaves a second time
+  - Timeout halts its child when the tree is next ticked and comes to it, not in between
+  - Precondition is asked at every tick and halts its child when it no longer holds
+  - RetryUntilSuccessful and Repeat count anew after they were skipped
+  - a leaf that runs and is then skipped is not halted afterwards
 
 Exit status:
   0  the ticks were run, whatever the tree returned

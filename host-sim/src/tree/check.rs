@@ -6,7 +6,7 @@ use super::document::Document;
 use super::instance::{Instance, Node};
 use super::model::Direction;
 use super::parameter::Given;
-use super::value::Fit;
+use super::value::{Fit, pointer};
 use std::collections::BTreeSet;
 
 /// The remarks on a document whose main tree is `wanted`, else the one that the file names, in the order of
@@ -100,15 +100,20 @@ fn parameters(instance: &Instance, node: &Node, remarks: &mut Remarks) -> Result
     }
 }
 
-/// A value that is given must be right; one from the blackboard is left to the run.
+/// A value that is given must be right; one from the blackboard is left to the run, and a literal of another type
+/// was found when the port was read.
 fn known<T>(
     value: Result<T, Diagnostic>,
     instance: &Instance,
     node: &Node,
     port: &str,
 ) -> Result<(), Diagnostic> {
+    let literal = node.ports.get(port).filter(|value| pointer(&value.text).is_none());
+    let kind = node.model.port(port).map(|port| &port.kind);
+    let was_found = literal.zip(kind).is_some_and(|(value, kind)| kind.fit(&value.text) == Fit::None);
     match instance.given(node, port) {
         Given::Entry(..) => Ok(()),
+        _ if was_found => Ok(()),
         _ => value.map(|_| ()),
     }
 }
@@ -132,7 +137,8 @@ fn threshold(
 ) -> Result<(), Diagnostic> {
     let value = instance.int(node, port);
     let Given::Text(_, place) = instance.given(node, port) else { return known(value, instance, node, port) };
-    let (value, children) = (i64::from(value?), node.children.len() as i64);
+    let Ok(value) = value else { return known(value, instance, node, port) };
+    let (value, children) = (i64::from(value), node.children.len() as i64);
     if value > children {
         let message = format!("{port} is {value}, but with {children} children the node could never {verb}");
         return Err(Diagnostic::error(place, message));

@@ -144,6 +144,9 @@ impl Assembly<'_> {
         let is_explicit = Class::with_tag(&element.tag).is_some();
         let id = if is_explicit { element.value("ID").unwrap_or_default() } else { &element.tag };
         let is_subtree = element.tag == "SubTree";
+        if id.is_empty() {
+            return; // The structure's remarks say so.
+        }
         let Some(model) = self.document.models.get(if is_subtree { "SubTree" } else { id }) else {
             return; // The structure's remarks say so.
         };
@@ -313,7 +316,7 @@ impl Assembly<'_> {
         };
         if known != kind && ![known, kind].contains(&&ValueType::Any) && *known != ValueType::Text {
             let message = format!(
-                "'{}' is a {} here, but a {} at {}:{}",
+                "'{}' is of type {} here, but of type {} at {}:{}",
                 attribute.value,
                 kind.name(),
                 known.name(),

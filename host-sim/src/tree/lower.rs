@@ -289,7 +289,10 @@ impl<'i> Lowering<'i> {
             "RUNNING" => Status::Running,
             "SKIPPED" => Status::Skipped,
             _ => {
-                return Err(Diagnostic::error(place, format!("'{text}' is no status that a node may return")));
+                return Err(Diagnostic::error(
+                    place,
+                    format!("'{text}' is no status that a node may return"),
+                ));
             }
         };
         Ok(Row::Precondition { condition: self.hook(index, Task::Precondition(script)), otherwise })
@@ -302,7 +305,7 @@ impl<'i> Lowering<'i> {
 
     fn millis(&self, node: &Node, port: &str) -> Result<Millis, Diagnostic> {
         let value = self.instance.millis(node, port)?;
-        if value <= Millis::MAX.get() {
+        if value <= Millis::MAX {
             return Ok(Millis::new(value));
         }
         let place = match self.instance.given(node, port) {
@@ -311,14 +314,14 @@ impl<'i> Lowering<'i> {
         };
         Err(Diagnostic::error(
             place,
-            format!("{value} ms is more than the clock can measure, {} ms", Millis::MAX.get()),
+            format!("{value} ms is more than the clock can measure, {} ms", Millis::MAX),
         ))
     }
 
     fn period(&self, node: &Node) -> Result<Millis, Diagnostic> {
         let hz = self.instance.real(node, "hz")?;
         let period = (1000.0 / hz).round();
-        if (1.0..=f64::from(Millis::MAX.get())).contains(&period) {
+        if (1.0..=f64::from(Millis::MAX)).contains(&period) {
             return Ok(Millis::new(period as u32));
         }
         Err(Diagnostic::error(&node.place, format!("{hz} hz is no period in whole milliseconds")))
