@@ -95,8 +95,9 @@ timer has gone off since the last tick; 10000 times at the most.
   - haltTree tells only leaves that are running, not all leaves a second time
   - Timeout halts its child when the tree is next ticked and comes to it, not in between
   - Precondition is asked at every tick and halts its child when it no longer holds
-  - RetryUntilSuccessful and Repeat count anew after they were skipped
-  - a leaf that runs and is then skipped is not halted afterwards
+  - RetryUntilSuccessful, Repeat, Timeout and Delay begin anew after they were skipped
+Two differences remain with --compat: a node that runs and is then skipped is idle at once, and IfThenElse and
+WhileDoElse are skipped with their condition where BehaviorTree.CPP throws an exception.
 
 Exit status:
   0  the ticks were run, whatever the tree returned
@@ -338,4 +339,96 @@ fn leaf(text: &str) -> Result<(String, Statuses), String> {
 
 fn counted(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        tree: Tree,
+    }
+
+    fn parse(line: &str) -> Result<Tree, clap::Error> {
+        let words = std::iter::once("tree").chain(line.split(' '));
+        Cli::try_parse_from(words).map(|cli| cli.tree)
+    }
+
+    /// The exit status of a command line; one that fails says what the program prints.
+    fn status(line: &str) -> String {
+        let tree = parse(line).unwrap_or_else(|error| panic!("{error}"));
+        match tree.run() {
+            Ok(code) if code == ExitCode::SUCCESS => "0".into(),
+            Ok(code) if code == ExitCode::from(ERRORS) => "1".into(),
+            Ok(code) if code == ExitCode::from(UNUSABLE) => "2".into(),
+            Ok(code) => panic!("{code:?}"),
+            Err(failure) => failure.to_string(),
+        }
+    }
+
+    fn file(name: &str, text: &str) -> String {
+        let path = std::env::temp_dir().join(format!("host-sim-{}-{name}.xml", std::process::id()));
+        fs::write(&path, text).unwrap();
+        path.display().to_string()
+    }
+
+    #[test]
+    fn the_exit_status_tells_what_is_wrong() {
+        let right = file(
+            "right",
+            "<root BTCPP_format=\"4\"><BehaviorTree ID=\"M\"><L name=\"a\"/></BehaviorTree></root>",
+        );
+        let wrong =
+            file("wrong", "<root BTCPP_format=\"4\"><BehaviorTree ID=\"M\"><A/></BehaviorTree></root>");
+        let broken = file("broken", "<root>");
+        for (line, expected) in [
+            (format!("check {right}"), "0"),
+            (format!("check {wrong}"), "1"),
+            (format!("check {broken}"), "1"),
+            (format!("check {right} --tree Other"), "1"),
+            (format!("show {right}"), "0"),
+            (format!("show {wrong}"), "2"),
+            (format!("codegen {wrong}"), "2"),
+            (format!("export {wrong}"), "2"),
+            (format!("export {right}"), "0"),
+            (format!("run {right} --ticks 2 --leaf a=RF"), "0"),
+            (format!("run {right} --ticks 2 --leaf b=R"), "2"),
+            (format!("run {wrong} --ticks 2 --leaf A=R"), "0"),
+        ] {
+            assert_eq!(status(&line), expected, "{line}");
+        }
+        [right, wrong, broken].iter().for_each(|path| fs::remove_file(path).unwrap());
+    }
+
+    #[test]
+    fn an_unknown_name_gets_a_suggestion_and_a_missing_file_its_name() {
+        assert!(
+            status("show t22")
+                .starts_with("tree: none is called 't22': did you mean 't21'? built in are pilot")
+        );
+        assert!(status("check nowhere/mine.xml").starts_with("nowhere/mine.xml: "));
+    }
+
+    #[test]
+    fn wrong_arguments_are_refused() {
+        for line in [
+            "run t21",
+            "run t21 --ticks 0",
+            "run t21 --ticks 3 --leaf a",
+            "run t21 --ticks 3 --leaf a=X",
+            "run t21 --ticks 3 --leaf =S",
+            "run t21 --ticks 3 --mode twice",
+            "show",
+        ] {
+            assert!(parse(line).is_err(), "{line}");
+        }
+        let leaves =
+            "run t21 --ticks 3 --leaf a=b=SF --leaf c=R --mode once --tick-ms 0 --halt-after 2 --compat";
+        assert!(
+            matches!(parse(leaves).unwrap().verb, Verb::Run(run) if run.leaves[0].0 == "a=b" && run.leaves.len() == 2)
+        );
+    }
 }
