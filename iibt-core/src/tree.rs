@@ -1,6 +1,6 @@
 //! Behavior trees as flat constant tables.
 //!
-//! A tree is a table of nodes in preorder that lives in flash, eight to ten bytes a node. What it remembers between two
+//! A tree is a table of nodes in preorder that lives in flash, eight bytes a node for leaf names of up to two. What it remembers between two
 //! ticks is kept apart from it, so that any number of robots share one table. The nodes are those of BehaviorTree.CPP 4.10
 //! and four of Nav2, and mean the same; [`Node`] says what each does.
 //!

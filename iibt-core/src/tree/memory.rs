@@ -89,7 +89,8 @@ pub(super) struct Slot(u32);
 
 impl Slot {
     pub(super) const IDLE: Self = Self(0);
-    pub(super) const RUNNING_LEAF: Self = Self(1);
+    /// Running, with nothing else to remember: a leaf, or a node that begins at its first child every time.
+    pub(super) const RUNNING: Self = Self(1);
     pub(super) const STOPPING_LEAF: Self = Self(STOPPING);
 
     /// A node in row `parent` that waits for its child in row `child`, both rows of one table.
@@ -204,7 +205,7 @@ mod tests {
 
     #[test]
     fn rows_past_the_end_do_not_run() {
-        let running: Cell<Full> = Cell { slot: Slot::RUNNING_LEAF, extra: 0 };
+        let running: Cell<Full> = Cell { slot: Slot::RUNNING, extra: 0 };
         let memory = Memory { cells: [running; 2] };
         assert!(memory.is_running(1) && !memory.is_running(2) && !memory.is_idle());
     }

@@ -89,12 +89,12 @@ impl<L> Row<L> {
         if next == LAST { None } else { Some(next as usize) }
     }
 
-    /// The next child of the same parent, if that is what follows `status`, in a table of `len` rows. One
-    /// comparison does both: unless the codes are equal, what remains is past every table.
+    /// The next child of the same parent, if that is what follows `status`: unless the codes are equal, what
+    /// remains is past every table.
     #[inline]
-    pub(super) const fn next_on(&self, status: Status, len: usize) -> Option<usize> {
-        let next = (self.next as u32 ^ (status as u32) << 14) as usize;
-        if next < len { Some(next) } else { None }
+    pub(super) const fn next_on(&self, status: Status) -> Option<usize> {
+        let next = self.next as u32 ^ ((status as u32) << 14);
+        if next < LAST as u32 { Some(next as usize) } else { None }
     }
 }
 

@@ -156,8 +156,7 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
             | Node::ReactiveSequence(_)
             | Node::ReactiveFallback(_)
             | Node::Inverter => {
-                let reactive = matches!(row.node, Node::ReactiveSequence(_) | Node::ReactiveFallback(_));
-                return Some(Continue(if reactive { at + 1 } else { before.child(at) }));
+                return Some(Continue(before.child(at)));
             }
             Node::Condition(leaf) => self.leaves.condition(leaf, self.now).into(),
             Node::Action(leaf) | Node::Inference(leaf) => {
@@ -166,7 +165,7 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
                 } else {
                     self.leaves.on_start(leaf, self.now)
                 };
-                cell.slot = if status == Status::Running { Slot::RUNNING_LEAF } else { Slot::IDLE };
+                cell.slot = if status == Status::Running { Slot::RUNNING } else { Slot::IDLE };
                 status
             }
             _ if K::FULL => return Some(full::enter(self, row, at)),
@@ -182,7 +181,7 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
     fn climb(&mut self, mut at: usize, mut status: Status) -> ControlFlow<Status, usize> {
         let rows = self.rows;
         while let Some(child) = rows.get(at) {
-            if let Some(next) = child.next_on(status, rows.len()) {
+            if let Some(next) = child.next_on(status) {
                 return Continue(next);
             }
             let parent = usize::from(child.parent);
@@ -224,24 +223,34 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
     }
 
     /// Ends the tick of the basic inner node in row `parent`, which ticked the child in row `child` last and
-    /// keeps `after` in mind. A later child that it was waiting for is halted.
+    /// keeps `after` in mind. A later child that is running is halted: only a reactive node has one.
     #[inline]
-    fn settle(&mut self, parent: usize, child: usize, mut after: Slot, status: Status) {
-        let Some(cell) = self.cells.get_mut(parent) else { return };
+    fn settle(&mut self, parent: usize, child: usize, after: Slot, status: Status) {
+        let (Some(row), Some(cell)) = (self.rows.get(parent), self.cells.get_mut(parent)) else { return };
         let before = cell.slot;
         if before != Slot::IDLE || after != Slot::IDLE {
-            if K::FULL && before.skips() > 0 && after.is_running() {
-                cold_path();
-                if let Some(Node::Sequence(_) | Node::Fallback(_)) = self.rows.get(parent).map(Row::node) {
-                    after = after.with_skips(before.skips());
-                }
-            }
-            cell.slot = after;
+            cell.slot = match row.node {
+                _ if !after.is_running() => after,
+                Node::ReactiveSequence(_) | Node::ReactiveFallback(_) => Slot::RUNNING,
+                _ if K::FULL => after.with_skips(before.skips()),
+                _ => after,
+            };
         }
-        if before.is_running() && before.child(parent) > child {
-            self.halt_from(before.child(parent));
+        if before.is_running() {
+            self.halt_after(child);
         }
         self.report(parent, before, Some(status));
+    }
+
+    /// Halts what runs among the siblings after the node in row `at`.
+    fn halt_after(&mut self, at: usize) {
+        let mut at = at;
+        while let Some(sibling) = self.rows.get(at).and_then(Row::sibling) {
+            if self.cells.get(sibling).is_some_and(Cell::is_running) {
+                self.halt_from(sibling);
+            }
+            at = sibling;
+        }
     }
 
     /// Counts a child that was skipped: the next one to enter or, after the last, the parent's own status.
