@@ -95,9 +95,11 @@ timer has gone off since the last tick; 10000 times at the most.
   - haltTree tells only leaves that are running, not all leaves a second time
   - Timeout halts its child when the tree is next ticked and comes to it, not in between
   - Precondition is asked at every tick and halts its child when it no longer holds
+These differences remain with --compat:
   - RetryUntilSuccessful, Repeat, Timeout and Delay begin anew after they were skipped
-Two differences remain with --compat: a node that runs and is then skipped is idle at once, and IfThenElse and
-WhileDoElse are skipped with their condition where BehaviorTree.CPP throws an exception.
+  - a node that runs and is then skipped is idle at once, and not halted afterwards
+  - IfThenElse and WhileDoElse are skipped with their condition, where BehaviorTree.CPP throws an exception
+  - with --mode once, a node that asks for another tick in the tick that ends the tree is not heard in the next
 
 Exit status:
   0  the ticks were run, whatever the tree returned
