@@ -8,10 +8,10 @@
 //!
 //! A [`Document`] is a file with all that it includes: trees, models of nodes, and remarks on its structure. An
 //! [`Instance`] is one of its trees put together, every SubTree in its place and every port resolved. It becomes the
-//! table of [`iibt_core::tree`], so a dry run ticks the engine that firmware ticks, and
+//! table of [`iibt_core::tree`](mod@iibt_core::tree), so a dry run ticks the engine that firmware ticks, and
 //! [`codegen`](Instance::codegen) writes the table that firmware keeps in flash.
 //!
-//! | what a file has | [`check`] | [`run`](DryRun) | [`codegen`](Instance::codegen) |
+//! | what a file has | [`check`](fn@check) | [`run`](DryRun) | [`codegen`](Instance::codegen) |
 //! |---|---|---|---|
 //! | nodes of BehaviorTree.CPP 4.10 | yes | yes, but those below | yes, but those below |
 //! | `PipelineSequence`, `RoundRobin`, `RecoveryNode`, `RateController` of Nav2 | yes | yes | yes |

@@ -45,7 +45,7 @@ pub struct Extras<'e> {
 
 impl Document {
     /// Reads a file and what it includes. Whether it is fit for use is in its remarks: see
-    /// [`check`](super::check).
+    /// [`check`](fn@super::check).
     ///
     /// # Errors
     /// When the file, or one that it includes, cannot be read or is not XML.
@@ -107,7 +107,7 @@ impl Document {
         document
     }
 
-    /// What is wrong with tags, IDs and numbers of children; [`check`](super::check) finds more.
+    /// What is wrong with tags, IDs and numbers of children; [`check`](fn@super::check) finds more.
     pub fn remarks(&self) -> impl Iterator<Item = &Diagnostic> {
         self.remarks.iter()
     }
