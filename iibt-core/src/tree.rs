@@ -70,6 +70,7 @@
 //! assert!(memory.is_running(3) && !memory.is_running(4), "it charges instead");
 //! ```
 
+mod basic;
 mod census;
 mod check;
 pub mod compiled;

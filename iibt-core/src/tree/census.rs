@@ -91,7 +91,7 @@ impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
         let mut level = 0;
         while at < N {
             level += 1;
-            at = self.rows[at].parent as usize;
+            at = self.rows[at].parent();
         }
         level
     }

@@ -1,9 +1,8 @@
 //! What a table must satisfy to be a tree, and what follows from it: all before the first tick, and
 //! in a `const` before the program runs.
 
-use super::leaves::Status;
 use super::node::{Millis, Node};
-use super::table::{LAST, MAX_DEPTH, MAX_NODES, NONE, Row};
+use super::table::{ASK, LATER, MAX_DEPTH, MAX_NODES, NONE, Row, UP};
 
 /// A rule that a table broke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -54,7 +53,7 @@ pub struct TreeError {
 /// Links the rows of a table in preorder.
 ///
 /// `open` is the innermost row that misses children and lies past the end of the table when none does. Until a
-/// row has all its children, its `next` counts those still to come.
+/// row has all its children, its ways are the row of its parent and how many of them are still to come.
 pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeError> {
     if rows.is_empty() {
         return Err(TreeError { node: 0, rule: Rule::Empty });
@@ -73,23 +72,23 @@ pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeE
         if let Some(rule) = rule {
             return Err(TreeError { node: at as u16, rule });
         }
-        rows[at].parent = open as u16;
-        rows[at].next = match rows[at].node.children() {
+        let children = match rows[at].node.children() {
             Some(count) => count as u16,
             None => 0,
         };
+        rows[at].ways = [open as u16, children];
         open = at;
         depth += 1;
-        while open < rows.len() && rows[open].next == 0 {
-            rows[open].next = LAST;
+        while open < rows.len() && rows[open].ways[1] == 0 {
             depth -= 1;
-            let parent = rows[open].parent as usize;
-            if parent < rows.len() {
-                rows[parent].next -= 1;
-                if rows[parent].next > 0 {
-                    rows[open].next = (at as u16 + 1) | (goes_on(&rows[parent].node) << 14);
-                }
-            }
+            let parent = rows[open].ways[0] as usize;
+            rows[open].ways = if parent < rows.len() {
+                rows[parent].ways[1] -= 1;
+                let sibling = if rows[parent].ways[1] > 0 { at as u16 + 1 } else { NONE };
+                ways(&rows[parent].node, parent as u16, sibling)
+            } else {
+                [LATER | NONE; 2]
+            };
             open = parent;
         }
         at += 1;
@@ -100,12 +99,14 @@ pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeE
     Ok(())
 }
 
-/// The code of the status of one child at which `node` ticks the next without further ado.
-const fn goes_on<L>(node: &Node<L>) -> u16 {
+/// The ways on from a child of `node`, which is in row `parent`, to the next in row `sibling`.
+const fn ways<L>(node: &Node<L>, parent: u16, sibling: u16) -> [u16; 2] {
+    let up = UP | parent;
     match node {
-        Node::Sequence(_) | Node::ReactiveSequence(_) => Status::Success as u16,
-        Node::Fallback(_) | Node::ReactiveFallback(_) => Status::Failure as u16,
-        _ => 0,
+        Node::Sequence(_) | Node::ReactiveSequence(_) => [if sibling == NONE { up } else { sibling }, up],
+        Node::Fallback(_) | Node::ReactiveFallback(_) => [up, if sibling == NONE { up } else { sibling }],
+        Node::Inverter => [ASK | parent; 2],
+        _ => [ASK | parent, LATER | sibling],
     }
 }
 

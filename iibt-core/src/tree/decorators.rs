@@ -169,7 +169,7 @@ where
     if status == Running {
         return walk.wait(at, child);
     }
-    let parent = walk.rows.get(at).map_or(at, |row| usize::from(row.parent));
+    let parent = walk.rows.get(at).map_or(at, Row::parent);
     let piped = matches!(walk.rows.get(parent).map(Row::node), Some(Node::PipelineSequence(_)));
     if status == Success {
         walk.put_extra(at, walk.now.0);

@@ -9,7 +9,7 @@ use super::walk::report;
 use crate::time::Instant;
 
 /// Halts what is running among the node in row `top` and its descendants.
-#[inline(never)]
+#[inline(always)]
 pub(super) fn halt_from<L, V, K>(
     rows: &[Row<L>],
     cells: &mut [Cell<K>],
@@ -21,10 +21,27 @@ where
     V: Leaves<L> + ?Sized,
     K: Kinds,
 {
+    halt_among(rows, cells, leaves, now, top, top)
+}
+
+/// Halts what is running in row `first` and the rows after it whose parents are in row `within` or later.
+#[inline(never)]
+pub(super) fn halt_among<L, V, K>(
+    rows: &[Row<L>],
+    cells: &mut [Cell<K>],
+    leaves: &mut V,
+    now: Instant,
+    first: usize,
+    within: usize,
+) -> Halt
+where
+    V: Leaves<L> + ?Sized,
+    K: Kinds,
+{
     let mut result = Halt::Done;
-    for at in top..rows.len() {
+    for at in first..rows.len() {
         let (Some(row), Some(cell)) = (rows.get(at), cells.get_mut(at)) else { break };
-        if at > top && usize::from(row.parent) < top {
+        if at > first && row.parent() < within {
             break;
         }
         let before = cell.slot;

@@ -15,8 +15,8 @@ pub trait Kinds: sealed::Sealed + Copy + core::fmt::Debug + Eq {
 
 /// Sequences and fallbacks, with memory and reactive, inverters, and leaves: 4 bytes of RAM a node.
 ///
-/// It leaves out two things more. [`Halt::Pending`](super::Halt::Pending) counts as done, and a leaf that returns
-/// [`Status::Skipped`](super::Status::Skipped) ends the tick of the whole tree with that status.
+/// It leaves out two things more: [`Halt::Pending`](super::Halt::Pending) counts as done, and
+/// [`Status::Skipped`](super::Status::Skipped) is passed on like a success.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Basic {}
 

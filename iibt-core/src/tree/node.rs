@@ -8,11 +8,18 @@ use super::leaves::Status;
 /// children follow. The rules are those of BehaviorTree.CPP 4.10 and, for the four nodes named so,
 /// of Nav2; the [module](super) lists where they differ.
 ///
-/// Of the kinds below, the first five inner ones and the leaves that call the caller make the
-/// [`Basic`](super::Basic) set; the others need [`Full`](super::Full).
+/// The kinds up to [`Inverter`](Self::Inverter) make the [`Basic`](super::Basic) set; the others need
+/// [`Full`](super::Full).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Node<L> {
+    /// An action, which may take several ticks.
+    Action(L),
+    /// An interactive inference node: to the tree an action like any other.
+    Inference(L),
+    /// A question that is answered at once.
+    Condition(L),
+
     /// Succeeds when all its children have succeeded, fails with the first that fails; resumes at the
     /// child that was running.
     Sequence(u8),
@@ -25,12 +32,6 @@ pub enum Node<L> {
     ReactiveFallback(u8),
     /// Exchanges success and failure of its one child.
     Inverter,
-    /// A question that is answered at once.
-    Condition(L),
-    /// An action, which may take several ticks.
-    Action(L),
-    /// An interactive inference node: to the tree an action like any other.
-    Inference(L),
 
     /// A sequence that, after a failure or a halt, goes on at the child it had come to. Yields after each
     /// child that finishes in its first tick.

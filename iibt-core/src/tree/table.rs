@@ -14,7 +14,7 @@ use core::marker::PhantomData;
 pub const MAX_DEPTH: usize = 256;
 
 /// The most nodes a tree may have.
-pub const MAX_NODES: usize = 16383;
+pub const MAX_NODES: usize = 8191;
 
 /// A behavior tree of `N` nodes of the set `K`, whose leaves are named by `L`.
 ///
@@ -32,22 +32,27 @@ pub struct TreeRef<'t, L, K: Kinds = Basic> {
     kinds: PhantomData<K>,
 }
 
-/// A node and its relatives, as row numbers.
+/// A node and its way on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row<L> {
     pub(super) node: Node<L>,
-    /// The parent; [`NONE`] for the root.
-    pub(super) parent: u16,
-    /// The low 14 bits: the next child of the same parent; [`LAST`] for the last. The high two: the code of
-    /// the status of this node at which the parent goes on to it, 0 if that is for the parent to decide.
-    pub(super) next: u16,
+    /// What follows when the node has succeeded, and when it has failed. The low 14 bits are a row, [`NONE`] for
+    /// none, the high two say which: the next child of the same parent (0), the parent ([`UP`], [`ASK`]), or the
+    /// next child if the parent so decides ([`LATER`]; the parent is then in the other of the two).
+    pub(super) ways: [u16; 2],
 }
 
 /// Past the end of every table.
-pub(super) const NONE: u16 = u16::MAX;
+pub(super) const NONE: u16 = 0x3FFF;
 
-/// The next child of a last child.
-pub(super) const LAST: u16 = 0x3FFF;
+/// To the parent, which has the status of this child.
+pub(super) const UP: u16 = 1 << 14;
+
+/// To the parent, which decides what comes next.
+pub(super) const ASK: u16 = 2 << 14;
+
+/// To the next child if the parent, which is asked first, wants it.
+pub(super) const LATER: u16 = 3 << 14;
 
 /// What a tick came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,7 +79,7 @@ pub enum Next {
 impl<L> Row<L> {
     /// A row that is not linked yet.
     pub const fn new(node: Node<L>) -> Self {
-        Self { node, parent: NONE, next: LAST }
+        Self { node, ways: [LATER | NONE; 2] }
     }
 
     /// The node.
@@ -82,19 +87,39 @@ impl<L> Row<L> {
         &self.node
     }
 
-    /// The next child of the same parent.
+    /// The row of the parent; past the end of every table for the root.
     #[inline]
-    pub(super) const fn sibling(&self) -> Option<usize> {
-        let next = self.next & LAST;
-        if next == LAST { None } else { Some(next as usize) }
+    pub(super) const fn parent(&self) -> usize {
+        let [success, failure] = self.ways;
+        ((if success < UP { failure } else { success }) & NONE) as usize
     }
 
-    /// The next child of the same parent, if that is what follows `status`: unless the codes are equal, what
-    /// remains is past every table.
-    #[inline]
+    /// The row of the next child of the same parent.
+    pub(super) const fn sibling(&self) -> Option<usize> {
+        let [success, failure] = self.ways;
+        let next = if success < UP { success } else { failure };
+        if matches!(next & LATER, UP | ASK) || next & NONE == NONE {
+            None
+        } else {
+            Some((next & NONE) as usize)
+        }
+    }
+
+    /// The way on from a success (0) or a failure (1).
+    #[inline(always)]
+    pub(super) const fn way(&self, failed: usize) -> usize {
+        self.ways[failed & 1] as usize
+    }
+
+    /// The row of the next child of the same parent, if that is what follows `status` in any case.
     pub(super) const fn next_on(&self, status: Status) -> Option<usize> {
-        let next = self.next as u32 ^ ((status as u32) << 14);
-        if next < LAST as u32 { Some(next as usize) } else { None }
+        let [success, failure] = self.ways;
+        let way = match status {
+            Status::Success => success,
+            Status::Failure => failure,
+            Status::Running | Status::Skipped => UP,
+        };
+        if way < UP { Some(way as usize) } else { None }
     }
 }
 
@@ -157,6 +182,7 @@ impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
     ///
     /// `memory` must be this tree's own; with that of another tree the nodes that are ticked mean
     /// nothing, but the tick ends all the same.
+    #[inline(always)]
     pub fn tick<V>(&self, memory: &mut Memory<N, K>, leaves: &mut V, now: Instant) -> Tick
     where
         V: Leaves<L> + ?Sized,
@@ -183,6 +209,7 @@ impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
     ///
     /// While the answer is [`Halt::Pending`], some action has not stopped: call it again, or tick, which goes
     /// on halting before it does anything else.
+    #[inline(always)]
     pub fn halt<V>(&self, memory: &mut Memory<N, K>, leaves: &mut V, now: Instant) -> Halt
     where
         V: Leaves<L> + ?Sized,
@@ -229,6 +256,7 @@ impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
     }
 
     /// As [`Tree::tick`]; `memory` has a cell for each row, else the tree fails.
+    #[inline(always)]
     pub fn tick<V>(&self, memory: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Tick
     where
         V: Leaves<L> + ?Sized,
@@ -251,6 +279,7 @@ impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
     }
 
     /// As [`Tree::halt`].
+    #[inline(always)]
     pub fn halt<V>(&self, memory: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Halt
     where
         V: Leaves<L> + ?Sized,
@@ -266,7 +295,8 @@ impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
     /// The row of the parent of the node in row `node`; `None` for the root and past the end.
     #[must_use]
     pub fn parent(&self, node: u16) -> Option<u16> {
-        self.rows.get(usize::from(node)).map(|row| row.parent).filter(|&parent| parent != NONE)
+        let parent = self.rows.get(usize::from(node))?.parent() as u16;
+        (parent != NONE).then_some(parent)
     }
 
     /// As [`Tree::visits`]; `scratch` has a pair for each row, else the answer is 0.

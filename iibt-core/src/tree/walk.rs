@@ -12,9 +12,8 @@ use super::memory::{Cell, Slot};
 use super::node::Node;
 use super::overdue::halt_overdue;
 use super::table::{Next, Row, Tick};
-use super::{deadline, full};
+use super::{basic, deadline, full};
 use crate::time::Instant;
-use core::hint::cold_path;
 use core::ops::ControlFlow::{self, Break, Continue};
 
 /// Ticks the tree in `rows`, in one pass.
@@ -27,23 +26,22 @@ where
     let Some(cells) = cells.get_mut(..rows.len()) else {
         return Tick { status: Status::Failure, next: Next::Event };
     };
-    if K::FULL && cells.first().is_some_and(|root| root.slot.has_alarm()) {
-        cold_path();
-        if go_on_halting(rows, cells, leaves, now) == Halt::Pending {
-            return Tick { status: Status::Running, next: Next::Now };
-        }
+    if !K::FULL {
+        return Tick { status: basic::pass(rows, cells, leaves, now), next: Next::Event };
+    }
+    if cells.first().is_some_and(|root| root.slot.has_alarm())
+        && go_on_halting(rows, cells, leaves, now) == Halt::Pending
+    {
+        return Tick { status: Status::Running, next: Next::Now };
     }
     let stopping = K::COMPAT && halt_overdue(rows, cells, leaves, now) == Halt::Pending;
     let mut walk = Walk { rows, cells, leaves, now, stopping, yielded: false };
     let status = walk.pass();
     let (stopping, yielded) = (walk.stopping, walk.yielded);
-    if K::FULL && stopping {
-        cold_path();
+    if stopping {
         raise_alarm(cells);
     }
-    let next = if !K::FULL {
-        Next::Event
-    } else if stopping || yielded && status == Status::Running {
+    let next = if stopping || yielded && status == Status::Running {
         Next::Now
     } else if status == Status::Running {
         deadline::next(rows, cells, leaves, now)
@@ -129,9 +127,6 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
                 Some(Break(status)) => status,
                 None => return Status::Failure,
             };
-            if !K::FULL && status == Status::Running {
-                return self.suspend(at);
-            }
             match self.climb(at, status) {
                 Continue(sibling) => at = sibling,
                 Break(status) => return status,
@@ -141,12 +136,10 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
 
     /// Ticks the node in row `at`: its status if it is a leaf, else the row of the child to enter first; `None`
     /// past the end, which only the memory of another tree leads to.
-    ///
-    /// The basic kinds make three groups, so that telling them apart takes comparisons and no table.
     #[inline]
     fn enter(&mut self, at: usize) -> Option<ControlFlow<Status, usize>> {
         let (row, cell) = (self.rows.get(at)?, self.cells.get_mut(at)?);
-        if K::FULL && self.stopping {
+        if self.stopping {
             return Some(Break(Status::Running));
         }
         let before = cell.slot;
@@ -168,15 +161,14 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
                 cell.slot = if status == Status::Running { Slot::RUNNING } else { Slot::IDLE };
                 status
             }
-            _ if K::FULL => return Some(full::enter(self, row, at)),
-            _ => return None, // the table was checked
+            _ => return Some(full::enter(self, row, at)),
         };
         self.report(at, before, Some(status));
         Some(Break(status))
     }
 
     /// Takes the status of the node in row `at` to its parent, and on from there to the next node to enter, or to
-    /// the status of the root. In the basic set the status is not running.
+    /// the status of the root.
     #[inline]
     fn climb(&mut self, mut at: usize, mut status: Status) -> ControlFlow<Status, usize> {
         let rows = self.rows;
@@ -184,20 +176,19 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
             if let Some(next) = child.next_on(status) {
                 return Continue(next);
             }
-            let parent = usize::from(child.parent);
+            let parent = child.parent();
             let Some(row) = rows.get(parent) else { break };
-            if K::FULL && !row.node.is_basic() {
+            if !row.node.is_basic() {
                 match full::returned(self, row, parent, at, status) {
                     Continue(next) => return Continue(next),
                     Break(own) => status = own,
                 }
-            } else if K::FULL && status == Status::Running {
+            } else if status == Status::Running {
                 self.settle(parent, at, Slot::waiting(parent, at), status);
             } else {
                 if matches!(row.node, Node::Inverter) {
-                    cold_path(); // keeps this a branch: most parents are none
                     status = inverted(status);
-                } else if K::FULL && status == Status::Skipped {
+                } else if status == Status::Skipped {
                     match self.skip(parent, at) {
                         Continue(next) => return Continue(next),
                         Break(own) => status = own,
@@ -210,18 +201,6 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
         Break(status)
     }
 
-    /// In the basic set, leaves all nodes above the node in row `at` waiting for it.
-    #[inline]
-    fn suspend(&mut self, mut at: usize) -> Status {
-        let rows = self.rows;
-        while let Some(child) = rows.get(at) {
-            let parent = usize::from(child.parent);
-            self.settle(parent, at, Slot::waiting(parent, at), Status::Running);
-            at = parent;
-        }
-        Status::Running
-    }
-
     /// Ends the tick of the basic inner node in row `parent`, which ticked the child in row `child` last and
     /// keeps `after` in mind. A later child that is running is halted: only a reactive node has one.
     #[inline]
@@ -232,8 +211,7 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
             cell.slot = match row.node {
                 _ if !after.is_running() => after,
                 Node::ReactiveSequence(_) | Node::ReactiveFallback(_) => Slot::RUNNING,
-                _ if K::FULL => after.with_skips(before.skips()),
-                _ => after,
+                _ => after.with_skips(before.skips()),
             };
         }
         if before.is_running() {
@@ -285,7 +263,7 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
     /// Halts the node in row `top` and what runs below it.
     pub(super) fn halt_from(&mut self, top: usize) {
         let halted = halt_from(self.rows, self.cells, self.leaves, self.now, top);
-        self.stopping |= K::FULL && halted == Halt::Pending;
+        self.stopping |= halted == Halt::Pending;
     }
 
     #[inline]
