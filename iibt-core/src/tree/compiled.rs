@@ -1,32 +1,71 @@
 //! Trees as types: the basic kinds of nodes as straight-line code.
 //!
 //! What [`tree!`](crate::tree!) writes as a table, [`compiled_tree!`](crate::compiled_tree!) writes as a value
-//! whose type is the tree. The compiler turns its tick into nested branches, as if they had been written by hand; its
-//! only state is a byte for each composite and each action. It has the same [`Leaves`], ticked and halted in the same
-//! order as by a table of the [`Basic`](super::Basic) set. It reports no transitions, and every tree is code of its
-//! own: the table is smaller from about the second tree on.
+//! whose type is the tree. The compiler turns its tick into nested branches, as if they had been written by hand. In
+//! the basic set at most one action is running, so its only state is the number of that action: one byte. It has
+//! the same [`Leaves`], ticked and halted in the same order as by a table of the [`Basic`](super::Basic) set. It reports no
+//! transitions, and every tree is code of its own: the table is smaller from about the second tree on.
 
 use super::leaves::{Leaves, Status};
 use super::walk::inverted;
 use crate::time::Instant;
 
-/// A node of a compiled tree whose leaves are those of `V`, named by `L`; the root stands for the tree.
+/// A tree that the compiler knows, whose leaves are those of `V`, named by `L`.
 pub trait Compiled<L, V: ?Sized> {
-    /// Ticks the node once.
+    /// Ticks the tree once.
     fn tick(&mut self, leaves: &mut V, now: Instant) -> Status;
 
-    /// Halts what runs in the node; nothing happens if nothing does.
+    /// Halts the action that is running; nothing happens if none is.
     fn halt(&mut self, leaves: &mut V, now: Instant);
 }
 
-/// The children of a compiled composite.
-pub trait Children<L, V: ?Sized> {
-    /// Ticks the children from number `from` on while they return `pass`, this one being number `index`; the
-    /// status, and the number of the child that it came from.
-    fn tick_from(&mut self, from: u8, index: u8, pass: Status, leaves: &mut V, now: Instant) -> (Status, u8);
+/// A compiled tree with the root `T`.
+#[derive(Clone, Copy, Debug)]
+pub struct Root<T> {
+    node: T,
+    /// The number of the action that is running, from 1; 0 for none.
+    running: u8,
+}
 
-    /// Halts the child that comes `after` so many others.
-    fn halt_one(&mut self, after: u8, leaves: &mut V, now: Instant);
+/// A node of a compiled tree. Actions are numbered in the order of the tree, those below this node from `first`
+/// on.
+pub trait Part<L, V: ?Sized> {
+    /// How many actions it has.
+    const ACTIONS: u8;
+
+    /// Ticks the node, in which the action `resume` was running if its number is one of them, and 0 or a
+    /// lower number if none was.
+    fn tick(&self, pass: &mut Pass<'_, V>, first: u8, resume: u8) -> Status;
+
+    /// Halts the action `running`, which is one of them.
+    fn halt(&self, leaves: &mut V, now: Instant, first: u8, running: u8);
+}
+
+/// The children of a compiled composite, numbered as in [`Part`].
+pub trait Children<L, V: ?Sized> {
+    /// How many actions they have.
+    const ACTIONS: u8;
+
+    /// Ticks the children in turn while they return `go_on`, beginning, unless `REACTIVE`, at the one in which
+    /// `resume` was running: the status, and the number of the first action after the last child ticked.
+    fn tick<const REACTIVE: bool>(
+        &self,
+        go_on: Status,
+        pass: &mut Pass<'_, V>,
+        first: u8,
+        resume: u8,
+    ) -> (Status, u8);
+
+    /// Halts the action `running`, which is one of them.
+    fn halt(&self, leaves: &mut V, now: Instant, first: u8, running: u8);
+}
+
+/// What all nodes share during a tick.
+#[derive(Debug)]
+pub struct Pass<'a, V: ?Sized> {
+    leaves: &'a mut V,
+    now: Instant,
+    running: u8,
 }
 
 /// A child and those after it.
@@ -39,11 +78,7 @@ pub struct End;
 
 /// A sequence or, if not `SEQUENCE`, a fallback; one that is `REACTIVE` begins at its first child every time.
 #[derive(Clone, Copy, Debug)]
-pub struct Composite<C, const SEQUENCE: bool, const REACTIVE: bool> {
-    children: C,
-    /// With memory: the number of the child to begin at. Reactive: of the one that runs, from 1.
-    place: u8,
-}
+pub struct Composite<C, const SEQUENCE: bool, const REACTIVE: bool>(pub C);
 
 /// Exchanges success and failure of its child.
 #[derive(Clone, Copy, Debug)]
@@ -55,137 +90,154 @@ pub struct Condition<F>(pub F);
 
 /// An action, named by what `F` returns.
 #[derive(Clone, Copy, Debug)]
-pub struct Action<F> {
-    name: F,
-    running: bool,
-}
+pub struct Action<F>(pub F);
 
-impl<C, const SEQUENCE: bool, const REACTIVE: bool> Composite<C, SEQUENCE, REACTIVE> {
-    const PASS: Status = if SEQUENCE { Status::Success } else { Status::Failure };
-
-    /// An idle composite.
-    pub const fn new(children: C) -> Self {
-        Self { children, place: 0 }
+impl<T> Root<T> {
+    /// An idle tree.
+    pub const fn new(node: T) -> Self {
+        Self { node, running: 0 }
     }
 }
 
-impl<F> Action<F> {
-    /// An idle action.
-    pub const fn new(name: F) -> Self {
-        Self { name, running: false }
+impl<L, V: ?Sized, T: Part<L, V>> Compiled<L, V> for Root<T> {
+    #[inline]
+    fn tick(&mut self, leaves: &mut V, now: Instant) -> Status {
+        const { assert!(T::ACTIONS < u8::MAX, "a compiled tree has at most 254 actions") }
+        let mut pass = Pass { leaves, now, running: 0 };
+        let status = self.node.tick(&mut pass, 1, self.running);
+        self.running = pass.running;
+        status
+    }
+
+    #[inline]
+    fn halt(&mut self, leaves: &mut V, now: Instant) {
+        let running = core::mem::take(&mut self.running);
+        if running > 0 {
+            self.node.halt(leaves, now, 1, running);
+        }
     }
 }
 
 impl<L, V: ?Sized> Children<L, V> for End {
+    const ACTIONS: u8 = 0;
+
     #[inline(always)]
-    fn tick_from(&mut self, _: u8, index: u8, pass: Status, _: &mut V, _: Instant) -> (Status, u8) {
-        (pass, index)
+    fn tick<const REACTIVE: bool>(
+        &self,
+        go_on: Status,
+        _: &mut Pass<'_, V>,
+        first: u8,
+        _: u8,
+    ) -> (Status, u8) {
+        (go_on, first)
     }
 
     #[inline(always)]
-    fn halt_one(&mut self, _: u8, _: &mut V, _: Instant) {}
+    fn halt(&self, _: &mut V, _: Instant, _: u8, _: u8) {}
 }
 
-impl<L, V: ?Sized, A: Compiled<L, V>, B: Children<L, V>> Children<L, V> for Cons<A, B> {
+impl<L, V: ?Sized, A: Part<L, V>, B: Children<L, V>> Children<L, V> for Cons<A, B> {
+    const ACTIONS: u8 = A::ACTIONS + B::ACTIONS;
+
     #[inline(always)]
-    fn tick_from(&mut self, from: u8, index: u8, pass: Status, leaves: &mut V, now: Instant) -> (Status, u8) {
-        if from <= index {
-            let status = self.0.tick(leaves, now);
-            if status != pass {
-                return (status, index);
+    fn tick<const REACTIVE: bool>(
+        &self,
+        go_on: Status,
+        pass: &mut Pass<'_, V>,
+        first: u8,
+        resume: u8,
+    ) -> (Status, u8) {
+        let after = first + A::ACTIONS;
+        let is_later = resume >= after;
+        if REACTIVE || !is_later {
+            let status = self.0.tick(pass, first, if is_later { 0 } else { resume });
+            if status != go_on {
+                return (status, after);
             }
         }
-        self.1.tick_from(from, index + 1, pass, leaves, now)
+        self.1.tick::<REACTIVE>(go_on, pass, after, resume)
     }
 
     #[inline(always)]
-    fn halt_one(&mut self, after: u8, leaves: &mut V, now: Instant) {
-        match after.checked_sub(1) {
-            None => self.0.halt(leaves, now),
-            Some(after) => self.1.halt_one(after, leaves, now),
+    fn halt(&self, leaves: &mut V, now: Instant, first: u8, running: u8) {
+        let after = first + A::ACTIONS;
+        if running < after {
+            self.0.halt(leaves, now, first, running);
+        } else {
+            self.1.halt(leaves, now, after, running);
         }
     }
 }
 
-impl<L, V, C, const SEQUENCE: bool> Compiled<L, V> for Composite<C, SEQUENCE, false>
+impl<L, V, C, const SEQUENCE: bool, const REACTIVE: bool> Part<L, V> for Composite<C, SEQUENCE, REACTIVE>
 where
     V: ?Sized,
     C: Children<L, V>,
 {
-    #[inline(always)]
-    fn tick(&mut self, leaves: &mut V, now: Instant) -> Status {
-        let (status, child) = self.children.tick_from(self.place, 0, Self::PASS, leaves, now);
-        self.place = if status == Status::Running { child } else { 0 };
-        status
-    }
+    const ACTIONS: u8 = C::ACTIONS;
 
-    #[inline]
-    fn halt(&mut self, leaves: &mut V, now: Instant) {
-        let place = core::mem::take(&mut self.place);
-        self.children.halt_one(place, leaves, now);
-    }
-}
-
-impl<L, V, C, const SEQUENCE: bool> Compiled<L, V> for Composite<C, SEQUENCE, true>
-where
-    V: ?Sized,
-    C: Children<L, V>,
-{
     #[inline(always)]
-    fn tick(&mut self, leaves: &mut V, now: Instant) -> Status {
-        let (status, child) = self.children.tick_from(0, 0, Self::PASS, leaves, now);
-        let before = self.place;
-        self.place = if status == Status::Running { child + 1 } else { 0 };
-        if before > child + 1 {
-            self.children.halt_one(before - 1, leaves, now);
+    fn tick(&self, pass: &mut Pass<'_, V>, first: u8, resume: u8) -> Status {
+        let go_on = if SEQUENCE { Status::Success } else { Status::Failure };
+        let (status, after) = self.0.tick::<REACTIVE>(go_on, pass, first, resume);
+        if REACTIVE && resume >= after {
+            self.0.halt(pass.leaves, pass.now, first, resume);
         }
         status
     }
 
-    #[inline]
-    fn halt(&mut self, leaves: &mut V, now: Instant) {
-        if let Some(child) = core::mem::take(&mut self.place).checked_sub(1) {
-            self.children.halt_one(child, leaves, now);
+    #[inline(always)]
+    fn halt(&self, leaves: &mut V, now: Instant, first: u8, running: u8) {
+        self.0.halt(leaves, now, first, running);
+    }
+}
+
+impl<L, V: ?Sized, C: Part<L, V>> Part<L, V> for Inverter<C> {
+    const ACTIONS: u8 = C::ACTIONS;
+
+    #[inline(always)]
+    fn tick(&self, pass: &mut Pass<'_, V>, first: u8, resume: u8) -> Status {
+        inverted(self.0.tick(pass, first, resume))
+    }
+
+    #[inline(always)]
+    fn halt(&self, leaves: &mut V, now: Instant, first: u8, running: u8) {
+        self.0.halt(leaves, now, first, running);
+    }
+}
+
+impl<L, V: Leaves<L> + ?Sized, F: Fn() -> L> Part<L, V> for Condition<F> {
+    const ACTIONS: u8 = 0;
+
+    #[inline(always)]
+    fn tick(&self, pass: &mut Pass<'_, V>, _: u8, _: u8) -> Status {
+        pass.leaves.condition(&(self.0)(), pass.now).into()
+    }
+
+    #[inline(always)]
+    fn halt(&self, _: &mut V, _: Instant, _: u8, _: u8) {}
+}
+
+impl<L, V: Leaves<L> + ?Sized, F: Fn() -> L> Part<L, V> for Action<F> {
+    const ACTIONS: u8 = 1;
+
+    #[inline(always)]
+    fn tick(&self, pass: &mut Pass<'_, V>, first: u8, resume: u8) -> Status {
+        let name = (self.0)();
+        let status = if resume == first {
+            pass.leaves.on_running(&name, pass.now)
+        } else {
+            pass.leaves.on_start(&name, pass.now)
+        };
+        if status == Status::Running {
+            pass.running = first;
         }
-    }
-}
-
-impl<L, V: ?Sized, C: Compiled<L, V>> Compiled<L, V> for Inverter<C> {
-    #[inline(always)]
-    fn tick(&mut self, leaves: &mut V, now: Instant) -> Status {
-        inverted(self.0.tick(leaves, now))
-    }
-
-    #[inline]
-    fn halt(&mut self, leaves: &mut V, now: Instant) {
-        self.0.halt(leaves, now);
-    }
-}
-
-impl<L, V: Leaves<L> + ?Sized, F: Fn() -> L> Compiled<L, V> for Condition<F> {
-    #[inline(always)]
-    fn tick(&mut self, leaves: &mut V, now: Instant) -> Status {
-        leaves.condition(&(self.0)(), now).into()
-    }
-
-    #[inline]
-    fn halt(&mut self, _: &mut V, _: Instant) {}
-}
-
-impl<L, V: Leaves<L> + ?Sized, F: Fn() -> L> Compiled<L, V> for Action<F> {
-    #[inline(always)]
-    fn tick(&mut self, leaves: &mut V, now: Instant) -> Status {
-        let name = (self.name)();
-        let status = if self.running { leaves.on_running(&name, now) } else { leaves.on_start(&name, now) };
-        self.running = status == Status::Running;
         status
     }
 
-    #[inline]
-    fn halt(&mut self, leaves: &mut V, now: Instant) {
-        if core::mem::take(&mut self.running) {
-            let _ = leaves.on_halted(&(self.name)(), now);
-        }
+    #[inline(always)]
+    fn halt(&self, leaves: &mut V, now: Instant, _: u8, _: u8) {
+        let _ = leaves.on_halted(&(self.0)(), now);
     }
 }
 
@@ -236,8 +288,8 @@ mod tests {
     }
 
     #[test]
-    fn its_state_is_a_byte_for_each_composite_and_action() {
+    fn its_state_is_one_byte() {
         let tree = compiled_tree! { Sequence { Fallback { Condition('g'), Action('a') }, Action('b') } };
-        assert_eq!(size_of_val(&tree), 4);
+        assert_eq!(size_of_val(&tree), 1);
     }
 }

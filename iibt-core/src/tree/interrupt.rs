@@ -9,7 +9,7 @@ use super::walk::report;
 use crate::time::Instant;
 
 /// Halts what is running among the node in row `top` and its descendants.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn halt_from<L, V, K>(
     rows: &[Row<L>],
     cells: &mut [Cell<K>],
@@ -25,7 +25,7 @@ where
 }
 
 /// Halts what is running in row `first` and the rows after it whose parents are in row `within` or later.
-#[inline(never)]
+#[inline(always)]
 pub(super) fn halt_among<L, V, K>(
     rows: &[Row<L>],
     cells: &mut [Cell<K>],

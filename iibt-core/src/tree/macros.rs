@@ -169,26 +169,29 @@ macro_rules! compiled_tree {
     (@list) => { $crate::tree::compiled::End };
     (@list $kind:ident $body:tt $(, $($rest:tt)*)?) => {
         $crate::tree::compiled::Cons(
-            $crate::compiled_tree!($kind $body),
+            $crate::compiled_tree!(@node $kind $body),
             $crate::compiled_tree!(@list $($($rest)*)?),
         )
     };
-    (Sequence { $($children:tt)* }) => {
-        $crate::tree::compiled::Composite::<_, true, false>::new($crate::compiled_tree!(@list $($children)*))
+    (@node Sequence { $($children:tt)* }) => {
+        $crate::tree::compiled::Composite::<_, true, false>($crate::compiled_tree!(@list $($children)*))
     };
-    (Fallback { $($children:tt)* }) => {
-        $crate::tree::compiled::Composite::<_, false, false>::new($crate::compiled_tree!(@list $($children)*))
+    (@node Fallback { $($children:tt)* }) => {
+        $crate::tree::compiled::Composite::<_, false, false>($crate::compiled_tree!(@list $($children)*))
     };
-    (ReactiveSequence { $($children:tt)* }) => {
-        $crate::tree::compiled::Composite::<_, true, true>::new($crate::compiled_tree!(@list $($children)*))
+    (@node ReactiveSequence { $($children:tt)* }) => {
+        $crate::tree::compiled::Composite::<_, true, true>($crate::compiled_tree!(@list $($children)*))
     };
-    (ReactiveFallback { $($children:tt)* }) => {
-        $crate::tree::compiled::Composite::<_, false, true>::new($crate::compiled_tree!(@list $($children)*))
+    (@node ReactiveFallback { $($children:tt)* }) => {
+        $crate::tree::compiled::Composite::<_, false, true>($crate::compiled_tree!(@list $($children)*))
     };
-    (Inverter { $kind:ident $body:tt $(,)? }) => {
-        $crate::tree::compiled::Inverter($crate::compiled_tree!($kind $body))
+    (@node Inverter { $kind:ident $body:tt $(,)? }) => {
+        $crate::tree::compiled::Inverter($crate::compiled_tree!(@node $kind $body))
     };
-    (Condition ($leaf:expr)) => { $crate::tree::compiled::Condition(|| $leaf) };
-    (Action ($leaf:expr)) => { $crate::tree::compiled::Action::new(|| $leaf) };
-    (Inference ($leaf:expr)) => { $crate::tree::compiled::Action::new(|| $leaf) };
+    (@node Condition ($leaf:expr)) => { $crate::tree::compiled::Condition(|| $leaf) };
+    (@node Action ($leaf:expr)) => { $crate::tree::compiled::Action(|| $leaf) };
+    (@node Inference ($leaf:expr)) => { $crate::tree::compiled::Action(|| $leaf) };
+    ($kind:ident $body:tt) => {
+        $crate::tree::compiled::Root::new($crate::compiled_tree!(@node $kind $body))
+    };
 }

@@ -103,6 +103,7 @@ impl Slot {
     }
 
     /// The row of the child that the inner node in row `parent` waits for, its first child if none.
+    #[inline(always)]
     pub(super) const fn child(self, parent: usize) -> usize {
         parent.wrapping_add(1).wrapping_add((self.0 >> 18) as usize)
     }

@@ -12,11 +12,12 @@ use super::memory::{Cell, Slot};
 use super::node::Node;
 use super::overdue::halt_overdue;
 use super::table::{Next, Row, Tick};
-use super::{basic, deadline, full};
+use super::{deadline, full};
 use crate::time::Instant;
 use core::ops::ControlFlow::{self, Break, Continue};
 
 /// Ticks the tree in `rows`, in one pass.
+#[inline(always)]
 pub(super) fn tick<L, V, K>(rows: &[Row<L>], cells: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Tick
 where
     V: Leaves<L> + ?Sized,
@@ -27,8 +28,18 @@ where
         return Tick { status: Status::Failure, next: Next::Event };
     };
     if !K::FULL {
-        return Tick { status: basic::pass(rows, cells, leaves, now), next: Next::Event };
+        let status = Walk { rows, cells, leaves, now, stopping: false, yielded: false }.basic_pass();
+        return Tick { status, next: Next::Event };
     }
+    full_tick(rows, cells, leaves, now)
+}
+
+#[inline(never)]
+fn full_tick<L, V, K>(rows: &[Row<L>], cells: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Tick
+where
+    V: Leaves<L> + ?Sized,
+    K: Kinds,
+{
     if cells.first().is_some_and(|root| root.slot.has_alarm())
         && go_on_halting(rows, cells, leaves, now) == Halt::Pending
     {
@@ -82,8 +93,12 @@ where
     K: Kinds,
 {
     let Some(cells) = cells.get_mut(..rows.len()) else { return Halt::Done };
+    if !K::FULL {
+        Walk { rows, cells, leaves, now, stopping: false, yielded: false }.halt_rows(0, 0);
+        return Halt::Done;
+    }
     let mut pending = false;
-    if K::FULL && cells.first().is_some_and(|root| root.slot.has_alarm()) {
+    if cells.first().is_some_and(|root| root.slot.has_alarm()) {
         pending = go_on_halting(rows, cells, leaves, now) == Halt::Pending;
     }
     pending |= halt_from(rows, cells, leaves, now, 0) == Halt::Pending;
