@@ -15,9 +15,12 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
     /// Ticks a tree of the basic set, which has as many cells as rows, in one pass.
     #[inline(never)]
     pub(super) fn basic_pass(&mut self) -> Status {
+        let nodes = self.rows.len().min(self.cells.len());
         let (mut way, mut failed) = (0, 0);
         loop {
-            if let (Some(row), Some(cell)) = (self.rows.get(way), self.cells.get_mut(way)) {
+            if way < nodes
+                && let (Some(row), Some(cell)) = (self.rows.get(way), self.cells.get_mut(way))
+            {
                 match &row.node {
                     Node::Condition(leaf) => {
                         failed = usize::from(!self.leaves.condition(leaf, self.now));
@@ -51,7 +54,8 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
                 continue;
             }
             let up = way ^ usize::from(UP);
-            if let (Some(row), Some(cell)) = (self.rows.get(up), self.cells.get(up))
+            if up < nodes
+                && let (Some(row), Some(cell)) = (self.rows.get(up), self.cells.get(up))
                 && cell.slot == Slot::IDLE
             {
                 self.report(up, Slot::IDLE, Some(ended(failed)));
@@ -87,7 +91,9 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
     fn suspend(&mut self, mut at: usize) {
         self.halt_rows(at + 1, 0);
         while let Some(parent) = self.rows.get(at).map(Row::parent) {
-            let (Some(above), Some(cell)) = (self.rows.get(parent), self.cells.get_mut(parent)) else { break };
+            let (Some(above), Some(cell)) = (self.rows.get(parent), self.cells.get_mut(parent)) else {
+                break;
+            };
             let before = cell.slot;
             cell.slot = match above.node {
                 Node::ReactiveSequence(_) | Node::ReactiveFallback(_) => Slot::RUNNING,

@@ -87,16 +87,26 @@ where
 }
 
 /// Halts the whole tree.
+#[inline(always)]
 pub(super) fn halt<L, V, K>(rows: &[Row<L>], cells: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Halt
 where
     V: Leaves<L> + ?Sized,
     K: Kinds,
 {
     let Some(cells) = cells.get_mut(..rows.len()) else { return Halt::Done };
-    if !K::FULL {
-        Walk { rows, cells, leaves, now, stopping: false, yielded: false }.halt_rows(0, 0);
-        return Halt::Done;
+    if K::FULL {
+        return full_halt(rows, cells, leaves, now);
     }
+    Walk { rows, cells, leaves, now, stopping: false, yielded: false }.halt_rows(0, 0);
+    Halt::Done
+}
+
+#[inline(never)]
+fn full_halt<L, V, K>(rows: &[Row<L>], cells: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Halt
+where
+    V: Leaves<L> + ?Sized,
+    K: Kinds,
+{
     let mut pending = false;
     if cells.first().is_some_and(|root| root.slot.has_alarm()) {
         pending = go_on_halting(rows, cells, leaves, now) == Halt::Pending;
