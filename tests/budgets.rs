@@ -8,9 +8,9 @@ use tests::rig::{robot, tick};
 const BUDGETS: &str = include_str!("budgets.toml");
 const README: &str = include_str!("../README.md");
 
-fn budget(figure: &str) -> u64 {
+fn budget(table: &str, figure: &str) -> u64 {
     let budgets: Value = toml::from_str(BUDGETS).expect("budgets.toml is TOML");
-    budgets["team_member"][figure].as_u64().unwrap_or_else(|| panic!("budgets.toml has {figure}"))
+    budgets[table][figure].as_u64().unwrap_or_else(|| panic!("budgets.toml has {table}.{figure}"))
 }
 
 /// A number the way README prints it: `12,345`.
@@ -21,9 +21,9 @@ fn with_commas(number: u64) -> String {
     groups.join(",")
 }
 
-fn assert_within(figure: &str, measured: u64) {
-    let budget = budget(figure);
-    println!("team_member: {figure} {measured} of {budget}");
+fn assert_within(table: &str, figure: &str, measured: u64) {
+    let budget = budget(table, figure);
+    println!("{table}: {figure} {measured} of {budget}");
     assert!(measured <= budget, "{figure}: {measured} is over the budget of {budget}");
     assert!(measured * 100 >= budget * 95, "{figure}: {measured}: lower the budget of {budget}");
     assert!(README.contains(&with_commas(budget)), "README does not say {figure} {}", with_commas(budget));
@@ -32,8 +32,24 @@ fn assert_within(figure: &str, measured: u64) {
 #[test]
 fn flash_and_ram_are_within_budget() {
     let elf = Elf::read(team_member());
-    assert_within("flash", elf.flash);
-    assert_within("ram", elf.ram);
+    assert_within("team_member", "flash", elf.flash);
+    assert_within("team_member", "ram", elf.ram);
+}
+
+/// What the image has of one form of the tree: what is called by the form's name, and the leaves.
+fn flash_of(elf: &Elf, form: impl Fn(&str) -> bool) -> u64 {
+    elf.size_of(|name| name.contains("tree_budget6leaves") || form(name))
+}
+
+#[test]
+fn a_tree_is_within_its_budget() {
+    let elf = Elf::read(&tests::qemu::image("tree_budget"));
+    let is_compiled = |name: &str| name.contains("tree_budget8compiled") || name.contains("tree8compiled");
+    let is_engine = |name: &str| name.contains("iibt_core4tree") && !is_compiled(name);
+    let is_table = |name: &str| name.contains("tree_budget5table") || is_engine(name);
+    assert_within("tree", "flash_table", flash_of(&elf, is_table));
+    assert_within("tree", "flash_compiled", flash_of(&elf, is_compiled));
+    assert_within("tree", "ram_per_node", iibt_core::tree::Memory::<21>::BYTES as u64 / 21);
 }
 
 /// The instructions of the tick that the image logs next: an instruction takes a nanosecond there, and the
@@ -46,10 +62,10 @@ fn instructions(image: &mut Robot) -> u64 {
 #[test]
 fn instructions_per_tick_are_within_budget() {
     let mut image = Robot::boot_counting(team_member());
-    assert_within("ordinary_tick", instructions(&mut image));
+    assert_within("team_member", "ordinary_tick", instructions(&mut image));
     image.send(&tick(&mut robot(1), &[]));
     image.wait_for("Announced");
-    assert_within("deciding_tick", instructions(&mut image));
+    assert_within("team_member", "deciding_tick", instructions(&mut image));
 }
 
 #[test]
