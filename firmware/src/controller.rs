@@ -1,6 +1,7 @@
 //! One robot: senses, ticks its behavior tree, moves, and tells its teammates.
 
 use crate::hardware::{Battery, Clock, Drive, Hardware, Link, Localiser, Scanner};
+use crate::pilot;
 use crate::pilot::{NODES, Pilot, TREE};
 use crate::{Report, Settings};
 use iibt_core::iibt::navigation::{MissionError, Percept};
@@ -96,6 +97,12 @@ impl<'m, H: Hardware, const S: usize, const W: usize, const P: usize> Controller
         }
         self.announce(now);
         status
+    }
+
+    /// The leaf of the tree that is running since the last tick.
+    #[must_use]
+    pub fn activity(&self) -> Option<&'static str> {
+        (0..NODES as u16).filter(|&node| self.memory.is_running(node)).find_map(pilot::activity)
     }
 
     /// The robot's state after the last tick.

@@ -28,6 +28,15 @@ pub(crate) static TREE: Tree<Skill, NODES> = tree! {
     }
 };
 
+/// What the action or inference node in row `node` of the tree does; `None` for the other nodes.
+pub(crate) const fn activity(node: u16) -> Option<&'static str> {
+    match node {
+        3 => Some("Recharge"),
+        4 => Some("MoveToGoal"),
+        _ => None,
+    }
+}
+
 /// The skills, and the state they share.
 #[derive(Clone, Debug)]
 pub(crate) struct Pilot<'m, const S: usize, const W: usize, const P: usize> {

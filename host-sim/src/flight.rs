@@ -11,7 +11,7 @@
 use crate::chance::{Chance, Purpose};
 use crate::news::{self, News};
 use crate::radio::{Radio, Traffic};
-use crate::record::{self, Dated, Outcome, Record, RobotRecord};
+use crate::record::{self, Activity, Dated, Outcome, Record, RobotRecord};
 use crate::referee::Collisions;
 use crate::scenario::{self, Floor, Scenario};
 use crate::team::{Team, with_team};
@@ -42,6 +42,8 @@ pub struct Scene<'f> {
     pub cells: &'f [Cell],
     /// What the robots say of themselves.
     pub reports: &'f [Report],
+    /// The leaf of each robot's tree that is running.
+    pub activities: &'f [Option<&'static str>],
     /// What has happened in the last tick.
     pub news: &'f [Dated],
 }
@@ -89,6 +91,8 @@ struct Flight<'f, 'm> {
     collisions: Collisions,
     tick: u32,
     reports: Vec<Report>,
+    activities: Vec<Option<&'static str>>,
+    tree: Vec<Vec<Activity>>,
     found: Vec<Cell>,
     news: Vec<Dated>,
     history: Vec<Vec<Cell>>,
@@ -107,6 +111,8 @@ impl<'f, 'm> Flight<'f, 'm> {
             collisions: Collisions::default(),
             tick: 0,
             reports: team.iter().map(|robot| robot.report()).collect(),
+            activities: vec![None; team.len()],
+            tree: vec![Vec::new(); team.len()],
             found: Vec::new(),
             news: Vec::new(),
             history: vec![world.cells().to_vec()],
@@ -124,6 +130,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             floor: self.world.floor(),
             cells: self.world.cells(),
             reports: &self.reports,
+            activities: &self.activities,
             news: &self.news[told..],
         });
     }
@@ -203,6 +210,12 @@ impl<'f, 'm> Flight<'f, 'm> {
     fn compare(&mut self) -> Vec<News> {
         let reports: Vec<_> = self.team.iter().map(|robot| robot.report()).collect();
         let before = std::mem::replace(&mut self.reports, reports);
+        for (robot, (now, tree)) in self.team.iter().zip(self.activities.iter_mut().zip(&mut self.tree)) {
+            let running = robot.activity();
+            if std::mem::replace(now, running) != running {
+                tree.push(Activity { tick: self.tick, running });
+            }
+        }
         news::between(&before, &self.reports, self.world.cells(), self.world.floor())
     }
 
@@ -247,6 +260,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             moves: cells.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32,
             arrived: cells.iter().rposition(|&before| before != cell).map_or(0, |last| last as u32 + 1),
             frames: self.radio.traffic()[index],
+            tree: self.tree[index].clone(),
             accepted: report.received.accepted,
             rejected: report.received.refused(),
         }

@@ -40,7 +40,7 @@ mod world;
 pub use flight::{Audience, Conditions, Scene, fly};
 pub use news::News;
 pub use radio::Traffic;
-pub use record::{Dated, Outcome, Record, RobotRecord};
+pub use record::{Activity, Dated, Outcome, Record, RobotRecord};
 pub use referee::Collisions;
 pub use scenario::{
     Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Obstacle, Radio, Robot, Scenario, ScenarioError, When,

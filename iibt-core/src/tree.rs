@@ -9,7 +9,7 @@
 //! | [`Basic`], the default | sequences and fallbacks, with memory and reactive, inverters, leaves | 4 bytes |
 //! | [`Full`] | every node, [`Status::Skipped`], halts that take several ticks, deadlines | 8 bytes |
 //! | [`Compat`] | as `Full`, following BehaviorTree.CPP also where it is peculiar | 8 bytes |
-//! | [`compiled`] | the basic kinds as straight-line code | 1 byte for a composite or action |
+//! | [`compiled`] | the basic kinds as straight-line code | 1 byte for the whole tree |
 //!
 //! What the leaves do is the caller's: [`Leaves`] states the contract. The blackboard is the caller's as well: leaves
 //! are named by an enum, and what they share are the fields of the type that implements `Leaves`.
@@ -27,16 +27,19 @@
 //! # Differences from BehaviorTree.CPP
 //! | where | there | here |
 //! |---|---|---|
-//! | a halt of the tree | then halts every node again, idle ones too | halts each running action once; [`Compat`]: every action again |
+//! | a halt of the tree | then halts every node again, idle ones too | halts each running action once; [`Compat`]: as there, for actions |
 //! | `Precondition` | not asked again while its child runs | asked at every tick, and halts the child; [`Compat`]: as there |
 //! | `tickOnce` | has no bound | [`Tree::tick_until_idle`] has one |
 //! | a node that is skipped while it was running | remains running until its parent resets it | is idle at once, without a halt |
 //! | a skipped `Repeat`, `RetryUntilSuccessful`, `Timeout`, `Delay` | goes on counting | begins anew |
 //! | `IfThenElse`, `WhileDoElse` with a skipped condition | an exception | skipped |
-//! | `Timeout` | a thread halts the child when time is up | the first tick after that does |
+//! | `Timeout` | a thread halts the child when time is up | the tick that next comes to it does; [`Compat`]: the next tick, before anything else |
 //! | `RecoveryNode` whose recovery is skipped | fails and keeps its count | fails and forgets it |
 //! | `RateController` | keeps its rate until its parent resets it | after a success only below a `PipelineSequence` |
+//! | a node that yields in the last pass of a tree | wakes the tree up again in the next `tickOnce` | is not heard any more |
 //! | thresholds, missing children and parameters | exceptions at run time | [`Rule`]s, broken when the table is built |
+//!
+//! [`Compat`] does as there where the table says so, and in nothing else.
 //!
 //! ```
 //! use iibt_core::time::Instant;

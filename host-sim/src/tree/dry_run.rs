@@ -109,10 +109,6 @@ impl DryRun<'_> {
             }
             if self.halt_after == Some(tick) {
                 tree.halt(&mut memory, &mut player, now);
-                if K::COMPAT && player.events.len() == 1 && lowered.outer.len() == 1 {
-                    // A tree that is one leaf: there it is halted as the root and again, running or not.
-                    player.events.extend_from_within(..);
-                }
                 record.line("haltTree", &mut player.events, None);
             }
         }

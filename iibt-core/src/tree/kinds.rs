@@ -24,8 +24,8 @@ pub enum Basic {}
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Full {}
 
-/// Every kind of node, following BehaviorTree.CPP 4.10 also in what the [module](super) lists as
-/// differences.
+/// Every kind of node, following BehaviorTree.CPP 4.10 also in those differences for which the [module](super)
+/// says so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compat {}
 

@@ -111,8 +111,12 @@ where
     if cells.first().is_some_and(|root| root.slot.has_alarm()) {
         pending = go_on_halting(rows, cells, leaves, now) == Halt::Pending;
     }
+    let is_running = cells.first().is_some_and(Cell::is_running);
     pending |= halt_from(rows, cells, leaves, now, 0) == Halt::Pending;
     if K::COMPAT {
+        if rows.len() == 1 && !is_running {
+            let _ = halt_all(rows, leaves, now); // there the root is halted even if idle, then every node
+        }
         pending |= halt_all(rows, leaves, now) == Halt::Pending;
     }
     if !pending {
