@@ -60,6 +60,7 @@ mod lower;
 mod model;
 mod parameter;
 mod player;
+mod records;
 mod scope;
 mod script;
 mod show;

@@ -5,6 +5,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use host_sim::tree::{
     self, Document, DryRun, Extras, Instance, LoadError, Mode, Severity, Statuses, library,
 };
+use iibt_core::tree::Transition;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -105,6 +106,18 @@ Exit status:
   0  the ticks were run, whatever the tree returned
   2  the tree cannot be run, or wrong usage";
 
+const REPLAY_HELP: &str = "\
+RECORDS are the transitions that a robot has logged, nine bytes each, of the table that `tree codegen` writes for this
+tree.
+
+Examples:
+  host-sim tree replay patrol.xml robot-1.bin --timeline robot-1.html
+  host-sim tree replay patrol.xml robot-1.bin --log robot-1.btlog    for Groot2
+
+Exit status:
+  0  written
+  2  the tree or the records cannot be used, or wrong usage";
+
 /// The verbs about behavior trees.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = TREE_HELP, arg_required_else_help = true)]
@@ -130,6 +143,9 @@ enum Verb {
     /// Tick a tree whose leaves play scripts
     #[command(after_help = RUN_HELP)]
     Run(Run),
+    /// Turn what a robot has logged into a log for Groot2 or a page
+    #[command(after_help = REPLAY_HELP)]
+    Replay(Replay),
 }
 
 #[derive(Args, Debug, PartialEq)]
@@ -173,6 +189,23 @@ struct Run {
     /// Follow BehaviorTree.CPP also where we differ on purpose
     #[arg(long)]
     compat: bool,
+    #[command(flatten)]
+    logs: Logs,
+}
+
+#[derive(Args, Debug, PartialEq)]
+struct Replay {
+    #[command(flatten)]
+    source: Source,
+    /// The records of a robot
+    #[arg(value_name = "RECORDS")]
+    records: PathBuf,
+    #[command(flatten)]
+    logs: Logs,
+}
+
+#[derive(Args, Debug, PartialEq)]
+struct Logs {
     /// Write what happened for Groot2
     #[arg(long, value_name = "FILE.btlog")]
     log: Option<PathBuf>,
@@ -197,6 +230,7 @@ impl Tree {
             Verb::Codegen(source) => source.print(|instance| instance.codegen().map_err(|error| vec![error])),
             Verb::Export(source) => source.export(),
             Verb::Run(run) => run.run(),
+            Verb::Replay(replay) => replay.run(),
         }
     }
 }
@@ -303,18 +337,40 @@ impl Run {
             Err(error) => return Ok(refuse(&[error])),
         };
         print(&record.text)?;
-        if let Some(path) = &self.log {
-            fs::write(path, instance.btlog(&record.transitions))
-                .map_err(|error| format!("{}: {error}", path.display()))?;
-        }
-        if let Some(path) = &self.timeline {
-            let page = instance.timeline(&record.transitions);
-            fs::write(path, page).map_err(|error| format!("{}: {error}", path.display()))?;
-        }
+        self.logs.write(&instance, &record.transitions)?;
         match record.error {
             Some(error) => Ok(refuse(&[error])),
             None => Ok(ExitCode::SUCCESS),
         }
+    }
+}
+
+impl Replay {
+    fn run(&self) -> Result<ExitCode, Failure> {
+        let instance = match self.source.instance(&[])? {
+            Ok(instance) => instance,
+            Err(remarks) => return Ok(refuse(&remarks)),
+        };
+        let named = |error: String| format!("{}: {error}", self.records.display());
+        let bytes = read_up_to(&self.records, MAX_BYTES).map_err(|error| named(error.to_string()))?;
+        let transitions = instance.records(&bytes).map_err(named)?;
+        self.logs.write(&instance, &transitions)?;
+        print(&format!("{}\n", counted(transitions.len(), "transition")))?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+impl Logs {
+    fn write(&self, instance: &Instance, transitions: &[Transition]) -> Result<(), Failure> {
+        if let Some(path) = &self.log {
+            fs::write(path, instance.btlog(transitions))
+                .map_err(|error| format!("{}: {error}", path.display()))?;
+        }
+        if let Some(path) = &self.timeline {
+            fs::write(path, instance.timeline(transitions))
+                .map_err(|error| format!("{}: {error}", path.display()))?;
+        }
+        Ok(())
     }
 }
 
