@@ -12,6 +12,22 @@ fn flash_and_ram_are_within_budget() {
     assert_within("team_member", "ram", elf.ram);
 }
 
+/// What the image has of one form of the tree: what is called by the form's name, and the leaves.
+fn flash_of(elf: &Elf, form: impl Fn(&str) -> bool) -> u64 {
+    elf.size_of(|name| name.contains("tree_budget6leaves") || form(name))
+}
+
+#[test]
+fn a_tree_is_within_its_budget() {
+    let elf = Elf::read(&tests::qemu::image("tree_budget"));
+    let is_compiled = |name: &str| name.contains("tree_budget8compiled") || name.contains("tree8compiled");
+    let is_engine = |name: &str| name.contains("iibt_core4tree") && !is_compiled(name);
+    let is_table = |name: &str| name.contains("tree_budget5table") || is_engine(name);
+    assert_within("tree", "flash_table", flash_of(&elf, is_table));
+    assert_within("tree", "flash_compiled", flash_of(&elf, is_compiled));
+    assert_within("tree", "ram_per_node", iibt_core::tree::Memory::<21>::BYTES as u64 / 21);
+}
+
 /// The instructions of the tick that the image logs next: an instruction takes a nanosecond there, and the
 /// timer whose cycles it counts runs at 168 MHz.
 fn instructions(image: &mut Robot) -> u64 {

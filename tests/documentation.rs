@@ -3,13 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const DOCUMENTS: [&str; 7] = [
+const DOCUMENTS: [&str; 8] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
     "docs/inference.md",
     "docs/notebook.md",
     "docs/paper.md",
+    "docs/trees.md",
     "host-sim/scenarios/README.md",
 ];
 

@@ -1,6 +1,7 @@
 //! One robot: senses, ticks its behavior tree, moves, and tells its teammates.
 
 use crate::hardware::{Battery, Clock, Drive, Hardware, Link, Localiser, Scanner};
+use crate::pilot;
 use crate::pilot::{NODES, Pilot, TREE};
 use crate::{Report, Settings};
 use iibt_core::iibt::navigation::{MissionError, Percept};
@@ -90,12 +91,18 @@ impl<'m, H: Hardware, const S: usize, const W: usize, const P: usize> Controller
         let now = self.hardware.clock().now();
         self.listen(now);
         self.sense(now);
-        let status = TREE.tick(&mut self.memory, &mut self.pilot, now);
+        let status = TREE.tick(&mut self.memory, &mut self.pilot, now).status;
         if let Some(step) = self.pilot.navigation.command() {
             self.hardware.drive().go(step);
         }
         self.announce(now);
         status
+    }
+
+    /// The leaf of the tree that is running since the last tick.
+    #[must_use]
+    pub fn activity(&self) -> Option<&'static str> {
+        (0..NODES as u16).filter(|&node| self.memory.is_running(node)).find_map(pilot::activity)
     }
 
     /// The robot's state after the last tick.

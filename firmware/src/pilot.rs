@@ -3,7 +3,7 @@
 use iibt_core::iibt::{Navigation, Node};
 use iibt_core::time::Instant;
 use iibt_core::tree;
-use iibt_core::tree::{Leaves, Status, Tree};
+use iibt_core::tree::{Halt, Leaves, Status, Tree};
 
 /// What the leaves of the tree stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +27,15 @@ pub(crate) static TREE: Tree<Skill, NODES> = tree! {
         Inference(Skill::MoveToGoal),
     }
 };
+
+/// What the action or inference node in row `node` of the tree does; `None` for the other nodes.
+pub(crate) const fn activity(node: u16) -> Option<&'static str> {
+    match node {
+        3 => Some("Recharge"),
+        4 => Some("MoveToGoal"),
+        _ => None,
+    }
+}
 
 /// The skills, and the state they share.
 #[derive(Clone, Debug)]
@@ -64,11 +73,12 @@ impl<const S: usize, const W: usize, const P: usize> Leaves<Skill> for Pilot<'_,
         }
     }
 
-    fn on_halted(&mut self, leaf: &Skill, _: Instant) {
+    fn on_halted(&mut self, leaf: &Skill, _: Instant) -> Halt {
         match leaf {
             Skill::MoveToGoal => self.node.halt(&mut self.navigation),
             Skill::Recharge => self.recharging = false,
             Skill::BatteryEnough => {}
         }
+        Halt::Done
     }
 }

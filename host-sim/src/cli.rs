@@ -2,6 +2,7 @@
 
 mod learn;
 mod notebook;
+mod tree;
 
 use self::learn::Learn;
 use anstream::{AutoStream, ColorChoice};
@@ -32,6 +33,7 @@ Examples:
   host-sim run my-warehouse.toml --json > flight.json
   host-sim infer model.json   run an active-inference model from a notebook
   host-sim export model.json > src/model.rs
+  host-sim tree check my-tree.xml
 From a checkout, `host-sim run ...` is `cargo run --release -- run ...`.
 
 Exit status:
@@ -91,6 +93,8 @@ enum Verb {
     /// Learn from a log how often each robot's moves succeed
     #[command(after_help = learn::EXAMPLES)]
     Learn(Learn),
+    /// Check, show, translate and try behavior trees
+    Tree(tree::Tree),
 }
 
 #[derive(Args, Debug, PartialEq)]
@@ -136,6 +140,7 @@ impl Cli {
             Some(Verb::Infer(infer)) => infer.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Export(export)) => export.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Learn(learn)) => learn.run(),
+            Some(Verb::Tree(tree)) => tree.run(),
             None => self.run.run(),
         }
     }
@@ -229,7 +234,7 @@ fn scenario(name: &str) -> Result<Scenario, Failure> {
     if !is_path {
         return Err(unknown(name).into());
     }
-    let text = read(path).map_err(|error| format!("{name}: {error}"))?;
+    let text = read_up_to(path, MAX_BYTES).map_err(|error| format!("{name}: {error}"))?;
     Ok(Scenario::read(name, &text)?)
 }
 
@@ -240,11 +245,12 @@ fn unknown(name: &str) -> String {
     format!("no scenario is called '{name}': {hint}built in are {names}; a file of your own ends in .toml")
 }
 
-fn read(path: &Path) -> io::Result<Vec<u8>> {
+fn read_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(io::Error::other("larger than 1 MiB, which is no scenario"));
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        let reason = format!("larger than {} MiB, which no such file is", most >> 20);
+        return Err(io::Error::other(reason));
     }
     Ok(bytes)
 }

@@ -11,7 +11,7 @@
 use crate::chance::{Chance, Purpose};
 use crate::news::{self, News};
 use crate::radio::{Radio, Traffic};
-use crate::record::{self, Dated, Outcome, Record, RobotRecord};
+use crate::record::{self, Activity, Dated, Outcome, Record, RobotRecord};
 use crate::referee::Collisions;
 use crate::scenario::{self, Floor, Scenario, Wear};
 use crate::team::{Team, with_team};
@@ -44,6 +44,8 @@ pub struct Scene<'f> {
     pub reports: &'f [Report],
     /// The moves that the robots were told to make in the last tick, none before the first.
     pub commands: &'f [Option<Move>],
+    /// The leaf of each robot's tree that is running.
+    pub activities: &'f [Option<&'static str>],
     /// What has happened in the last tick.
     pub news: &'f [Dated],
 }
@@ -102,6 +104,8 @@ struct Flight<'f, 'm> {
     collisions: Collisions,
     tick: u32,
     reports: Vec<Report>,
+    activities: Vec<Option<&'static str>>,
+    tree: Vec<Vec<Activity>>,
     found: Vec<Cell>,
     commands: Vec<Option<Move>>,
     news: Vec<Dated>,
@@ -122,6 +126,8 @@ impl<'f, 'm> Flight<'f, 'm> {
             collisions: Collisions::default(),
             tick: 0,
             reports: team.iter().map(|robot| robot.report()).collect(),
+            activities: vec![None; team.len()],
+            tree: vec![Vec::new(); team.len()],
             found: Vec::new(),
             commands: vec![None; team.len()],
             news: Vec::new(),
@@ -141,6 +147,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             cells: self.world.cells(),
             reports: &self.reports,
             commands: &self.commands,
+            activities: &self.activities,
             news: &self.news[told..],
         });
     }
@@ -230,6 +237,12 @@ impl<'f, 'm> Flight<'f, 'm> {
     fn compare(&mut self) -> Vec<News> {
         let reports: Vec<_> = self.team.iter().map(|robot| robot.report()).collect();
         let before = std::mem::replace(&mut self.reports, reports);
+        for (robot, (now, tree)) in self.team.iter().zip(self.activities.iter_mut().zip(&mut self.tree)) {
+            let running = robot.activity();
+            if std::mem::replace(now, running) != running {
+                tree.push(Activity { tick: self.tick, running });
+            }
+        }
         news::between(&before, &self.reports, self.world.cells(), self.world.floor())
     }
 
@@ -274,6 +287,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             moves: cells.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32,
             arrived: cells.iter().rposition(|&before| before != cell).map_or(0, |last| last as u32 + 1),
             frames: self.radio.traffic()[index],
+            tree: self.tree[index].clone(),
             accepted: report.received.accepted,
             rejected: report.received.refused(),
         }

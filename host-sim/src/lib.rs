@@ -36,6 +36,7 @@ mod referee;
 mod scenario;
 pub mod show;
 mod team;
+pub mod tree;
 mod words;
 mod world;
 
@@ -44,7 +45,7 @@ pub use learn::{Learned, MoveRatio, RobotRatios};
 pub use log::{Attempt, ExecutionLog, LogError, Logbook};
 pub use news::News;
 pub use radio::Traffic;
-pub use record::{Dated, Outcome, Record, RobotRecord};
+pub use record::{Activity, Dated, Outcome, Record, RobotRecord};
 pub use referee::Collisions;
 pub use scenario::{
     Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Obstacle, Radio, Robot, Scenario, ScenarioError, Wear,

@@ -80,10 +80,21 @@ pub struct RobotRecord {
     pub arrived: u32,
     /// What became of the frames it sent.
     pub frames: Traffic,
+    /// The leaves of its tree that were running, one after the other.
+    pub tree: Vec<Activity>,
     /// The frames it received and took in.
     pub accepted: u32,
     /// The frames it received and rejected.
     pub rejected: u32,
+}
+
+/// The leaf of a robot's tree that is running from a tick on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Activity {
+    /// The tick, from zero.
+    pub tick: u32,
+    /// The leaf; `None` while none is running.
+    pub running: Option<&'static str>,
 }
 
 /// News and its tick.

@@ -16,6 +16,8 @@ pub(crate) trait Robot {
     fn tick(&mut self);
     /// What its controller says of itself.
     fn report(&self) -> Report;
+    /// The leaf of its tree that is running.
+    fn activity(&self) -> Option<&'static str>;
     /// The body it works in.
     fn body(&mut self) -> &mut Body;
 }
@@ -97,6 +99,10 @@ impl<const S: usize, const W: usize, const P: usize> Robot for Controller<'_, Bo
 
     fn report(&self) -> Report {
         Controller::report(self)
+    }
+
+    fn activity(&self) -> Option<&'static str> {
+        Controller::activity(self)
     }
 
     fn body(&mut self) -> &mut Body {

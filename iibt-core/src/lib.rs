@@ -17,6 +17,8 @@
 //! | [`team`] | intentions, authenticated frames, the roster of teammates, the agreement on one joint plan |
 //! | [`iibt`] | where trees and inference meet: the node, logic and preferences, the navigation task |
 //!
+//! Without the default feature `inference`, the library is [`mod@tree`] and [`time`] and depends on nothing.
+//!
 //! No clock, no I/O, no heap, no `std`: time and bytes come in as arguments, and every table has its size in its
 //! type.
 #![no_std]
@@ -25,12 +27,19 @@
 #[cfg(test)]
 extern crate std;
 
+#[cfg(feature = "inference")]
 pub mod actions;
+#[cfg(feature = "inference")]
 mod bounded;
+#[cfg(feature = "inference")]
 pub mod grid;
+#[cfg(feature = "inference")]
 pub mod iibt;
+#[cfg(feature = "inference")]
 pub mod inference;
+#[cfg(feature = "inference")]
 pub mod math;
+#[cfg(feature = "inference")]
 pub mod team;
 pub mod time;
 pub mod tree;

@@ -5,15 +5,18 @@
 //! wrap: two instants compare correctly while they are less than 2^31 ticks apart, which is 24 days at
 //! 1 kHz.
 
+#[cfg(feature = "inference")]
 use serde::{Deserialize, Serialize};
 
 /// A point in time, in ticks since an arbitrary start; wraps at 2^32.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "inference", derive(Serialize, Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Instant(pub u32);
 
 /// A length of time in ticks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "inference", derive(Serialize, Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Duration(pub u32);
 

@@ -1,27 +1,49 @@
 //! Behavior trees as flat constant tables.
 //!
-//! A tree is a table of nodes in preorder that lives in flash. What it remembers between two ticks is kept
-//! apart from it, two bytes a node, so that any number of robots share one table. The nodes are those
-//! of BehaviorTree.CPP 4 and mean the same:
+//! A tree is a table of nodes in preorder that lives in flash, eight bytes a node for leaf names of up to two. What it remembers between two
+//! ticks is kept apart from it, so that any number of robots share one table. The nodes are those of BehaviorTree.CPP 4.10
+//! and four of Nav2, and mean the same; [`Node`] says what each does.
 //!
-//! | node | ticks its children | on an unfinished child |
+//! | | | RAM a node |
 //! |---|---|---|
-//! | [`Sequence`](Node::Sequence) | until one fails | resumes at it |
-//! | [`Fallback`](Node::Fallback) | until one succeeds | resumes at it |
-//! | [`ReactiveSequence`](Node::ReactiveSequence) | until one fails | starts again from the first child |
-//! | [`ReactiveFallback`](Node::ReactiveFallback) | until one succeeds | starts again from the first child |
-//! | [`Inverter`](Node::Inverter) | its only one, exchanging success and failure | resumes at it |
+//! | [`Basic`], the default | sequences and fallbacks, with memory and reactive, inverters, leaves | 4 bytes |
+//! | [`Full`] | every node, [`Status::Skipped`], halts that take several ticks, deadlines | 8 bytes |
+//! | [`Compat`] | as `Full`, following BehaviorTree.CPP also where it is peculiar | 8 bytes |
+//! | [`compiled`] | the basic kinds as straight-line code | 1 byte for the whole tree |
 //!
-//! A reactive node that ends its tick at an earlier child than the one it left running halts the
-//! latter. What the leaves do is the caller's: [`Leaves`] states when they are started, continued and halted.
+//! What the leaves do is the caller's: [`Leaves`] states the contract. The blackboard is the caller's as well: leaves
+//! are named by an enum, and what they share are the fields of the type that implements `Leaves`.
 //!
-//! Cost: a tick visits each node at most once and needs no stack that grows with the tree; a halt
-//! looks at each node below it once. The 21-node reference tree of four guarded actions takes about 450
-//! instructions a tick on x86-64, leaves included.
+//! # Ticks
+//! [`Tree::tick`] makes exactly one pass; [`Tree::tick_until_idle`] goes on while a node yields, up to a bound. Time is an
+//! argument, a wrapping counter of milliseconds. [`Tick::next`] says when another tick can change something, so that
+//! a controller can sleep until then or until an interrupt.
+//!
+//! A pass needs no stack that grows with the tree and visits at most [`Tree::visits`] nodes, which is a constant: each
+//! once, but for loops whose child was running before (one round more) and a recovery (as often as it retries). Loops
+//! yield after every other round, so `Repeat` without end cannot hold a tick up. Each halt looks at each node below it once,
+//! and finding the deadline at each node of the tree once.
+//!
+//! # Differences from BehaviorTree.CPP
+//! | where | there | here |
+//! |---|---|---|
+//! | a halt of the tree | then halts every node again, idle ones too | halts each running action once; [`Compat`]: as there, for actions |
+//! | `Precondition` | not asked again while its child runs | asked at every tick, and halts the child; [`Compat`]: as there |
+//! | `tickOnce` | has no bound | [`Tree::tick_until_idle`] has one |
+//! | a node that is skipped while it was running | remains running until its parent resets it | is idle at once, without a halt |
+//! | a skipped `Repeat`, `RetryUntilSuccessful`, `Timeout`, `Delay` | goes on counting | begins anew |
+//! | `IfThenElse`, `WhileDoElse` with a skipped condition | an exception | skipped |
+//! | `Timeout` | a thread halts the child when time is up | the tick that next comes to it does; [`Compat`]: the next tick, before anything else |
+//! | `RecoveryNode` whose recovery is skipped | fails and keeps its count | fails and forgets it |
+//! | `RateController` | keeps its rate until its parent resets it | after a success only below a `PipelineSequence` |
+//! | a node that yields in the last pass of a tree | wakes the tree up again in the next `tickOnce` | is not heard any more |
+//! | thresholds, missing children and parameters | exceptions at run time | [`Rule`]s, broken when the table is built |
+//!
+//! [`Compat`] does as there where the table says so, and in nothing else.
 //!
 //! ```
 //! use iibt_core::time::Instant;
-//! use iibt_core::tree::{Leaves, Memory, Status, Tree};
+//! use iibt_core::tree::{Halt, Leaves, Memory, Status, Tree};
 //!
 //! #[derive(Clone, Copy)]
 //! enum Skill { BatteryEnough, Charge, Patrol }
@@ -39,23 +61,34 @@
 //!     fn condition(&mut self, _: &Skill, _: Instant) -> bool { self.battery > 20 }
 //!     fn on_start(&mut self, skill: &Skill, now: Instant) -> Status { self.on_running(skill, now) }
 //!     fn on_running(&mut self, _: &Skill, _: Instant) -> Status { Status::Running }
-//!     fn on_halted(&mut self, _: &Skill, _: Instant) { /* stop the wheels */ }
+//!     fn on_halted(&mut self, _: &Skill, _: Instant) -> Halt { /* stop the wheels */ Halt::Done }
 //! }
 //!
 //! let mut robot = Robot { battery: 80 };
 //! let mut memory = Memory::new();
-//! assert_eq!(GUARD.tick(&mut memory, &mut robot, Instant(0)), Status::Running);
+//! assert_eq!(GUARD.tick(&mut memory, &mut robot, Instant(0)).status, Status::Running);
 //! assert!(memory.is_running(4), "it patrols");
 //! robot.battery = 10;
 //! GUARD.tick(&mut memory, &mut robot, Instant(1));
 //! assert!(memory.is_running(3) && !memory.is_running(4), "it charges instead");
 //! ```
 
+mod basic;
 mod census;
+mod check;
+pub mod compiled;
+mod composites;
+mod deadline;
+mod decorators;
+mod full;
+mod interrupt;
+mod kinds;
 mod leaves;
+mod log;
 mod macros;
 mod memory;
 mod node;
+mod overdue;
 mod table;
 mod walk;
 
@@ -65,7 +98,11 @@ mod oracle;
 mod script;
 
 pub use census::Census;
-pub use leaves::{Leaves, Status};
-pub use memory::Memory;
-pub use node::Node;
-pub use table::{MAX_DEPTH, MAX_NODES, Rule, Tree, TreeError};
+pub use check::{Rule, TreeError};
+pub use compiled::Compiled;
+pub use kinds::{Basic, Compat, Full, Kinds};
+pub use leaves::{Halt, Leaves, Status};
+pub use log::{Log, Transition};
+pub use memory::{Cell, Memory};
+pub use node::{Millis, Node, Times};
+pub use table::{MAX_DEPTH, MAX_NODES, Next, Row, Tick, Tree, TreeRef};

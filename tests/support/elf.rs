@@ -16,6 +16,8 @@ pub struct Elf {
     pub ram: u64,
     /// The names of all symbols, mangled.
     pub symbols: Vec<String>,
+    /// The bytes of each of them.
+    sizes: Vec<u64>,
 }
 
 impl Elf {
@@ -27,7 +29,7 @@ impl Elf {
     pub fn read(path: &Path) -> Self {
         let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         let file = object::File::parse(&*bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        let mut elf = Self { flash: 0, ram: 0, symbols: vec![] };
+        let mut elf = Self { flash: 0, ram: 0, symbols: vec![], sizes: vec![] };
         for section in file.sections() {
             let SectionFlags::Elf { sh_flags, sh_type, .. } = section.flags() else { continue };
             if !sh_flags.contains(SHF_ALLOC) {
@@ -38,12 +40,21 @@ impl Elf {
             elf.ram += if in_ram { section.size() } else { 0 };
             elf.flash += if stored { section.size() } else { 0 };
         }
-        elf.symbols = file.symbols().filter_map(|symbol| symbol.name().ok().map(String::from)).collect();
+        for symbol in file.symbols() {
+            let Ok(name) = symbol.name() else { continue };
+            elf.symbols.push(name.to_owned());
+            elf.sizes.push(symbol.size());
+        }
         elf
     }
 
     /// The symbols whose name contains one of `parts`.
     pub fn symbols_with<'a>(&'a self, parts: &'a [&str]) -> impl Iterator<Item = &'a str> {
         self.symbols.iter().map(String::as_str).filter(|name| parts.iter().any(|part| name.contains(part)))
+    }
+
+    /// The bytes of the symbols whose names `count` accepts.
+    pub fn size_of(&self, count: impl Fn(&str) -> bool) -> u64 {
+        self.symbols.iter().zip(&self.sizes).filter(|(name, _)| count(name)).map(|(_, size)| size).sum()
     }
 }

@@ -95,7 +95,8 @@ fn robot_line(scene: &Scene<'_>, robot: usize, palette: Palette) -> String {
         ),
         None => "has not chosen".to_owned(),
     };
-    format!("  {name} at {:>3}  {plan}", scene.cells[robot].0)
+    let activity = scene.activities[robot].unwrap_or("-");
+    format!("  {name} at {:>3}  {activity:<10}  {plan}", scene.cells[robot].0)
 }
 
 fn colour(robot: usize) -> Style {

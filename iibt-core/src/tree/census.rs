@@ -1,5 +1,6 @@
 //! How large a tree is.
 
+use super::kinds::Kinds;
 use super::node::Node;
 use super::table::Tree;
 
@@ -11,7 +12,9 @@ pub struct Census {
     pub sequences: usize,
     /// Fallbacks, reactive ones included.
     pub fallbacks: usize,
-    /// Nodes that change the status of their one child.
+    /// Parallel nodes, branches and Nav2's recovery.
+    pub controls: usize,
+    /// Nodes with exactly one child.
     pub decorators: usize,
     /// Conditions.
     pub conditions: usize,
@@ -27,31 +30,44 @@ impl Census {
     /// All nodes.
     #[must_use]
     pub const fn total(&self) -> usize {
-        self.sequences + self.fallbacks + self.decorators + self.conditions + self.actions
+        self.sequences + self.fallbacks + self.controls + self.decorators + self.conditions + self.actions
     }
 
     const fn count<L>(&mut self, node: &Node<L>) {
         match node {
-            Node::Sequence(_) | Node::ReactiveSequence(_) => self.sequences += 1,
-            Node::Fallback(_) | Node::ReactiveFallback(_) => self.fallbacks += 1,
-            Node::Inverter => self.decorators += 1,
+            Node::Sequence(_)
+            | Node::ReactiveSequence(_)
+            | Node::SequenceWithMemory(_)
+            | Node::AsyncSequence(_)
+            | Node::PipelineSequence(_) => self.sequences += 1,
+            Node::Fallback(_) | Node::ReactiveFallback(_) | Node::AsyncFallback(_) | Node::RoundRobin(_) => {
+                self.fallbacks += 1;
+            }
+            Node::Parallel { .. }
+            | Node::ParallelAll { .. }
+            | Node::IfThenElse(_)
+            | Node::WhileDoElse(_)
+            | Node::Switch(..)
+            | Node::RecoveryNode(_) => self.controls += 1,
             Node::Condition(_) => self.conditions += 1,
-            Node::Action(_) => self.actions += 1,
             Node::Inference(_) => {
                 self.actions += 1;
                 self.inferences += 1;
             }
+            Node::Action(_) | Node::AlwaysSuccess | Node::AlwaysFailure | Node::Sleep(_) => self.actions += 1,
+            _ => self.decorators += 1,
         }
     }
 }
 
-impl<L, const N: usize> Tree<L, N> {
+impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
     /// Counts the nodes by kind and the levels; time grows as nodes times levels.
     #[must_use]
     pub const fn census(&self) -> Census {
         let mut census = Census {
             sequences: 0,
             fallbacks: 0,
+            controls: 0,
             decorators: 0,
             conditions: 0,
             actions: 0,
@@ -75,7 +91,7 @@ impl<L, const N: usize> Tree<L, N> {
         let mut level = 0;
         while at < N {
             level += 1;
-            at = self.rows[at].parent as usize;
+            at = self.rows[at].parent();
         }
         level
     }
@@ -99,6 +115,7 @@ mod tests {
         let expected = Census {
             sequences: 1,
             fallbacks: 1,
+            controls: 0,
             decorators: 0,
             conditions: 1,
             actions: 2,
@@ -112,7 +129,7 @@ mod tests {
     /// Table 7, the classical tree of the second robot: figures 14 (right) and 16a.
     #[test]
     fn the_papers_classical_tree_has_ten_nodes_on_five_levels() {
-        let tree = tree! {
+        let tree: Tree<_, 10> = tree! {
             Sequence {
                 Fallback {
                     Condition("IsHolding(Plate)"),
@@ -132,10 +149,10 @@ mod tests {
 
     #[test]
     fn reactive_nodes_and_inverters_are_counted() {
-        let census = tree! {
+        let tree: Tree<_, 5> = tree! {
             ReactiveSequence { Inverter { Condition('g') }, ReactiveFallback { Action('a') } }
-        }
-        .census();
+        };
+        let census = tree.census();
         assert_eq!((census.sequences, census.fallbacks, census.decorators, census.depth), (1, 1, 1, 3));
     }
 }

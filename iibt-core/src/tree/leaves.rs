@@ -1,5 +1,6 @@
 //! What the caller provides: the leaves of a tree.
 
+use super::log::Transition;
 use crate::time::Instant;
 
 /// The outcome of ticking a node. The codes are those of BehaviorTree.CPP, where 0 is idle.
@@ -13,6 +14,8 @@ pub enum Status {
     Success = 2,
     /// It cannot reach what it is for.
     Failure = 3,
+    /// It does not apply now: its parent goes on as if it were not there.
+    Skipped = 4,
 }
 
 impl From<bool> for Status {
@@ -22,15 +25,31 @@ impl From<bool> for Status {
     }
 }
 
+/// Whether something that was told to stop has stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Halt {
+    /// It has.
+    Done,
+    /// Not yet: it wants to be asked again at the next tick.
+    Pending,
+}
+
 /// The leaves of a tree, each named by a value of `L`.
 ///
+/// # The contract of an action
 /// The life of an action (and of an inference node) is one [`on_start`](Self::on_start), then one
-/// [`on_running`](Self::on_running) at each later tick while it returns [`Status::Running`]. It ends either with
-/// [`Status::Success`] or [`Status::Failure`] or, when it is interrupted, with exactly one
-/// [`on_halted`](Self::on_halted). Several actions that are halted together are told depth first, from left
-/// to right. Whatever ended it, the next call is `on_start` again.
+/// [`on_running`](Self::on_running) at each later tick while it returns [`Status::Running`]. It ends with any
+/// other status or, when it is interrupted, with exactly one [`on_halted`](Self::on_halted). An action that is
+/// not running is never told to halt. Several actions that are halted together are told depth first, from left to
+/// right. Whatever ended it, the next call is `on_start` again.
 ///
-/// Within one tick a leaf is called at most once, and either ticked or halted.
+/// An action may need several ticks to stop: then `on_halted` answers [`Halt::Pending`], and each later tick
+/// begins with one [`on_halting`](Self::on_halting) until that answers [`Halt::Done`]. While any action is still
+/// stopping, nothing else is ticked: the tree, or in the tick that interrupted it the node that would
+/// have been next, counts as running.
+///
+/// Within one pass over the tree a leaf is called at most once, unless a node above it is made to repeat it.
 pub trait Leaves<L> {
     /// Whether a condition holds now.
     fn condition(&mut self, leaf: &L, now: Instant) -> bool;
@@ -41,17 +60,34 @@ pub trait Leaves<L> {
     /// Continues an action that returned [`Status::Running`] when it was last ticked.
     fn on_running(&mut self, leaf: &L, now: Instant) -> Status;
 
-    /// Stops an action that returned [`Status::Running`] when it was last ticked. It must be quick: it
-    /// cannot refuse and is not asked again.
-    fn on_halted(&mut self, leaf: &L, now: Instant);
+    /// Stops an action that returned [`Status::Running`] when it was last ticked.
+    fn on_halted(&mut self, leaf: &L, now: Instant) -> Halt;
 
-    /// Is told when a node begins, ends or is halted; `None` stands for idle.
+    /// Goes on stopping an action that has answered [`Halt::Pending`] so far.
+    fn on_halting(&mut self, leaf: &L, now: Instant) -> Halt {
+        let _ = (leaf, now);
+        Halt::Done
+    }
+
+    /// Which child a [`Switch`](super::Node::Switch) ticks: its cases count from 0, and every number past the
+    /// last case stands for the default.
+    fn case(&mut self, leaf: &L, now: Instant) -> usize {
+        let _ = (leaf, now);
+        usize::MAX
+    }
+
+    /// When an action that is running wants its next tick, if no event announces that; asked after a tick
+    /// of a tree of the [`Full`](super::Full) set.
+    fn deadline(&mut self, leaf: &L, now: Instant) -> Option<Instant> {
+        let _ = (leaf, now);
+        None
+    }
+
+    /// Is told when a node begins, ends or is halted. The empty default costs nothing.
     ///
-    /// `node` is its row in the table, from zero (BehaviorTree.CPP's unique identifier less one). `from`
-    /// is idle or running. A node that has finished is idle from then on without being mentioned again. Nodes
-    /// are reported as they return, children before parents; halted ones in the order of the table.
-    /// The empty default costs nothing.
-    fn transition(&mut self, node: u16, from: Option<Status>, to: Option<Status>) {
-        let _ = (node, from, to);
+    /// `from` is idle or running. A node that has finished is idle from then on without being mentioned again.
+    /// Nodes are reported as they return, children before parents; halted ones in the order of the table.
+    fn transition(&mut self, transition: Transition) {
+        let _ = transition;
     }
 }

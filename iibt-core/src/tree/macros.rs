@@ -3,7 +3,18 @@
 /// A [`Tree`](crate::tree::Tree) written as it nests; the numbers of children are counted.
 ///
 /// Each node is the name of a [`Node`](crate::tree::Node) with its children in braces or its leaf in
-/// parentheses. In a `static` or `const`, a mistake fails the build.
+/// parentheses. What else a node needs stands in parentheses before its children, durations in milliseconds:
+///
+/// | written | |
+/// |---|---|
+/// | `Parallel(-1, 1) { .. }`, `ParallelAll(1) { .. }` | counts of successes and failures; of failures |
+/// | `Switch(leaf) { .. }`, `RecoveryNode(3) { .. }` | the name of the choice; retries |
+/// | `RetryUntilSuccessful(3) { .. }`, `Repeat(-1) { .. }` | times, -1 for ever |
+/// | `Timeout(500) { .. }`, `Delay(20) { .. }`, `RateController(100) { .. }`, `Sleep(10)` | milliseconds |
+/// | `Precondition(leaf, Status::Skipped) { .. }`, `RunOnce(true) { .. }` | condition and status otherwise; whether it is skipped afterwards |
+/// | `AlwaysSuccess()`, `AlwaysFailure()` | |
+///
+/// In a `static` or `const`, a mistake fails the build.
 ///
 /// The macro recurses once a node: more than about 120 nodes need a larger `recursion_limit` in the crate
 /// that uses it, or a table given to [`Tree::new`](crate::tree::Tree::new).
@@ -32,32 +43,155 @@
 ///         Node::Inference(Skill::MoveToGoal),
 /// ]));
 /// ```
+///
+/// Kinds beyond the basic ones need the full set:
+///
+/// ```
+/// use iibt_core::tree::{Full, Tree};
+///
+/// static KNOCK: Tree<&str, 6, Full> = iibt_core::tree! {
+///     Timeout(5000) { RetryUntilSuccessful(3) { Sequence { Action("knock"), Delay(500) { Action("listen") } } } }
+/// };
+/// ```
+///
+/// ```compile_fail
+/// // error: evaluation panicked: a behavior tree of the basic set has a node of another kind: use Full
+/// static KNOCK: iibt_core::tree::Tree<&str, 2> = iibt_core::tree! { Repeat(3) { Action("knock") } };
+/// ```
 #[macro_export]
 macro_rules! tree {
     (@table [$($row:expr,)*]) => {
         $crate::tree::Tree::new([$($row),*])
     };
-    (@table [$($row:expr,)*] Inverter { $kind:ident $body:tt $(,)? } $($rest:tt)*) => {
-        $crate::tree!(@table [$($row,)* $crate::tree::Node::Inverter,] $kind $body $($rest)*)
+    (@table [$($row:expr,)*] $kind:ident ($($with:tt)*) { $($children:tt)* } $($rest:tt)*) => {
+        $crate::tree!(@inner [$($row,)*] $kind ($($with)*) { $($children)* } $($rest)*)
     };
-    (@table [$($row:expr,)*] Inverter { $($children:tt)* } $($rest:tt)*) => {
-        ::core::compile_error!("an inverter has exactly one child")
+    (@table [$($row:expr,)*] $kind:ident { $($children:tt)* } $($rest:tt)*) => {
+        $crate::tree!(@inner [$($row,)*] $kind () { $($children)* } $($rest)*)
     };
-    (@table [$($row:expr,)*] $kind:ident { $($child:ident $body:tt),* $(,)? } $($rest:tt)*) => {
+    (@table [$($row:expr,)*] $kind:ident ($($with:tt)*) $($rest:tt)*) => {
+        $crate::tree!(@table [$($row,)* $crate::tree!(@leaf $kind ($($with)*)),] $($rest)*)
+    };
+    (
+        @inner [$($row:expr,)*] $kind:ident $with:tt
+        { $($child:ident $(($($child_with:tt)*))? $({$($below:tt)*})?),* $(,)? } $($rest:tt)*
+    ) => {
         $crate::tree!(
             @table
-            [$($row,)* $crate::tree::Node::$kind({
+            [$($row,)* $crate::tree!(@node $kind $with {
                 const CHILDREN: &[&::core::primitive::str] = &[$(::core::stringify!($child)),*];
                 ::core::assert!(CHILDREN.len() <= 255, "a composite has at most 255 children");
                 CHILDREN.len() as u8
             }),]
-            $($child $body)* $($rest)*
+            $($child $(($($child_with)*))? $({$($below)*})?)* $($rest)*
         )
     };
-    (@table [$($row:expr,)*] $kind:ident ($leaf:expr) $($rest:tt)*) => {
-        $crate::tree!(@table [$($row,)* $crate::tree::Node::$kind($leaf),] $($rest)*)
+    (@node Inverter () $count:block) => { $crate::tree!(@only_child $count $crate::tree::Node::Inverter) };
+    (@node ForceSuccess () $count:block) => { $crate::tree!(@only_child $count $crate::tree::Node::ForceSuccess) };
+    (@node ForceFailure () $count:block) => { $crate::tree!(@only_child $count $crate::tree::Node::ForceFailure) };
+    (@node KeepRunningUntilFailure () $count:block) => {
+        $crate::tree!(@only_child $count $crate::tree::Node::KeepRunningUntilFailure)
     };
+    (@node SubTree () $count:block) => { $crate::tree!(@only_child $count $crate::tree::Node::SubTree) };
+    (@node RetryUntilSuccessful ($times:expr) $count:block) => {
+        $crate::tree!(@only_child $count $crate::tree::Node::RetryUntilSuccessful($crate::tree::Times::new($times)))
+    };
+    (@node Repeat ($times:expr) $count:block) => {
+        $crate::tree!(@only_child $count $crate::tree::Node::Repeat($crate::tree::Times::new($times)))
+    };
+    (@node Timeout ($time:expr) $count:block) => {
+        $crate::tree!(@only_child $count $crate::tree::Node::Timeout($crate::tree::Millis::new($time)))
+    };
+    (@node Delay ($time:expr) $count:block) => {
+        $crate::tree!(@only_child $count $crate::tree::Node::Delay($crate::tree::Millis::new($time)))
+    };
+    (@node RateController ($time:expr) $count:block) => {
+        $crate::tree!(@only_child $count $crate::tree::Node::RateController($crate::tree::Millis::new($time)))
+    };
+    (@node RunOnce ($skip:expr) $count:block) => {
+        $crate::tree!(@only_child $count $crate::tree::Node::RunOnce { then_skip: $skip })
+    };
+    (@node Precondition ($leaf:expr, $otherwise:expr) $count:block) => {
+        $crate::tree!(
+            @only_child $count $crate::tree::Node::Precondition { condition: $leaf, otherwise: $otherwise }
+        )
+    };
+    (@node RecoveryNode ($retries:expr) $count:block) => {{
+        ::core::assert!($count == 2, "a recovery node has exactly two children");
+        $crate::tree::Node::RecoveryNode($retries)
+    }};
+    (@node Switch ($leaf:expr) $count:block) => { $crate::tree::Node::Switch($count, $leaf) };
+    (@node Parallel ($success:expr, $failure:expr) $count:block) => {
+        $crate::tree::Node::Parallel { children: $count, success_count: $success, failure_count: $failure }
+    };
+    (@node ParallelAll ($failures:expr) $count:block) => {
+        $crate::tree::Node::ParallelAll { children: $count, max_failures: $failures }
+    };
+    (@node $kind:ident () $count:block) => { $crate::tree::Node::$kind($count) };
+    (@only_child $count:block $node:expr) => {{
+        ::core::assert!($count == 1, "a decorator has exactly one child");
+        $node
+    }};
+    (@leaf AlwaysSuccess ()) => { $crate::tree::Node::AlwaysSuccess };
+    (@leaf AlwaysFailure ()) => { $crate::tree::Node::AlwaysFailure };
+    (@leaf Sleep ($time:expr)) => { $crate::tree::Node::Sleep($crate::tree::Millis::new($time)) };
+    (@leaf $kind:ident ($leaf:expr)) => { $crate::tree::Node::$kind($leaf) };
+    ($($tree:tt)*) => {
+        $crate::tree!(@table [] $($tree)*)
+    };
+}
+
+/// A tree written as [`tree!`](crate::tree!) writes it, of the basic kinds, as code instead of a table.
+///
+/// The value's type is the tree; see [`compiled`](crate::tree::compiled). Let a function own it, or be generic over
+/// [`Compiled`](crate::tree::Compiled).
+///
+/// ```
+/// use iibt_core::time::Instant;
+/// use iibt_core::tree::{Compiled, Halt, Leaves, Status};
+///
+/// struct Door { open: bool }
+///
+/// impl Leaves<&str> for Door {
+///     fn condition(&mut self, _: &&str, _: Instant) -> bool { self.open }
+///     fn on_start(&mut self, _: &&str, _: Instant) -> Status { self.open = true; Status::Success }
+///     fn on_running(&mut self, _: &&str, _: Instant) -> Status { Status::Success }
+///     fn on_halted(&mut self, _: &&str, _: Instant) -> Halt { Halt::Done }
+/// }
+///
+/// let mut tree = iibt_core::compiled_tree! { Fallback { Condition("is open"), Action("open it") } };
+/// let mut door = Door { open: false };
+/// assert_eq!(tree.tick(&mut door, Instant(0)), Status::Success);
+/// assert!(door.open);
+/// ```
+#[macro_export]
+macro_rules! compiled_tree {
+    (@list) => { $crate::tree::compiled::End };
+    (@list $kind:ident $body:tt $(, $($rest:tt)*)?) => {
+        $crate::tree::compiled::Cons(
+            $crate::compiled_tree!(@node $kind $body),
+            $crate::compiled_tree!(@list $($($rest)*)?),
+        )
+    };
+    (@node Sequence { $($children:tt)* }) => {
+        $crate::tree::compiled::Composite::<_, true, false>($crate::compiled_tree!(@list $($children)*))
+    };
+    (@node Fallback { $($children:tt)* }) => {
+        $crate::tree::compiled::Composite::<_, false, false>($crate::compiled_tree!(@list $($children)*))
+    };
+    (@node ReactiveSequence { $($children:tt)* }) => {
+        $crate::tree::compiled::Composite::<_, true, true>($crate::compiled_tree!(@list $($children)*))
+    };
+    (@node ReactiveFallback { $($children:tt)* }) => {
+        $crate::tree::compiled::Composite::<_, false, true>($crate::compiled_tree!(@list $($children)*))
+    };
+    (@node Inverter { $kind:ident $body:tt $(,)? }) => {
+        $crate::tree::compiled::Inverter($crate::compiled_tree!(@node $kind $body))
+    };
+    (@node Condition ($leaf:expr)) => { $crate::tree::compiled::Condition(|| $leaf) };
+    (@node Action ($leaf:expr)) => { $crate::tree::compiled::Action(|| $leaf) };
+    (@node Inference ($leaf:expr)) => { $crate::tree::compiled::Action(|| $leaf) };
     ($kind:ident $body:tt) => {
-        $crate::tree!(@table [] $kind $body)
+        $crate::tree::compiled::Root::new($crate::compiled_tree!(@node $kind $body))
     };
 }

@@ -1,54 +1,101 @@
 //! What a tree remembers between two ticks.
 
-/// The memory of a tree with `N` nodes: two bytes for each.
+use super::kinds::sealed::Extra;
+use super::kinds::{Basic, Kinds};
+
+/// The memory of a tree with `N` nodes of the set `K`: one [`Cell`] for each.
 ///
 /// All nodes are idle at first, and again after every tick that ended in success or failure.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Memory<const N: usize> {
-    pub(super) slots: [Slot; N],
+pub struct Memory<const N: usize, K: Kinds = Basic> {
+    pub(super) cells: [Cell<K>; N],
 }
 
-impl<const N: usize> Memory<N> {
+impl<const N: usize, K: Kinds> Memory<N, K> {
+    /// The bytes of RAM it takes.
+    pub const BYTES: usize = size_of::<Self>();
+
     /// The memory of a tree of which no node is running.
     #[must_use]
     pub const fn new() -> Self {
-        Self { slots: [Slot::IDLE; N] }
+        Self { cells: [Cell::NEW; N] }
     }
 
-    /// Whether no node is running.
+    /// Whether no node is running or stopping.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.slots.iter().all(|slot| !slot.is_running())
+        self.cells.iter().all(|cell| cell.is_idle())
     }
 
     /// Whether the node in row `node` of the table is running; `false` past its end.
     #[must_use]
     pub fn is_running(&self, node: u16) -> bool {
-        self.slots.get(usize::from(node)).is_some_and(|slot| slot.is_running())
+        self.cells.get(usize::from(node)).is_some_and(|cell| cell.is_running())
     }
 }
 
-impl<const N: usize> Default for Memory<N> {
+impl<const N: usize, K: Kinds> Default for Memory<N, K> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-/// The memory of one node: bit 0 says whether it is running, the bits above it, for an inner node,
-/// how many rows lie between it and the child that it waits for.
+/// The memory of one node: 4 bytes in the basic set, 8 in the full one.
+#[derive(Clone, Copy, Debug)]
+pub struct Cell<K: Kinds> {
+    pub(super) slot: Slot,
+    pub(super) extra: K::Extra,
+}
+
+impl<K: Kinds> Cell<K> {
+    /// The memory of a node that was never ticked.
+    pub const NEW: Self = Self { slot: Slot::IDLE, extra: K::Extra::ZERO };
+
+    /// Whether the node is running.
+    #[must_use]
+    pub const fn is_running(&self) -> bool {
+        self.slot.is_running()
+    }
+
+    /// Whether the node is neither running nor still stopping.
+    #[must_use]
+    pub const fn is_idle(&self) -> bool {
+        !self.slot.is_running() && !self.slot.is_stopping()
+    }
+}
+
+impl<K: Kinds> PartialEq for Cell<K> {
+    fn eq(&self, other: &Self) -> bool {
+        self.slot == other.slot && self.extra == other.extra
+    }
+}
+
+impl<K: Kinds> Eq for Cell<K> {}
+
+/// What every node remembers.
+///
+/// | bits | what |
+/// |---|---|
+/// | 0 | it is running |
+/// | 1 | it has finished, and its parent does not tick it again |
+/// | 2 | something of its kind: a delay has passed, a rate is kept, the child was running before |
+/// | 3 | an action that was told to stop and has not stopped |
+/// | 4-5 | the code of the status with which a node that runs once has finished |
+/// | 7 | of the root: some action has not stopped |
+/// | 8-15 | a composite: how many of its first children were skipped, one after the other |
+/// | 18-31 | an inner node: how many rows lie between it and the child that it waits for |
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Slot(u16);
+pub(super) struct Slot(u32);
 
 impl Slot {
     pub(super) const IDLE: Self = Self(0);
-    pub(super) const RUNNING_LEAF: Self = Self(1);
+    /// Running, with nothing else to remember: a leaf, or a node that begins at its first child every time.
+    pub(super) const RUNNING: Self = Self(1);
+    pub(super) const STOPPING_LEAF: Self = Self(STOPPING);
 
     /// A node in row `parent` that waits for its child in row `child`, both rows of one table.
     pub(super) const fn waiting(parent: usize, child: usize) -> Self {
-        let between = child.wrapping_sub(parent).wrapping_sub(1);
-        Self((between << 1) as u16 | 1)
+        Self((child.wrapping_sub(parent).wrapping_sub(1) as u32) << 18 | 1)
     }
 
     pub(super) const fn is_running(self) -> bool {
@@ -56,31 +103,111 @@ impl Slot {
     }
 
     /// The row of the child that the inner node in row `parent` waits for, its first child if none.
+    #[inline(always)]
     pub(super) const fn child(self, parent: usize) -> usize {
-        parent.wrapping_add(1).wrapping_add(self.0 as usize >> 1)
+        parent.wrapping_add(1).wrapping_add((self.0 >> 18) as usize)
+    }
+
+    /// Only the place.
+    pub(super) const fn place(self) -> Self {
+        Self(self.0 & PLACE)
+    }
+
+    pub(super) const fn skips(self) -> usize {
+        (self.0 >> 8) as u8 as usize
+    }
+
+    pub(super) const fn with_skips(self, skips: usize) -> Self {
+        Self(self.0 & !SKIPS | (skips as u32) << 8 & SKIPS)
+    }
+
+    pub(super) const fn is_done(self) -> bool {
+        self.0 & DONE != 0
+    }
+
+    pub(super) const fn done(self) -> Self {
+        Self(self.0 | DONE)
+    }
+
+    /// The code of the status that a node which runs once has kept; 0 if none.
+    pub(super) const fn kept(self) -> u32 {
+        self.0 >> 4 & 3
+    }
+
+    pub(super) const fn keeping(code: u32) -> Self {
+        Self((code & 3) << 4)
+    }
+
+    /// Only the kept status.
+    pub(super) const fn only_kept(self) -> Self {
+        Self::keeping(self.kept())
+    }
+
+    pub(super) const fn has_latch(self) -> bool {
+        self.0 & LATCH != 0
+    }
+
+    pub(super) const fn with_latch(self, latch: bool) -> Self {
+        if latch { Self(self.0 | LATCH) } else { Self(self.0 & !LATCH) }
+    }
+
+    pub(super) const fn with_running(self, running: bool) -> Self {
+        Self(self.0 & !1 | running as u32)
+    }
+
+    pub(super) const fn is_stopping(self) -> bool {
+        self.0 & STOPPING != 0
+    }
+
+    pub(super) const fn has_alarm(self) -> bool {
+        self.0 & ALARM != 0
+    }
+
+    pub(super) const fn with_alarm(self, alarm: bool) -> Self {
+        if alarm { Self(self.0 | ALARM) } else { Self(self.0 & !ALARM) }
     }
 }
 
+const DONE: u32 = 1 << 1;
+const LATCH: u32 = 1 << 2;
+const STOPPING: u32 = 1 << 3;
+const ALARM: u32 = 1 << 7;
+const SKIPS: u32 = 0xFF << 8;
+const PLACE: u32 = 0x3FFF << 18;
+
 #[cfg(test)]
 mod tests {
+    use super::super::Full;
     use super::*;
 
     #[test]
-    fn takes_two_bytes_a_node() {
-        assert_eq!(size_of::<Memory<1>>(), 2);
-        assert_eq!(size_of::<Memory<21>>(), 42);
+    fn takes_four_bytes_a_node_and_eight_in_the_full_set() {
+        assert_eq!(Memory::<21>::BYTES, 84);
+        assert_eq!(Memory::<21, Full>::BYTES, 168);
     }
 
     #[test]
     fn remembers_the_farthest_child_of_the_largest_table() {
-        assert_eq!(Slot::waiting(0, 32767).child(0), 32767);
+        assert_eq!(Slot::waiting(0, 16383).child(0), 16383);
         assert_eq!(Slot::waiting(7, 9).child(7), 9);
         assert_eq!(Slot::IDLE.child(7), 8);
     }
 
     #[test]
+    fn the_parts_of_a_slot_do_not_touch_each_other() {
+        let full = Slot::waiting(0, 16383).with_skips(255).done().with_latch(true).with_alarm(true);
+        assert_eq!((full.child(0), full.skips()), (16383, 255));
+        assert!(full.is_running() && full.is_done() && full.has_latch() && full.has_alarm());
+        assert!(!full.is_stopping() && full.kept() == 0);
+        let less = full.with_running(false).with_skips(0).with_latch(false).with_alarm(false);
+        assert_eq!(less, Slot::waiting(0, 16383).place().done());
+        assert_eq!((Slot::keeping(3).kept(), Slot::keeping(3).done().only_kept()), (3, Slot::keeping(3)));
+    }
+
+    #[test]
     fn rows_past_the_end_do_not_run() {
-        let memory = Memory { slots: [Slot::RUNNING_LEAF; 2] };
+        let running: Cell<Full> = Cell { slot: Slot::RUNNING, extra: 0 };
+        let memory = Memory { cells: [running; 2] };
         assert!(memory.is_running(1) && !memory.is_running(2) && !memory.is_idle());
     }
 }

@@ -1,6 +1,6 @@
 //! Leaves that play a script, for tests: statuses in, a trace out.
 
-use super::{Leaves, Memory, Status, Tree};
+use super::{Basic, Full, Halt, Kinds, Leaves, Memory, Node, Status, Tree};
 use crate::time::Instant;
 use std::collections::HashMap;
 use std::format;
@@ -14,7 +14,7 @@ pub(super) struct Script {
 }
 
 impl Script {
-    /// Reads lines such as `g=SF a=RRS`: S success, F failure, R running, one letter a tick of the leaf.
+    /// Reads lines such as `g=SF a=RRS`: S success, F failure, R running, K skipped, one letter a tick of the leaf.
     pub(super) fn new(lines: &str) -> Self {
         let parse = |line: &str| {
             let (name, letters) = line.split_once('=').unwrap();
@@ -51,19 +51,28 @@ impl Leaves<char> for Script {
         self.next(*leaf)
     }
 
-    fn on_halted(&mut self, leaf: &char, _: Instant) {
+    fn on_halted(&mut self, leaf: &char, _: Instant) -> Halt {
         self.trace.push(format!("halt({leaf})"));
+        Halt::Done
     }
 }
 
 /// Ticks `tree` once for each line of `expected` and compares the traces. When a tick has ended the tree,
-/// its memory must be idle.
+/// its memory must be idle. A basic tree must do the same in the full set.
 #[track_caller]
 pub(super) fn play<const N: usize>(tree: Tree<char, N>, lines: &str, expected: &[&str]) {
+    let nodes: Vec<Node<char>> = tree.nodes().copied().collect();
+    play_as::<N, Basic>(tree, lines, expected);
+    play_as::<N, Full>(Tree::new(nodes.try_into().unwrap()), lines, expected);
+}
+
+/// As [`play`], for a tree of the set `K`.
+#[track_caller]
+pub(super) fn play_as<const N: usize, K: Kinds>(tree: Tree<char, N, K>, lines: &str, expected: &[&str]) {
     let mut memory = Memory::new();
     let mut script = Script::new(lines);
     for (tick, expected) in (0..).zip(expected) {
-        let status = tree.tick(&mut memory, &mut script, Instant(tick));
+        let status = tree.tick(&mut memory, &mut script, Instant(tick)).status;
         assert_eq!(script.trace(&format!("=> {status:?}")), *expected, "tick {tick}");
         assert_eq!(memory.is_idle(), status != Status::Running, "tick {tick}");
     }
@@ -74,6 +83,7 @@ fn status(letter: char) -> Status {
         'R' => Status::Running,
         'S' => Status::Success,
         'F' => Status::Failure,
+        'K' => Status::Skipped,
         other => panic!("no status: {other}"),
     }
 }
@@ -83,5 +93,6 @@ fn letter(status: Status) -> char {
         Status::Running => 'R',
         Status::Success => 'S',
         Status::Failure => 'F',
+        Status::Skipped => 'K',
     }
 }

@@ -1,69 +1,129 @@
 //! A checked tree.
 
-use super::leaves::{Leaves, Status};
-use super::memory::Memory;
+use super::check;
+use super::check::{Rule, TreeError};
+use super::kinds::{Basic, Kinds};
+use super::leaves::{Halt, Leaves, Status};
+use super::memory::{Cell, Memory};
 use super::node::Node;
 use super::walk;
 use crate::time::Instant;
+use core::marker::PhantomData;
 
 /// The most levels a tree may have, the root being the first: what BehaviorTree.CPP loads.
 pub const MAX_DEPTH: usize = 256;
 
 /// The most nodes a tree may have.
-pub const MAX_NODES: usize = 1 << 15;
+pub const MAX_NODES: usize = 8191;
 
-/// A behavior tree of `N` nodes whose leaves are named by `L`.
+/// A behavior tree of `N` nodes of the set `K`, whose leaves are named by `L`.
 ///
 /// It never changes; keep it in a `static` and its [`Memory`] beside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Tree<L, const N: usize> {
+pub struct Tree<L, const N: usize, K: Kinds = Basic> {
     pub(super) rows: [Row<L>; N],
+    kinds: PhantomData<K>,
 }
 
-/// A node and its relatives, as row numbers.
+/// A tree whose size is known only at run time, over rows that live elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub struct TreeRef<'t, L, K: Kinds = Basic> {
+    rows: &'t [Row<L>],
+    kinds: PhantomData<K>,
+}
+
+/// A node and its way on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Row<L> {
+pub struct Row<L> {
     pub(super) node: Node<L>,
-    /// The parent; [`NONE`] for the root.
-    pub(super) parent: u16,
-    /// The next child of the same parent; [`NONE`] for the last.
-    pub(super) next: u16,
-    /// The status of this node at which the parent goes on to `next`; running if it never does.
-    pub(super) next_on: Status,
+    /// What follows when the node has succeeded, and when it has failed. The low 14 bits are a row, [`NONE`] for
+    /// none, the high two say which: the next child of the same parent (0), the parent ([`UP`], [`ASK`]), or the
+    /// next child if the parent so decides ([`LATER`]; the parent is then in the other of the two).
+    pub(super) ways: [u16; 2],
 }
 
 /// Past the end of every table.
-pub(super) const NONE: u16 = u16::MAX;
+pub(super) const NONE: u16 = 0x3FFF;
 
-/// A rule that a table broke.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// To the parent, which has the status of this child.
+pub(super) const UP: u16 = 1 << 14;
+
+/// To the parent, which decides what comes next.
+pub(super) const ASK: u16 = 2 << 14;
+
+/// To the next child if the parent, which is asked first, wants it.
+pub(super) const LATER: u16 = 3 << 14;
+
+/// What a tick came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Rule {
-    /// A tree has at least a root.
-    Empty,
-    /// A tree has at most [`MAX_NODES`] nodes.
-    TooLarge,
-    /// A composite has at least one child.
-    NoChildren,
-    /// The children of an inner node follow it.
-    MissingChildren,
-    /// Every node but the root is the child of another.
-    Unreachable,
-    /// A tree has at most [`MAX_DEPTH`] levels.
-    TooDeep,
+pub struct Tick {
+    /// The status of the root.
+    pub status: Status,
+    /// When the next tick can change something.
+    pub next: Next,
 }
 
-/// A table that is no tree: the first row that breaks a rule.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// When ticking again can change something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct TreeError {
-    /// The row, from zero.
-    pub node: u16,
-    /// What is wrong with it.
-    pub rule: Rule,
+pub enum Next {
+    /// At once: a node has yielded, or an action is still stopping.
+    Now,
+    /// At this time a timer of the tree, or an action that knows when, is due; an event may come before.
+    At(Instant),
+    /// When a leaf has something new to say; the tree waits for no time.
+    Event,
 }
 
-impl<L: Copy, const N: usize> Tree<L, N> {
+impl<L> Row<L> {
+    /// A row that is not linked yet.
+    pub const fn new(node: Node<L>) -> Self {
+        Self { node, ways: [LATER | NONE; 2] }
+    }
+
+    /// The node.
+    pub const fn node(&self) -> &Node<L> {
+        &self.node
+    }
+
+    /// The row of the parent; past the end of every table for the root.
+    #[inline]
+    pub(super) const fn parent(&self) -> usize {
+        let [success, failure] = self.ways;
+        ((if success < UP { failure } else { success }) & NONE) as usize
+    }
+
+    /// The row of the next child of the same parent.
+    pub(super) const fn sibling(&self) -> Option<usize> {
+        let [success, failure] = self.ways;
+        let next = if success < UP { success } else { failure };
+        if matches!(next & LATER, UP | ASK) || next & NONE == NONE {
+            None
+        } else {
+            Some((next & NONE) as usize)
+        }
+    }
+
+    /// The way on from a success (0) or a failure (1).
+    #[inline(always)]
+    pub(super) const fn way(&self, failed: usize) -> usize {
+        self.ways[failed & 1] as usize
+    }
+
+    /// The row of the next child of the same parent, if that is what follows `status` in any case.
+    pub(super) const fn next_on(&self, status: Status) -> Option<usize> {
+        let [success, failure] = self.ways;
+        let way = match status {
+            Status::Success => success,
+            Status::Failure => failure,
+            Status::Running | Status::Skipped => UP,
+        };
+        if way < UP { Some(way as usize) } else { None }
+    }
+}
+
+impl<L: Copy, const N: usize, K: Kinds> Tree<L, N, K> {
     /// The tree that a table in preorder describes; in a `const` or `static`, one that breaks a
     /// [`Rule`] fails the build with a message that names the rule.
     ///
@@ -92,35 +152,69 @@ impl<L: Copy, const N: usize> Tree<L, N> {
         if N == 0 {
             return Err(TreeError { node: 0, rule: Rule::Empty });
         }
-        if N > MAX_NODES {
-            return Err(TreeError { node: MAX_NODES as u16, rule: Rule::TooLarge });
+        let mut rows = [Row::new(nodes[0]); N];
+        let mut at = 0;
+        while at < N {
+            rows[at] = Row::new(nodes[at]);
+            at += 1;
         }
-        let mut rows = [Row { node: nodes[0], parent: NONE, next: NONE, next_on: Status::Running }; N];
-        match link(&mut rows, &nodes, [0; N]) {
-            Ok(()) => Ok(Self { rows }),
-            Err(error) => Err(error),
+        if let Err(error) = check::link(&mut rows, K::FULL) {
+            return Err(error);
+        }
+        match check::never_ticked(&rows, &mut [0; N]) {
+            Some(node) => Err(TreeError { node, rule: Rule::NeverTicked }),
+            None => Ok(Self { rows, kinds: PhantomData }),
         }
     }
 }
 
-impl<L, const N: usize> Tree<L, N> {
-    /// Ticks the tree once: every node at most once, starting or continuing what it leads to.
+impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
+    /// How many nodes it has.
+    pub const NODES: usize = N;
+
+    /// The same tree, without its size in its type.
+    #[must_use]
+    pub const fn by_ref(&self) -> TreeRef<'_, L, K> {
+        TreeRef { rows: &self.rows, kinds: PhantomData }
+    }
+
+    /// Ticks the tree exactly once: one pass, starting or continuing what it leads to.
     ///
     /// `memory` must be this tree's own; with that of another tree the nodes that are ticked mean
     /// nothing, but the tick ends all the same.
-    pub fn tick<V>(&self, memory: &mut Memory<N>, leaves: &mut V, now: Instant) -> Status
+    #[inline(always)]
+    pub fn tick<V>(&self, memory: &mut Memory<N, K>, leaves: &mut V, now: Instant) -> Tick
     where
         V: Leaves<L> + ?Sized,
     {
-        walk::tick(&self.rows, &mut memory.slots, leaves, now)
+        walk::tick(&self.rows, &mut memory.cells, leaves, now)
+    }
+
+    /// Ticks the tree until it no longer wants the next pass at once, `passes` times at the most and at
+    /// least once: what BehaviorTree.CPP calls `tickOnce`, with a bound.
+    pub fn tick_until_idle<V>(
+        &self,
+        memory: &mut Memory<N, K>,
+        leaves: &mut V,
+        now: Instant,
+        passes: u16,
+    ) -> Tick
+    where
+        V: Leaves<L> + ?Sized,
+    {
+        walk::tick_until_idle(&self.rows, &mut memory.cells, leaves, now, passes)
     }
 
     /// Interrupts the tree: halts every running action and leaves all nodes idle.
-    pub fn halt<V>(&self, memory: &mut Memory<N>, leaves: &mut V, now: Instant)
+    ///
+    /// While the answer is [`Halt::Pending`], some action has not stopped: call it again, or tick, which goes
+    /// on halting before it does anything else.
+    #[inline(always)]
+    pub fn halt<V>(&self, memory: &mut Memory<N, K>, leaves: &mut V, now: Instant) -> Halt
     where
         V: Leaves<L> + ?Sized,
     {
-        walk::halt(&self.rows, &mut memory.slots, leaves, now, 0);
+        walk::halt(&self.rows, &mut memory.cells, leaves, now)
     }
 
     /// The nodes in the order of the table.
@@ -131,151 +225,83 @@ impl<L, const N: usize> Tree<L, N> {
     /// The row of the parent of the node in row `node`; `None` for the root and past the end.
     #[must_use]
     pub fn parent(&self, node: u16) -> Option<u16> {
-        self.rows.get(usize::from(node)).map(|row| row.parent).filter(|&parent| parent != NONE)
+        self.by_ref().parent(node)
+    }
+
+    /// How many nodes one pass visits at the most, counting a node once for each time.
+    #[must_use]
+    pub const fn visits(&self) -> u32 {
+        check::visits(&self.rows, &mut [(0, 0); N])
     }
 }
 
-/// Fills `rows` from `nodes`; `missing` counts for each row the children that are still to come.
-///
-/// `open` is the innermost row that misses children and lies past the end of the table when none does.
-const fn link<L: Copy, const N: usize>(
-    rows: &mut [Row<L>; N],
-    nodes: &[Node<L>; N],
-    mut missing: [u8; N],
-) -> Result<(), TreeError> {
-    let mut open = NONE as usize;
-    let mut depth = 0;
-    let mut at = 0;
-    while at < N {
-        if let Some(rule) = broken(&nodes[at], at, open < N, depth) {
-            return Err(TreeError { node: at as u16, rule });
-        }
-        rows[at] = Row { node: nodes[at], parent: open as u16, next: NONE, next_on: Status::Running };
-        missing[at] = match nodes[at].children() {
-            Some(count) => count,
-            None => 0,
-        };
-        open = at;
-        depth += 1;
-        while open < N && missing[open] == 0 {
-            let parent = rows[open].parent as usize;
-            depth -= 1;
-            if parent < N {
-                missing[parent] -= 1;
-                if missing[parent] > 0 {
-                    rows[open].next = at as u16 + 1;
-                    rows[open].next_on = goes_on(&nodes[parent]);
-                }
-            }
-            open = parent;
-        }
-        at += 1;
-    }
-    if open < N {
-        return Err(TreeError { node: open as u16, rule: Rule::MissingChildren });
-    }
-    Ok(())
-}
-
-/// The status of one child at which `node` ticks the next; running if it has only one.
-const fn goes_on<L>(node: &Node<L>) -> Status {
-    match node {
-        Node::Sequence(_) | Node::ReactiveSequence(_) => Status::Success,
-        Node::Fallback(_) | Node::ReactiveFallback(_) => Status::Failure,
-        Node::Inverter | Node::Condition(_) | Node::Action(_) | Node::Inference(_) => Status::Running,
-    }
-}
-
-/// The rule that `node` breaks in row `at`, below `depth` levels, of which the lowest is `open` for a child.
-const fn broken<L>(node: &Node<L>, at: usize, open: bool, depth: usize) -> Option<Rule> {
-    if at > 0 && !open {
-        return Some(Rule::Unreachable);
-    }
-    if depth == MAX_DEPTH {
-        return Some(Rule::TooDeep);
-    }
-    match node.children() {
-        Some(0) => Some(Rule::NoChildren),
-        _ => None,
-    }
-}
-
-impl Rule {
-    const fn message(self) -> &'static str {
-        match self {
-            Self::Empty => "a behavior tree needs a root",
-            Self::TooLarge => "a behavior tree has more than 32768 nodes",
-            Self::NoChildren => "a composite of a behavior tree has no children",
-            Self::MissingChildren => "a node of a behavior tree has fewer children than it says",
-            Self::Unreachable => "a node of a behavior tree is no child of another",
-            Self::TooDeep => "a behavior tree has more than 256 levels",
+impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
+    /// The tree that `rows`, in preorder, describe. Unlike [`Tree::try_new`] it accepts nodes that no tick
+    /// can reach; [`never_ticked`](Self::never_ticked) finds them.
+    ///
+    /// # Errors
+    /// The first row that breaks a [`Rule`].
+    pub const fn try_new(rows: &'t mut [Row<L>]) -> Result<Self, TreeError> {
+        match check::link(rows, K::FULL) {
+            Ok(()) => Ok(Self { rows, kinds: PhantomData }),
+            Err(error) => Err(error),
         }
     }
-}
 
-impl core::fmt::Display for TreeError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "node {}: {}", self.node, self.rule.message())
-    }
-}
-
-impl core::error::Error for TreeError {}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use Node::{Action, Condition, Fallback, Inverter, ReactiveSequence, Sequence};
-    use std::string::ToString;
-
-    #[track_caller]
-    fn refuses<const N: usize>(nodes: [Node<char>; N], node: u16, rule: Rule) {
-        assert_eq!(Tree::try_new(nodes), Err(TreeError { node, rule }));
+    /// The first row that no tick can reach, whatever the leaves return. `scratch` has a byte for each row;
+    /// the answer is `None` also if it is shorter.
+    #[must_use]
+    pub const fn never_ticked(&self, scratch: &mut [u8]) -> Option<u16> {
+        if scratch.len() < self.rows.len() { None } else { check::never_ticked(self.rows, scratch) }
     }
 
-    #[test]
-    fn a_table_that_breaks_a_rule_is_refused_at_its_row() {
-        refuses([], 0, Rule::Empty);
-        refuses([Sequence(0)], 0, Rule::NoChildren);
-        refuses([Sequence(2), Action('a'), Fallback(0), Action('b')], 2, Rule::NoChildren);
-        refuses([Sequence(2), Action('a')], 0, Rule::MissingChildren);
-        refuses([Sequence(1), Fallback(3), Action('a'), Action('b')], 1, Rule::MissingChildren);
-        refuses([ReactiveSequence(2), Action('a'), Inverter], 2, Rule::MissingChildren);
-        refuses([Action('a'), Action('b')], 1, Rule::Unreachable);
-        refuses([Inverter, Condition('g'), Action('a')], 2, Rule::Unreachable);
-        refuses([Sequence(1), Fallback(1), Action('a'), Sequence(0)], 3, Rule::Unreachable);
-        refuses([Inverter; MAX_DEPTH + 1], MAX_DEPTH as u16, Rule::TooDeep);
+    /// As [`Tree::tick`]; `memory` has a cell for each row, else the tree fails.
+    #[inline(always)]
+    pub fn tick<V>(&self, memory: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Tick
+    where
+        V: Leaves<L> + ?Sized,
+    {
+        walk::tick(self.rows, memory, leaves, now)
     }
 
-    #[test]
-    fn a_table_has_no_more_rows_than_the_memory_can_name() {
-        const REFUSED: Result<Tree<(), { MAX_NODES + 1 }>, TreeError> =
-            Tree::try_new([Condition(()); MAX_NODES + 1]);
-        assert_eq!(REFUSED.err(), Some(TreeError { node: MAX_NODES as u16, rule: Rule::TooLarge }));
+    /// As [`Tree::tick_until_idle`].
+    pub fn tick_until_idle<V>(
+        &self,
+        memory: &mut [Cell<K>],
+        leaves: &mut V,
+        now: Instant,
+        passes: u16,
+    ) -> Tick
+    where
+        V: Leaves<L> + ?Sized,
+    {
+        walk::tick_until_idle(self.rows, memory, leaves, now, passes)
     }
 
-    #[test]
-    #[should_panic = "a composite of a behavior tree has no children"]
-    fn a_constant_table_names_the_rule_it_breaks() {
-        let _ = Tree::new([Inverter, Fallback::<char>(0)]);
+    /// As [`Tree::halt`].
+    #[inline(always)]
+    pub fn halt<V>(&self, memory: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Halt
+    where
+        V: Leaves<L> + ?Sized,
+    {
+        walk::halt(self.rows, memory, leaves, now)
     }
 
-    #[test]
-    fn errors_name_row_and_rule() {
-        let error = Tree::try_new([Sequence(2), Action('a')]).unwrap_err();
-        assert_eq!(error.to_string(), "node 0: a node of a behavior tree has fewer children than it says");
+    /// The nodes in the order of the table.
+    pub fn nodes(&self) -> impl ExactSizeIterator<Item = &'t Node<L>> + use<'t, L, K> {
+        self.rows.iter().map(|row| &row.node)
     }
 
-    #[test]
-    fn children_know_their_parent() {
-        let tree = Tree::new([Sequence(3), Fallback(1), Action('a'), Inverter, Action('b'), Action('c')]);
-        let parents: [_; 7] = core::array::from_fn(|row| tree.parent(row as u16));
-        assert_eq!(parents, [None, Some(0), Some(1), Some(0), Some(3), Some(0), None]);
-        assert_eq!(tree.nodes().nth(3), Some(&Inverter));
-        assert_eq!(tree.nodes().len(), 6);
+    /// The row of the parent of the node in row `node`; `None` for the root and past the end.
+    #[must_use]
+    pub fn parent(&self, node: u16) -> Option<u16> {
+        let parent = self.rows.get(usize::from(node))?.parent() as u16;
+        (parent != NONE).then_some(parent)
     }
 
-    #[test]
-    fn a_row_takes_eight_bytes_of_flash_with_a_leaf_of_one() {
-        assert_eq!(size_of::<Tree<u8, 21>>(), 21 * 8);
+    /// As [`Tree::visits`]; `scratch` has a pair for each row, else the answer is 0.
+    #[must_use]
+    pub const fn visits(&self, scratch: &mut [(u32, u32)]) -> u32 {
+        if scratch.len() < self.rows.len() { 0 } else { check::visits(self.rows, scratch) }
     }
 }

@@ -1,155 +1,322 @@
-//! Ticking and halting.
+//! Ticking.
 //!
-//! The walk goes down the table and comes back along the parents, so it needs no stack. It ends
-//! whatever the memory holds, because each node it enters lies in a later row than the one before.
+//! The walk goes down the table and comes back along the parents, so it needs no stack. It ends whatever the
+//! memory holds: a node is entered again in the same pass only when a count has grown or a child that
+//! was running no longer is.
 
-use super::leaves::{Leaves, Status};
-use super::memory::Slot;
+use super::interrupt::{go_on_halting, halt_all, halt_from};
+use super::kinds::Kinds;
+use super::leaves::{Halt, Leaves, Status};
+use super::log::Transition;
+use super::memory::{Cell, Slot};
 use super::node::Node;
-use super::table::Row;
+use super::overdue::halt_overdue;
+use super::table::{Next, Row, Tick};
+use super::{deadline, full};
 use crate::time::Instant;
-use core::hint::cold_path;
 use core::ops::ControlFlow::{self, Break, Continue};
 
-/// Ticks the tree in `rows`, each node at most once.
-pub(super) fn tick<L, V>(rows: &[Row<L>], slots: &mut [Slot], leaves: &mut V, now: Instant) -> Status
+/// Ticks the tree in `rows`, in one pass.
+#[inline(always)]
+pub(super) fn tick<L, V, K>(rows: &[Row<L>], cells: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Tick
 where
     V: Leaves<L> + ?Sized,
+    K: Kinds,
 {
     // One length for both spares the walk every other bounds check.
-    let Some(slots) = slots.get_mut(..rows.len()) else { return Status::Failure };
-    let mut walk = Walk { rows, slots, leaves, now };
-    let mut at = 0;
-    loop {
-        at = match walk.enter(at) {
-            Continue(child) => child,
-            Break(Status::Running) => return walk.suspend(at),
-            Break(status) => match walk.finish(at, status) {
-                Continue(sibling) => sibling,
-                Break(status) => return status,
-            },
-        };
+    let Some(cells) = cells.get_mut(..rows.len()) else {
+        return Tick { status: Status::Failure, next: Next::Event };
+    };
+    if !K::FULL {
+        let status = Walk { rows, cells, leaves, now, stopping: false, yielded: false }.basic_pass();
+        return Tick { status, next: Next::Event };
     }
+    full_tick(rows, cells, leaves, now)
 }
 
-/// Halts what is running among the node in row `top` and its descendants.
 #[inline(never)]
-pub(super) fn halt<L, V>(rows: &[Row<L>], slots: &mut [Slot], leaves: &mut V, now: Instant, top: usize)
+fn full_tick<L, V, K>(rows: &[Row<L>], cells: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Tick
 where
     V: Leaves<L> + ?Sized,
+    K: Kinds,
 {
-    for at in top..rows.len() {
-        let (Some(row), Some(slot)) = (rows.get(at), slots.get_mut(at)) else { return };
-        if at > top && usize::from(row.parent) < top {
-            return;
+    if cells.first().is_some_and(|root| root.slot.has_alarm())
+        && go_on_halting(rows, cells, leaves, now) == Halt::Pending
+    {
+        return Tick { status: Status::Running, next: Next::Now };
+    }
+    let stopping = K::COMPAT && halt_overdue(rows, cells, leaves, now) == Halt::Pending;
+    let mut walk = Walk { rows, cells, leaves, now, stopping, yielded: false };
+    let status = walk.pass();
+    let (stopping, yielded) = (walk.stopping, walk.yielded);
+    if stopping {
+        raise_alarm(cells);
+    }
+    let next = if stopping || yielded && status == Status::Running {
+        Next::Now
+    } else if status == Status::Running {
+        deadline::next(rows, cells, leaves, now)
+    } else {
+        Next::Event
+    };
+    Tick { status, next }
+}
+
+/// Ticks the tree until it no longer wants the next pass at once, `passes` times at the most.
+pub(super) fn tick_until_idle<L, V, K>(
+    rows: &[Row<L>],
+    cells: &mut [Cell<K>],
+    leaves: &mut V,
+    now: Instant,
+    passes: u16,
+) -> Tick
+where
+    V: Leaves<L> + ?Sized,
+    K: Kinds,
+{
+    let mut result = tick(rows, cells, leaves, now);
+    for _ in 1..passes {
+        // An action that is still stopping is asked once a tick, not once a pass.
+        let stopping = cells.first().is_some_and(|root| root.slot.has_alarm());
+        if result.status != Status::Running || result.next != Next::Now || stopping {
+            break;
         }
-        let before = core::mem::replace(slot, Slot::IDLE);
-        if before.is_running() {
-            if let Node::Action(leaf) | Node::Inference(leaf) = &row.node {
-                leaves.on_halted(leaf, now);
-            }
-            report(leaves, at, before, None);
+        result = tick(rows, cells, leaves, now);
+    }
+    result
+}
+
+/// Halts the whole tree.
+#[inline(always)]
+pub(super) fn halt<L, V, K>(rows: &[Row<L>], cells: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Halt
+where
+    V: Leaves<L> + ?Sized,
+    K: Kinds,
+{
+    let Some(cells) = cells.get_mut(..rows.len()) else { return Halt::Done };
+    if K::FULL {
+        return full_halt(rows, cells, leaves, now);
+    }
+    Walk { rows, cells, leaves, now, stopping: false, yielded: false }.halt_rows(0, 0);
+    Halt::Done
+}
+
+#[inline(never)]
+fn full_halt<L, V, K>(rows: &[Row<L>], cells: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Halt
+where
+    V: Leaves<L> + ?Sized,
+    K: Kinds,
+{
+    let mut pending = false;
+    if cells.first().is_some_and(|root| root.slot.has_alarm()) {
+        pending = go_on_halting(rows, cells, leaves, now) == Halt::Pending;
+    }
+    let is_running = cells.first().is_some_and(Cell::is_running);
+    pending |= halt_from(rows, cells, leaves, now, 0) == Halt::Pending;
+    if K::COMPAT {
+        if rows.len() == 1 && !is_running {
+            let _ = halt_all(rows, leaves, now); // there the root is halted even if idle, then every node
         }
+        pending |= halt_all(rows, leaves, now) == Halt::Pending;
+    }
+    if !pending {
+        return Halt::Done;
+    }
+    raise_alarm(cells);
+    Halt::Pending
+}
+
+fn raise_alarm<K: Kinds>(cells: &mut [Cell<K>]) {
+    if let Some(root) = cells.first_mut() {
+        root.slot = root.slot.with_alarm(true);
     }
 }
 
-struct Walk<'a, L, V: ?Sized> {
-    rows: &'a [Row<L>],
-    slots: &'a mut [Slot],
-    leaves: &'a mut V,
-    now: Instant,
+pub(super) struct Walk<'a, L, V: ?Sized, K: Kinds> {
+    pub(super) rows: &'a [Row<L>],
+    pub(super) cells: &'a mut [Cell<K>],
+    pub(super) leaves: &'a mut V,
+    pub(super) now: Instant,
+    /// Whether an action that was halted in this pass has not stopped.
+    pub(super) stopping: bool,
+    /// Whether a node wants the next pass at once.
+    pub(super) yielded: bool,
 }
 
-impl<L, V: Leaves<L> + ?Sized> Walk<'_, L, V> {
-    /// Ticks the node in row `at`: its status if it is a leaf, else the row of the child to enter first.
+impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
     #[inline]
-    fn enter(&mut self, at: usize) -> ControlFlow<Status, usize> {
-        let (Some(row), Some(slot)) = (self.rows.get(at), self.slots.get_mut(at)) else {
-            return Break(Status::Failure); // only with the memory of another tree
-        };
-        let (before, status) = match &row.node {
-            Node::Sequence(_) | Node::Fallback(_) => return Continue(slot.child(at)),
-            Node::ReactiveSequence(_) | Node::ReactiveFallback(_) | Node::Inverter => {
-                return Continue(at.wrapping_add(1));
+    fn pass(&mut self) -> Status {
+        let mut at = 0;
+        loop {
+            let status = match self.enter(at) {
+                Some(Continue(child)) => {
+                    at = child;
+                    continue;
+                }
+                Some(Break(status)) => status,
+                None => return Status::Failure,
+            };
+            match self.climb(at, status) {
+                Continue(sibling) => at = sibling,
+                Break(status) => return status,
             }
-            Node::Condition(leaf) => (Slot::IDLE, self.leaves.condition(leaf, self.now).into()),
+        }
+    }
+
+    /// Ticks the node in row `at`: its status if it is a leaf, else the row of the child to enter first; `None`
+    /// past the end, which only the memory of another tree leads to.
+    #[inline]
+    fn enter(&mut self, at: usize) -> Option<ControlFlow<Status, usize>> {
+        let (row, cell) = (self.rows.get(at)?, self.cells.get_mut(at)?);
+        if self.stopping {
+            return Some(Break(Status::Running));
+        }
+        let before = cell.slot;
+        let status = match &row.node {
+            Node::Sequence(_)
+            | Node::Fallback(_)
+            | Node::ReactiveSequence(_)
+            | Node::ReactiveFallback(_)
+            | Node::Inverter => {
+                return Some(Continue(before.child(at)));
+            }
+            Node::Condition(leaf) => self.leaves.condition(leaf, self.now).into(),
             Node::Action(leaf) | Node::Inference(leaf) => {
-                let before = *slot;
                 let status = if before.is_running() {
                     self.leaves.on_running(leaf, self.now)
                 } else {
                     self.leaves.on_start(leaf, self.now)
                 };
-                *slot = if status == Status::Running { Slot::RUNNING_LEAF } else { Slot::IDLE };
-                (before, status)
+                cell.slot = if status == Status::Running { Slot::RUNNING } else { Slot::IDLE };
+                status
             }
+            _ => return Some(full::enter(self, row, at)),
         };
-        report(self.leaves, at, before, Some(status));
-        Break(status)
+        self.report(at, before, Some(status));
+        Some(Break(status))
     }
 
-    /// Takes the success or failure of the node in row `at` to its parent, and on from there to the next
-    /// node to enter, or to the status of the root.
+    /// Takes the status of the node in row `at` to its parent, and on from there to the next node to enter, or to
+    /// the status of the root.
     #[inline]
-    fn finish(&mut self, mut at: usize, mut status: Status) -> ControlFlow<Status, usize> {
+    fn climb(&mut self, mut at: usize, mut status: Status) -> ControlFlow<Status, usize> {
         let rows = self.rows;
         while let Some(child) = rows.get(at) {
-            if child.next_on == status {
-                return Continue(usize::from(child.next));
+            if let Some(next) = child.next_on(status) {
+                return Continue(next);
             }
-            let parent = usize::from(child.parent);
+            let parent = child.parent();
             let Some(row) = rows.get(parent) else { break };
-            if matches!(row.node, Node::Inverter) {
-                cold_path(); // keeps this a branch: most parents are none
-                status = inverted(status);
+            if !row.node.is_basic() {
+                match full::returned(self, row, parent, at, status) {
+                    Continue(next) => return Continue(next),
+                    Break(own) => status = own,
+                }
+            } else if status == Status::Running {
+                self.settle(parent, at, Slot::waiting(parent, at), status);
+            } else {
+                if matches!(row.node, Node::Inverter) {
+                    status = inverted(status);
+                } else if status == Status::Skipped {
+                    match self.skip(parent, at) {
+                        Continue(next) => return Continue(next),
+                        Break(own) => status = own,
+                    }
+                }
+                self.settle(parent, at, Slot::IDLE, status);
             }
-            self.settle(parent, at, Slot::IDLE, status);
             at = parent;
         }
         Break(status)
     }
 
-    /// Leaves all nodes above the node in row `at` waiting for it.
-    #[inline]
-    fn suspend(&mut self, mut at: usize) -> Status {
-        let rows = self.rows;
-        while let Some(child) = rows.get(at) {
-            let parent = usize::from(child.parent);
-            self.settle(parent, at, Slot::waiting(parent, at), Status::Running);
-            at = parent;
-        }
-        Status::Running
-    }
-
-    /// Ends the tick of the inner node in row `parent`, which ticked the child in row `child` last and
-    /// keeps `after` in mind. A later child that it was waiting for is halted.
+    /// Ends the tick of the basic inner node in row `parent`, which ticked the child in row `child` last and
+    /// keeps `after` in mind. A later child that is running is halted: only a reactive node has one.
     #[inline]
     fn settle(&mut self, parent: usize, child: usize, after: Slot, status: Status) {
-        let Some(slot) = self.slots.get_mut(parent) else { return };
-        let before = *slot;
-        if before.is_running() || after.is_running() {
-            *slot = after;
+        let (Some(row), Some(cell)) = (self.rows.get(parent), self.cells.get_mut(parent)) else { return };
+        let before = cell.slot;
+        if before != Slot::IDLE || after != Slot::IDLE {
+            cell.slot = match row.node {
+                _ if !after.is_running() => after,
+                Node::ReactiveSequence(_) | Node::ReactiveFallback(_) => Slot::RUNNING,
+                _ => after.with_skips(before.skips()),
+            };
         }
-        if before.is_running() && before.child(parent) > child {
-            halt(self.rows, self.slots, self.leaves, self.now, before.child(parent));
+        if before.is_running() {
+            self.halt_after(child);
         }
-        report(self.leaves, parent, before, Some(status));
+        self.report(parent, before, Some(status));
+    }
+
+    /// Halts what runs among the siblings after the node in row `at`.
+    fn halt_after(&mut self, at: usize) {
+        let mut at = at;
+        while let Some(sibling) = self.rows.get(at).and_then(Row::sibling) {
+            if self.cells.get(sibling).is_some_and(Cell::is_running) {
+                self.halt_from(sibling);
+            }
+            at = sibling;
+        }
+    }
+
+    /// Counts a child that was skipped: the next one to enter or, after the last, the parent's own status.
+    /// A sequence or fallback is skipped when all its children were.
+    #[cold]
+    pub(super) fn skip(&mut self, parent: usize, child: usize) -> ControlFlow<Status, usize> {
+        let rows = self.rows;
+        let (Some(row), Some(this)) = (rows.get(parent), rows.get(child)) else {
+            return Break(Status::Skipped);
+        };
+        let mut index = 0;
+        let mut sibling = parent + 1;
+        while sibling < child {
+            index += 1;
+            sibling = rows.get(sibling).and_then(Row::sibling).unwrap_or(child);
+        }
+        let Some(cell) = self.cells.get_mut(parent) else { return Break(Status::Skipped) };
+        let all = index == 0 || cell.slot.skips() == index;
+        if all {
+            cell.slot = cell.slot.with_skips(index + 1);
+        }
+        if let Some(next) = this.sibling() {
+            return Continue(next);
+        }
+        Break(match row.node {
+            _ if all => Status::Skipped,
+            Node::Fallback(_) | Node::ReactiveFallback(_) | Node::AsyncFallback(_) => Status::Failure,
+            _ => Status::Success,
+        })
+    }
+
+    /// Halts the node in row `top` and what runs below it.
+    pub(super) fn halt_from(&mut self, top: usize) {
+        let halted = halt_from(self.rows, self.cells, self.leaves, self.now, top);
+        self.stopping |= halted == Halt::Pending;
+    }
+
+    #[inline]
+    pub(super) fn report(&mut self, node: usize, before: Slot, to: Option<Status>) {
+        report(self.leaves, self.now, node, before, to);
     }
 }
 
 #[inline]
-fn report<L, V: Leaves<L> + ?Sized>(leaves: &mut V, at: usize, before: Slot, to: Option<Status>) {
+pub(super) fn report<L, V>(leaves: &mut V, time: Instant, node: usize, before: Slot, to: Option<Status>)
+where
+    V: Leaves<L> + ?Sized,
+{
     let from = before.is_running().then_some(Status::Running);
     if from != to {
-        leaves.transition(at as u16, from, to);
+        leaves.transition(Transition { time, node: node as u16, from, to });
     }
 }
 
-const fn inverted(status: Status) -> Status {
+pub(super) const fn inverted(status: Status) -> Status {
     match status {
-        Status::Running => Status::Running,
         Status::Success => Status::Failure,
         Status::Failure => Status::Success,
+        other => other,
     }
 }
 
@@ -158,7 +325,7 @@ mod tests {
     use super::super::script::{Script, play};
     use crate::time::Instant;
     use crate::tree;
-    use crate::tree::{Leaves, Memory, Status, Tree};
+    use crate::tree::{Halt, Leaves, Memory, Status, Transition, Tree};
     use std::vec::Vec;
 
     /// The pre-emption test of the survey of behavior-tree libraries.
@@ -173,14 +340,14 @@ mod tests {
 
     #[test]
     fn a_sequence_ends_with_its_first_failure() {
-        let tree = tree! { Sequence { Action('a'), Action('b'), Action('c') } };
+        let tree: Tree<char, _> = tree! { Sequence { Action('a'), Action('b'), Action('c') } };
         play(tree, "a=S b=F c=S", &["a:S b:F => Failure", "a:S b:F => Failure"]);
         play(tree, "a=S b=S c=S", &["a:S b:S c:S => Success"]);
     }
 
     #[test]
     fn a_fallback_ends_with_its_first_success() {
-        let tree = tree! { Fallback { Action('a'), Action('b'), Action('c') } };
+        let tree: Tree<char, _> = tree! { Fallback { Action('a'), Action('b'), Action('c') } };
         play(tree, "a=F b=S c=S", &["a:F b:S => Success", "a:F b:S => Success"]);
         play(tree, "a=F b=F c=F", &["a:F b:F c:F => Failure"]);
     }
@@ -311,18 +478,19 @@ mod tests {
 
     #[test]
     fn a_halt_from_outside_tells_only_what_is_running() {
-        let tree = tree! { Sequence { Action('a'), ReactiveSequence { Condition('g'), Action('b') } } };
+        let tree: Tree<char, _> =
+            tree! { Sequence { Action('a'), ReactiveSequence { Condition('g'), Action('b') } } };
         let mut memory = Memory::new();
         let mut script = Script::new("a=S g=S b=R");
         tree.halt(&mut memory, &mut script, Instant(0));
         assert_eq!(script.trace("."), ".");
-        assert_eq!(tree.tick(&mut memory, &mut script, Instant(0)), Status::Running);
+        assert_eq!(tree.tick(&mut memory, &mut script, Instant(0)).status, Status::Running);
         assert_eq!(script.trace("."), "a:S g:S b:R .");
         tree.halt(&mut memory, &mut script, Instant(1));
         tree.halt(&mut memory, &mut script, Instant(1));
         assert_eq!(script.trace("."), "halt(b) .");
         assert!(memory.is_idle());
-        assert_eq!(tree.tick(&mut memory, &mut script, Instant(2)), Status::Running);
+        assert_eq!(tree.tick(&mut memory, &mut script, Instant(2)).status, Status::Running);
         assert_eq!(script.trace("."), "a:S g:S b:R .");
     }
 
@@ -349,12 +517,13 @@ mod tests {
             Status::Running
         }
 
-        fn on_halted(&mut self, _: &(), now: Instant) {
+        fn on_halted(&mut self, _: &(), now: Instant) -> Halt {
             self.times.push(("halted", now.0));
+            Halt::Done
         }
 
-        fn transition(&mut self, node: u16, from: Option<Status>, to: Option<Status>) {
-            self.transitions.push((node, from, to));
+        fn transition(&mut self, it: Transition) {
+            self.transitions.push((it.node, it.from, it.to));
         }
     }
 

@@ -1,0 +1,64 @@
+//! The timers of a tree as BehaviorTree.CPP sees them: one that goes off wakes the tree.
+//!
+//! There, `tickOnce` goes through the tree once more if a timer has gone off since the last tick and the tree is still
+//! running; a wake-up that found no use waits for the next tick. Traces show it, so a dry run does the same. On a
+//! robot it is of no use: the tick that a deadline asks for has come already.
+
+use iibt_core::time::{Duration, Instant};
+use iibt_core::tree::{Node, Status, Transition};
+
+/// The timers of a table's rows.
+pub(super) struct Alarms {
+    timers: Vec<Timer>,
+    now: Instant,
+    /// Whether a timer has gone off that nobody has taken notice of.
+    pending: bool,
+}
+
+#[derive(Clone, Copy)]
+struct Timer {
+    /// How long it takes; `None` for a row that has no timer.
+    length: Option<Duration>,
+    started: Option<Instant>,
+}
+
+impl Alarms {
+    pub(super) fn new(rows: &[Node<u16>]) -> Self {
+        let timers = rows.iter().map(|row| Timer { length: length(row), started: None });
+        Self { timers: timers.collect(), now: Instant(0), pending: false }
+    }
+
+    /// Lets time pass up to `now`.
+    pub(super) fn advance(&mut self, now: Instant) {
+        self.now = now;
+        for timer in &mut self.timers {
+            if let (Some(length), Some(started)) = (timer.length, timer.started)
+                && now.has_reached(started.after(length))
+            {
+                timer.started = None;
+                self.pending = true;
+            }
+        }
+    }
+
+    /// Whether a timer has gone off; asking takes notice.
+    pub(super) fn take(&mut self) -> bool {
+        std::mem::take(&mut self.pending)
+    }
+
+    /// A timer runs from when its node begins to run until it goes off or the node ends.
+    pub(super) fn note(&mut self, transition: &Transition) {
+        if let Some(timer) = self.timers.get_mut(usize::from(transition.node)) {
+            timer.started = (transition.to == Some(Status::Running)).then_some(self.now);
+        }
+    }
+}
+
+fn length(row: &Node<u16>) -> Option<Duration> {
+    match row {
+        Node::Sleep(length) | Node::Delay(length) | Node::Timeout(length) if length.get() > 0 => {
+            Some(Duration(length.get()))
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,48 @@
+//! How many nodes a tree has, of which kinds and on which levels.
+
+use super::instance::Instance;
+use std::collections::BTreeMap;
+
+/// The size of a tree.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Census {
+    /// How many nodes of each kind, by the kind's name.
+    pub kinds: BTreeMap<String, usize>,
+    /// How many nodes of each class: Control, Decorator, Condition, Action, SubTree.
+    pub classes: BTreeMap<&'static str, usize>,
+    /// How many nodes on each level, the root's first.
+    pub levels: Vec<usize>,
+}
+
+impl Census {
+    /// The number of nodes.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.levels.iter().sum()
+    }
+
+    /// The number of levels.
+    #[must_use]
+    pub fn depth(&self) -> usize {
+        self.levels.len()
+    }
+}
+
+impl Instance {
+    /// Counts the nodes.
+    #[must_use]
+    pub fn census(&self) -> Census {
+        let mut census = Census::default();
+        for node in &self.nodes {
+            *census.kinds.entry(node.id().to_owned()).or_default() += 1;
+            *census.classes.entry(node.model.class.tag()).or_default() += 1;
+            if census.levels.len() < node.level {
+                census.levels.resize(node.level, 0);
+            }
+            if let Some(count) = census.levels.get_mut(node.level - 1) {
+                *count += 1;
+            }
+        }
+        census
+    }
+}

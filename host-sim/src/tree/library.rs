@@ -1,0 +1,44 @@
+//! The trees that are built in.
+
+use super::diagnostic::Diagnostic;
+use super::document::{Document, Extras};
+
+macro_rules! trees {
+    ($($name:literal)*) => {
+        [$(($name, include_str!(concat!("../../trees/", $name, ".xml")))),*]
+    };
+}
+
+const TEXTS: [(&str, &str); 12] = trees![
+    "pilot"
+    "figure-5-classical"
+    "figure-5-inference"
+    "figure-8-classical"
+    "figure-8-inference"
+    "figure-14-left"
+    "figure-14-right"
+    "figure-15a"
+    "figure-15b"
+    "figure-16a"
+    "t21"
+    "t33"
+];
+
+/// The names, in the order they are listed.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    TEXTS.iter().map(|&(name, _)| name)
+}
+
+/// The tree with a name, or `None`. What is built in parses; a test holds that.
+#[must_use]
+pub fn find(name: &str) -> Option<Result<Document, Diagnostic>> {
+    let (name, text) = TEXTS.iter().find(|(known, _)| *known == name)?;
+    Some(Document::parse(name, text, &Extras::default()))
+}
+
+/// The name that somebody who typed `name` most likely meant.
+#[must_use]
+pub fn nearest(name: &str) -> Option<&'static str> {
+    let similarity = |known: &str| strsim::jaro_winkler(known, &name.to_lowercase());
+    names().max_by(|a, b| similarity(a).total_cmp(&similarity(b))).filter(|known| similarity(known) > 0.7)
+}

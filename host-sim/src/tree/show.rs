@@ -1,0 +1,92 @@
+//! Pictures of a tree: indented text, and a graph for Graphviz.
+
+use super::instance::{Instance, Node};
+use super::model::Class;
+use crate::words::counted;
+use std::fmt::Write;
+
+impl Instance {
+    /// The tree as indented text, one node a line, and below it how many nodes of which kind there are.
+    #[must_use]
+    pub fn outline(&self) -> String {
+        let census = self.census();
+        let mut text = format!("{}: {}, {}\n", self.main, nodes(census.nodes()), levels(census.depth()));
+        if let Some(root) = self.nodes.first() {
+            self.branch(root, "", "", &mut text);
+        }
+        text.push('\n');
+        let width = census.kinds.keys().map(|kind| kind.chars().count()).max().unwrap_or(0);
+        for (kind, count) in &census.kinds {
+            _ = writeln!(text, "{kind:<width$}  {count:>5}");
+        }
+        let classes = census.classes.iter().map(|(class, count)| format!("{class} {count}"));
+        _ = writeln!(text, "\nby class  {}", classes.collect::<Vec<_>>().join(", "));
+        let levels = census.levels.iter().map(ToString::to_string);
+        _ = writeln!(text, "by level  {}", levels.collect::<Vec<_>>().join(" "));
+        text
+    }
+
+    fn branch(&self, node: &Node, before: &str, below: &str, text: &mut String) {
+        _ = writeln!(text, "{before}{}", label(node));
+        let last = node.children.len().saturating_sub(1);
+        for (place, child) in self.children_of(node).enumerate() {
+            let (corner, bar) = if place == last { ("└─ ", "   ") } else { ("├─ ", "│  ") };
+            self.branch(child, &format!("{below}{corner}"), &format!("{below}{bar}"), text);
+        }
+    }
+
+    /// The tree in Graphviz's language.
+    #[must_use]
+    pub fn dot(&self) -> String {
+        let mut text = format!("digraph {} {{\n", quoted(&self.main));
+        text.push_str(
+            "  node [fontname=\"sans-serif\", fontsize=11];\n  edge [arrowhead=none];\n  ordering=out;\n",
+        );
+        for (index, node) in self.nodes.iter().enumerate() {
+            let shape = match node.model.class {
+                Class::Control => "box",
+                Class::Decorator => "hexagon",
+                Class::Condition => "ellipse",
+                Class::Action => "box, style=rounded",
+                Class::SubTree => "folder",
+            };
+            _ = writeln!(text, "  n{} [label={}, shape={shape}];", index + 1, quoted(&label(node)));
+            if let Some(parent) = node.parent {
+                _ = writeln!(text, "  n{} -> n{};", parent + 1, index + 1);
+            }
+        }
+        text.push_str("}\n");
+        text
+    }
+}
+
+/// A node in a line: its kind, its name if it has one of its own, its ports and scripts.
+fn label(node: &Node) -> String {
+    let id = node.subtree.as_deref().map_or_else(|| node.id().to_owned(), |tree| format!("SubTree {tree}"));
+    let mut label = id;
+    if node.name != node.id() && node.subtree.as_ref() != Some(&node.name) {
+        _ = write!(label, " '{}'", node.name);
+    }
+    for (name, value) in &node.ports {
+        let default = node.model.port(name).and_then(|port| port.default.as_ref());
+        if default != Some(&value.text) {
+            _ = write!(label, " {name}={}", value.text);
+        }
+    }
+    for guard in &node.guards {
+        _ = write!(label, " {}={}", guard.attribute, guard.text);
+    }
+    label.replace(['\n', '\r'], " ")
+}
+
+fn nodes(count: usize) -> String {
+    counted(u32::try_from(count).unwrap_or(u32::MAX), "node")
+}
+
+fn levels(count: usize) -> String {
+    counted(u32::try_from(count).unwrap_or(u32::MAX), "level")
+}
+
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}

@@ -1,0 +1,63 @@
+//! A light that blinks, and stays on while a button is held: a tree of a dozen lines, without inference.
+//!
+//! `cargo run -p iibt-core --no-default-features --example blink` plays it on the PC, with a button that is held from
+//! 1.2 to 2 seconds; on a board, `Board` owns two pins, and `now` comes from a timer.
+
+use iibt_core::time::Instant;
+use iibt_core::tree;
+use iibt_core::tree::{Full, Halt, Leaves, Memory, Next, Status, Tree};
+
+#[derive(Clone, Copy)]
+enum Skill {
+    ButtonHeld,
+    On,
+    Off,
+}
+
+#[rustfmt::skip]
+static BLINK: Tree<Skill, 9, Full> = tree! {
+    ReactiveFallback {
+        Sequence { Condition(Skill::ButtonHeld), Action(Skill::On) },
+        Sequence { Action(Skill::On), Sleep(250), Action(Skill::Off), Sleep(250) },
+    }
+};
+
+struct Board {
+    held: bool,
+    light: bool,
+}
+
+impl Leaves<Skill> for Board {
+    fn condition(&mut self, _: &Skill, _: Instant) -> bool {
+        self.held
+    }
+
+    fn on_start(&mut self, leaf: &Skill, _: Instant) -> Status {
+        self.light = matches!(leaf, Skill::On);
+        Status::Success
+    }
+
+    fn on_running(&mut self, leaf: &Skill, now: Instant) -> Status {
+        self.on_start(leaf, now)
+    }
+
+    fn on_halted(&mut self, _: &Skill, _: Instant) -> Halt {
+        Halt::Done
+    }
+}
+
+fn main() {
+    let mut board = Board { held: false, light: false };
+    let mut memory = Memory::new();
+    let mut now = Instant(0);
+    while now.0 < 3000 {
+        board.held = (1200..2000).contains(&now.0);
+        let tick = BLINK.tick(&mut memory, &mut board, now);
+        println!("{:4} ms: {}", now.0, if board.light { "on" } else { "off" });
+        // A board sleeps until a timer or the pin of the button wakes it; here the button is looked at every 100 ms.
+        now = match tick.next {
+            Next::At(due) if !board.held && due.0 - now.0 < 100 => due,
+            _ => Instant(now.0 + 100),
+        };
+    }
+}

@@ -1,0 +1,43 @@
+//! The behavior tree `T21`, written by `host-sim tree codegen`: change the tree's file, not this one.
+
+use iibt_core::tree::{Node, Tree};
+
+/// What the program does for the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Leaf {
+    /// Condition `Refused`.
+    Refused,
+    /// Condition `Allowed`.
+    Allowed,
+    /// Action `Act`.
+    Act,
+}
+
+/// How many nodes the table has.
+pub const NODES: usize = 21;
+
+/// The tree `T21`.
+#[rustfmt::skip]
+pub static TREE: Tree<Leaf, NODES> = Tree::new([
+    Node::Sequence(4),
+        Node::Fallback(2),
+            Node::Condition(Leaf::Refused),
+            Node::Sequence(2),
+                Node::Condition(Leaf::Allowed),
+                Node::Action(Leaf::Act),
+        Node::Fallback(2),
+            Node::Condition(Leaf::Refused),
+            Node::Sequence(2),
+                Node::Condition(Leaf::Allowed),
+                Node::Action(Leaf::Act),
+        Node::Fallback(2),
+            Node::Condition(Leaf::Refused),
+            Node::Sequence(2),
+                Node::Condition(Leaf::Allowed),
+                Node::Action(Leaf::Act),
+        Node::Fallback(2),
+            Node::Condition(Leaf::Refused),
+            Node::Sequence(2),
+                Node::Condition(Leaf::Allowed),
+                Node::Action(Leaf::Act),
+]);
