@@ -4,14 +4,23 @@
 //! rolled out once, all in step; only the coupled modalities are looked at combination by combination. For two
 //! robots with `R` candidates each and `T` steps that is `2 R T` predictions instead of `2 R R T`.
 
+mod actions;
+mod group;
+mod rows;
+mod sense;
+
+pub(super) use self::actions::{action_of, arrival};
+pub(super) use self::sense::{Normalisers, Sense, normalisers};
+
+use self::actions::{bits, key, only_control};
+use self::group::{Candidate, Group, Places};
+use self::rows::{Combinations, Rows};
 use super::belief::Beliefs;
-use super::candidates::Row;
-use super::free_energy::{Credit, Gain, Terms};
+use super::free_energy::{Gain, Terms};
 use super::gain;
-use super::model::{MAX_MODALITIES, Modality, Model, Parts};
-use super::policy::{self, Policy};
+use super::model::{Model, Parts};
+use super::policy;
 use super::problem::Problem;
-use crate::actions::Action;
 use crate::math;
 
 /// An evaluation under way, and its results so far.
@@ -32,65 +41,6 @@ pub struct Evaluation<const S: usize, const G: usize, const R: usize, const P: u
     scores: [[f32; R]; P],
     done: usize,
     window: f32,
-}
-
-/// The row of each group's candidate.
-type Places<const G: usize> = [u8; G];
-
-/// The candidates of one group that are in the rows.
-#[derive(Clone, Copy, Debug)]
-struct Group<const R: usize> {
-    used: usize,
-    /// The only control that moves it, if there is one: the number of its sequence is then the candidate's key.
-    control: Option<u8>,
-    /// The factors that move together in it, a bit for each.
-    factors: u32,
-    candidates: [Candidate; R],
-}
-
-/// One candidate of a group.
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    /// What tells it from the others.
-    key: u32,
-    /// A joint policy that it is part of.
-    policy: u16,
-    /// After how many steps it arrives.
-    arrival: u8,
-    /// Its own part of G.
-    terms: Terms,
-}
-
-impl<const R: usize> Group<R> {
-    const EMPTY: Self = Self {
-        used: 0,
-        control: None,
-        factors: 0,
-        candidates: [Candidate { key: 0, policy: 0, arrival: 0, terms: Terms::ZERO }; R],
-    };
-
-    /// The candidates that are in the rows.
-    fn iter(&self) -> impl Iterator<Item = &Candidate> {
-        self.candidates.iter().take(self.used)
-    }
-
-    /// The row of the candidate with this key.
-    #[inline]
-    fn find(&self, key: u32) -> Option<usize> {
-        let in_order = self.candidates.get(key as usize).is_some_and(|candidate| candidate.key == key);
-        if in_order && (key as usize) < self.used {
-            return Some(key as usize);
-        }
-        self.iter().position(|candidate| candidate.key == key)
-    }
-
-    /// Gives a new candidate a row; `None` when there is no room.
-    fn add(&mut self, candidate: Candidate) -> Option<usize> {
-        let row = self.used;
-        *self.candidates.get_mut(row)? = candidate;
-        self.used += 1;
-        Some(row)
-    }
 }
 
 impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<S, G, R, P> {
@@ -452,223 +402,4 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Default for
     fn default() -> Self {
         Self::new()
     }
-}
-
-/// A modality and what is preferred in it.
-pub(super) struct Sense<'a> {
-    modality: &'a Modality<'a>,
-    on_arrival: bool,
-    joint: bool,
-    arriving: Liking<'a>,
-    under_way: Liking<'a>,
-}
-
-/// C, and ln Σ exp C.
-#[derive(Clone, Copy)]
-struct Liking<'a> {
-    preference: &'a [f32],
-    normaliser: f32,
-}
-
-impl<'a> Sense<'a> {
-    pub(super) fn new<const S: usize, const G: usize>(
-        problem: &Problem<'a, S, G>,
-        number: usize,
-        modality: &'a Modality<'a>,
-        normalisers: [f32; 2],
-    ) -> Self {
-        let [arriving, under_way] =
-            [true, false].map(|arrives| problem.preference(number, modality, arrives));
-        Self {
-            modality,
-            on_arrival: problem.scoring.credit == Credit::OnArrival,
-            joint: problem.scoring.gain == Gain::Joint,
-            arriving: Liking { preference: arriving, normaliser: normalisers[0] },
-            under_way: Liking { preference: under_way, normaliser: normalisers[1] },
-        }
-    }
-
-    /// The terms under these beliefs, at a step at which a policy arrives or at another.
-    pub(super) fn expect(&self, beliefs: &[&[f32]], arrives: bool) -> Terms {
-        let liking = if arrives { self.arriving } else { self.under_way };
-        let (form, shape) = (self.modality.likelihood(), self.modality.shape());
-        self.weigh_up(form.expect(shape, beliefs, liking.preference), liking.normaliser)
-    }
-
-    /// Terms as they count: with the preferences normalised, and without a gain that is found jointly.
-    #[inline]
-    fn weigh_up(&self, expected: Terms, normaliser: f32) -> Terms {
-        let information_gain = if self.joint { 0.0 } else { expected.information_gain };
-        Terms { utility: expected.utility - normaliser, information_gain, ..expected }
-    }
-}
-
-/// ln Σ exp C of each modality in scope: at a step at which a policy arrives, and at another.
-pub(super) type Normalisers = [[f32; 2]; MAX_MODALITIES];
-
-pub(super) fn normalisers<const S: usize, const G: usize>(problem: &Problem<'_, S, G>) -> Normalisers {
-    let mut normalisers = [[0.0; 2]; MAX_MODALITIES];
-    for (normalisers, (number, modality, _)) in normalisers.iter_mut().zip(problem.modalities()) {
-        let arriving = math::log_sum_exp(problem.preference(number, modality, true));
-        *normalisers = match problem.scoring.credit {
-            Credit::EveryStep => [arriving; 2],
-            Credit::OnArrival => [arriving, math::log_sum_exp(problem.preference(number, modality, false))],
-        };
-    }
-    normalisers
-}
-
-/// What was rolled out so far.
-struct Rows<'a, const S: usize, const G: usize, const R: usize> {
-    beliefs: &'a [Beliefs<S, G>; R],
-    groups: &'a [Group<R>; G],
-}
-
-impl<'a, const S: usize, const G: usize, const R: usize> Rows<'a, S, G, R> {
-    /// The predicted belief about a factor.
-    #[inline]
-    fn part(&self, model: &Model, factor: usize, places: &Places<G>) -> &'a [f32] {
-        let row = places.get(model.group(factor)).copied().map_or(0, usize::from);
-        self.beliefs.get(row).map_or(&[], |row| row.of(model, factor))
-    }
-
-    fn candidate(&self, group: usize, places: &Places<G>) -> Option<&Candidate> {
-        let row = places.get(group).copied().map_or(0, usize::from);
-        self.groups.get(group).and_then(|of| of.candidates.get(row))
-    }
-
-    fn action(
-        &self,
-        problem: &Problem<'_, S, G>,
-        factor: usize,
-        places: &Places<G>,
-        step: usize,
-    ) -> Option<Action> {
-        let candidate = self.candidate(problem.model.group(factor), places)?;
-        action_of(problem, factor, usize::from(candidate.policy), step)
-    }
-
-    /// Which of these modalities are observed at a step, a bit for each: what several groups bring about together is not
-    /// before the first of them arrives, nor after.
-    fn observed(&self, problem: &Problem<'_, S, G>, members: u64, places: &Places<G>, step: usize) -> u64 {
-        if problem.scoring.credit == Credit::EveryStep {
-            return members;
-        }
-        let together = |groups: u16| !groups.is_power_of_two();
-        let left_out = problem
-            .modalities()
-            .filter(|&(_, _, groups)| together(groups) && step + 1 != self.first_arrival(groups, places));
-        left_out.fold(members, |members, (number, ..)| members & !(1 << number))
-    }
-
-    fn first_arrival(&self, groups: u16, places: &Places<G>) -> usize {
-        let members = (0..G).filter(|group| groups >> group & 1 == 1);
-        let arrivals = members.filter_map(|group| self.candidate(group, places)).map(|of| of.arrival);
-        arrivals.min().map_or(0, usize::from)
-    }
-}
-
-/// The combinations of the candidates of a few groups, numbered.
-#[derive(Clone, Copy)]
-struct Combinations<'a, const G: usize, const R: usize> {
-    groups: u16,
-    used: &'a [Group<R>; G],
-}
-
-impl<const G: usize, const R: usize> Combinations<'_, G, R> {
-    fn members(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let members = self.used.iter().enumerate().filter(|(group, _)| self.groups >> group & 1 == 1);
-        members.map(|(group, of)| (group, of.used.max(1)))
-    }
-
-    fn count(&self) -> Option<usize> {
-        self.members().try_fold(1_usize, |count, (_, used)| count.checked_mul(used))
-    }
-
-    fn at(&self, places: &Places<G>) -> usize {
-        self.members()
-            .fold(0, |at, (group, used)| at * used + places.get(group).copied().map_or(0, usize::from))
-    }
-
-    fn places(&self, mut at: usize) -> Places<G> {
-        let mut places = [0; G];
-        let mut faster = self.count().unwrap_or(1);
-        for (group, used) in self.members() {
-            faster = faster.checked_div(used).unwrap_or(1).max(1);
-            if let Some(place) = places.get_mut(group) {
-                *place = (at / faster) as u8;
-            }
-            at %= faster;
-        }
-        places
-    }
-}
-
-/// The controls that move a group.
-fn controls(model: &Model, group: usize) -> impl Iterator<Item = usize> {
-    bits(u32::from(model.moved_by(group)))
-}
-
-/// The numbers of the bits that are set.
-#[inline]
-fn bits(mut left: u32) -> impl Iterator<Item = usize> {
-    core::iter::from_fn(move || {
-        let bit = left.trailing_zeros();
-        left &= left.wrapping_sub(1);
-        (bit < u32::BITS).then_some(bit as usize)
-    })
-}
-
-/// The only control that moves a group in scope.
-fn only_control<const S: usize, const G: usize>(problem: &Problem<'_, S, G>, group: usize) -> Option<u8> {
-    let moved_by = problem.model.moved_by(group);
-    let moves = problem.scope >> group & 1 == 1 && moved_by.is_power_of_two();
-    moves.then(|| moved_by.trailing_zeros() as u8)
-}
-
-/// A number for what a joint policy does to a group; `None` where numbers are too small. Sequences that do not exist stay,
-/// and count as one.
-fn key<const S: usize, const G: usize>(problem: &Problem<'_, S, G>, group: usize, row: &Row) -> Option<u32> {
-    if problem.scope >> group & 1 == 0 {
-        return Some(0);
-    }
-    controls(problem.model, group).try_fold(0, |key: u32, control| {
-        let choices = problem.candidates.choices(control);
-        let sequence = row.get(control).min(choices);
-        if key == 0 {
-            Some(sequence as u32)
-        } else {
-            key.checked_mul(choices as u32 + 1)?.checked_add(sequence as u32)
-        }
-    })
-}
-
-/// What a joint policy does to a factor at a step; `None` when it leaves it alone.
-pub(super) fn action_of<const S: usize, const G: usize>(
-    problem: &Problem<'_, S, G>,
-    factor: usize,
-    policy: usize,
-    step: usize,
-) -> Option<Action> {
-    let Some(control) = problem.model.control(factor) else { return Some(0) };
-    problem.action(sequence(problem, control, &problem.candidates.row(policy)), step)
-}
-
-/// After how many steps a group arrives: when the last of its action sequences ends.
-pub(super) fn arrival<const S: usize, const G: usize>(
-    problem: &Problem<'_, S, G>,
-    group: usize,
-    row: &Row,
-) -> u8 {
-    let arrivals =
-        controls(problem.model, group).map(|control| problem.arrival(sequence(problem, control, row)));
-    arrivals.max().unwrap_or(problem.horizon).min(usize::from(u8::MAX)) as u8
-}
-
-fn sequence<'a, const S: usize, const G: usize>(
-    problem: &Problem<'a, S, G>,
-    control: usize,
-    row: &Row,
-) -> &'a Policy {
-    problem.candidates.policy(control, row.get(control))
 }
