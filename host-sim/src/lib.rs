@@ -33,6 +33,7 @@ pub mod notebook;
 mod radio;
 mod record;
 mod referee;
+pub mod reproduce;
 mod scenario;
 pub mod show;
 mod team;
