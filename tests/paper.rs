@@ -116,6 +116,33 @@ fn section_5_2_as_a_run_the_obstacle_appears_on_the_way_and_both_choose_again() 
 }
 
 #[test]
+fn section_6_1_as_published_gives_robot_3s_bars_whose_paths_are_known_and_its_choice() {
+    let section = section("6.1");
+    assert_all(
+        &items(&section, "figure 9, robot 3 with robot 1: P of bar")
+            .into_iter()
+            .filter(|item| !item.what.contains("bar 10"))
+            .collect::<Vec<_>>(),
+        5,
+        Verdict::Agrees,
+    );
+    assert_all(&items(&section, "figure 9, robot 3 with robot 2: P of bar"), 5, Verdict::Agrees);
+    assert_all(&items(&section, "robot 3's choice"), 1, Verdict::Agrees);
+    assert_all(&items(&section, "figure 9: where and when"), 1, Verdict::Holds);
+}
+
+#[test]
+fn section_6_1_the_papers_own_plans_arrive_together_and_collide_six_times() {
+    let section = section("6.1");
+    let plans =
+        |what: &str| section.items.iter().filter(|item| item.what.ends_with(what)).collect::<Vec<_>>();
+    assert_all(&plans("legal, and together"), 4, Verdict::Holds);
+    let counts: Vec<_> =
+        plans("collisions").iter().map(|item| item.ours.clone().unwrap_or_default()).collect();
+    assert_eq!(counts, ["0 collisions", "1 collision", "2 collisions", "3 collisions"]);
+}
+
+#[test]
 fn every_section_says_something_and_nothing_falls_short() {
     for chapter in CHAPTERS {
         let section = section(chapter.id);

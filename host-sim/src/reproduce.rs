@@ -12,6 +12,7 @@ mod figure;
 mod page;
 mod report;
 mod section_5;
+mod section_6_1;
 mod table;
 
 pub use decision::{CELLS, Decision, Judged, Mode, map};
@@ -48,6 +49,7 @@ impl Chapter {
 pub const CHAPTERS: &[Chapter] = &[
     Chapter { id: "5.1", about: "two robots, two goals", run: section_5::choose },
     Chapter { id: "5.2", about: "an obstacle on the way", run: section_5::detour_around },
+    Chapter { id: "6.1", about: "three robots, obstacles, way-points, batteries", run: section_6_1::mission },
 ];
 
 /// The chapter with a name.
