@@ -14,6 +14,7 @@ mod report;
 mod section_5;
 mod section_6_1;
 mod table;
+mod tables;
 
 pub use decision::{CELLS, Decision, Judged, Mode, map};
 pub use figure::{
@@ -50,6 +51,7 @@ pub const CHAPTERS: &[Chapter] = &[
     Chapter { id: "5.1", about: "two robots, two goals", run: section_5::choose },
     Chapter { id: "5.2", about: "an obstacle on the way", run: section_5::detour_around },
     Chapter { id: "6.1", about: "three robots, obstacles, way-points, batteries", run: section_6_1::mission },
+    Chapter { id: "tables", about: "how large the trees are", run: tables::count },
 ];
 
 /// The chapter with a name.

@@ -6,12 +6,12 @@ use crate::reproduce::report::number;
 
 const BAR: f64 = 9.0;
 const GAP: f64 = 7.0;
-const LENGTH: f64 = 420.0;
+const LENGTH: f64 = 330.0;
 const VALUE: f64 = 80.0;
 const LEGEND: f64 = 24.0;
 
 /// The least probability that a logarithmic bar shows.
-const LEAST: f64 = 1e-18;
+const LEAST: f64 = 1e-30;
 
 pub(super) fn draw(bars: &Bars) -> String {
     let names = bars.labels.iter().map(|label| width_of(label)).fold(30.0, f64::max) + 10.0;

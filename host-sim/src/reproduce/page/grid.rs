@@ -28,7 +28,7 @@ pub(super) fn draw(grid: &Grid) -> String {
     let mut x = MARGIN;
     for (index, track) in grid.paths.iter().enumerate() {
         let y = rows * SIDE + 2.0 * MARGIN + LEGEND / 2.0;
-        svg.circle(&format!("dot {}", colour(index)), (x + 5.0, y), 5.0);
+        svg.circle(&format!("dot {}", colour(index + 1)), (x + 5.0, y), 5.0);
         svg.text("label", (x + 14.0, y + 4.0), Anchor::Start, &track.name);
         x += name_width(&track.name);
     }
@@ -63,7 +63,7 @@ fn path(grid: &Grid, track: &Track, index: usize, svg: &mut Svg) {
         (x + aside, y + aside)
     };
     let points: Vec<_> = track.cells.iter().map(|&cell| at(cell)).collect();
-    let class = colour(index);
+    let class = colour(index + 1);
     svg.polyline(&format!("path {class}"), &points);
     if let Some(&start) = points.first() {
         svg.circle(&format!("dot {class}"), start, 5.0);

@@ -85,7 +85,7 @@ impl Svg {
 
 /// How wide a text of small letters is, roughly.
 pub(super) fn width_of(text: &str) -> f64 {
-    6.6 * text.chars().count() as f64
+    7.0 * text.chars().count() as f64
 }
 
 /// The class of the colour of series or robot `index`.
