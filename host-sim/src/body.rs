@@ -26,10 +26,11 @@ pub(crate) struct Antenna {
     pub(crate) sent: Vec<Vec<u8>>,
 }
 
-/// The wheels, and the move they have been told to make.
+/// The wheels, the move they have been told to make, and whether they are still making one.
 #[derive(Debug, Default)]
 pub(crate) struct Wheels {
     pub(crate) command: Option<Move>,
+    pub(crate) moving: bool,
 }
 
 /// The positioning, and what it reads in this tick.
@@ -88,7 +89,7 @@ impl hardware::Drive for Wheels {
     }
 
     fn is_moving(&mut self) -> bool {
-        self.command.is_some()
+        self.moving || self.command.is_some()
     }
 
     fn stop(&mut self) {

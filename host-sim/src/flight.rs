@@ -47,6 +47,8 @@ pub struct Scene<'f> {
     pub charges: &'f [u8],
     /// Whether they have stopped.
     pub stopped: &'f [bool],
+    /// Whether they are between two cells, of which `cells` has the first.
+    pub moving: &'f [bool],
     /// The moves that the robots were told to make in the last tick, none before the first.
     pub commands: &'f [Option<Move>],
     /// The leaf of each robot's tree that is running.
@@ -157,7 +159,8 @@ impl<'f, 'm> Flight<'f, 'm> {
     fn show(&self, audience: &mut dyn Audience, told: usize) {
         let robots = 0..self.team.len();
         let charges: Vec<_> = robots.clone().map(|robot| self.world.battery(robot).percent()).collect();
-        let stopped: Vec<_> = robots.map(|robot| self.world.is_stopped(robot)).collect();
+        let stopped: Vec<_> = robots.clone().map(|robot| self.world.is_stopped(robot)).collect();
+        let moving: Vec<_> = robots.map(|robot| self.world.is_moving(robot)).collect();
         audience.see(&Scene {
             scenario: self.scenario,
             tick: self.tick,
@@ -166,6 +169,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             reports: &self.reports,
             charges: &charges,
             stopped: &stopped,
+            moving: &moving,
             commands: &self.commands,
             activities: &self.activities,
             news: &self.news[told..],
@@ -221,7 +225,7 @@ impl<'f, 'm> Flight<'f, 'm> {
                 continue;
             }
             let reading = self.locate(index);
-            let in_view: Vec<_> = self.world.in_view(index, self.scenario.view).collect();
+            let in_view: Vec<_> = self.world.in_view(index, self.scenario.robots[index].view).collect();
             for &cell in &in_view {
                 if !self.found.contains(&cell) {
                     self.found.push(cell);
@@ -232,6 +236,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             body.clock.now = self.tick;
             body.battery.charge = self.world.battery(index).percent();
             body.localiser.reading = Some(reading);
+            body.wheels.moving = self.world.is_moving(index);
             body.scanner.look(in_view);
         }
         for (receiver, frame) in self.radio.arrivals(self.tick) {
@@ -264,7 +269,8 @@ impl<'f, 'm> Flight<'f, 'm> {
         let commands: Vec<_> = (0..self.team.len()).map(|robot| self.made(robot)).collect();
         let (before, faults) = (self.world.cells().to_vec(), self.collisions.total());
         self.world.carry_out(&commands);
-        self.collisions.judge(self.world.floor(), &before, &commands, self.world.cells());
+        let (cells, entering) = (self.world.cells(), self.world.entering().collect::<Vec<_>>());
+        self.collisions.judge(self.world.floor(), (&before, &commands), (cells, &entering));
         self.history.push(self.world.cells().to_vec());
         let times = self.collisions.total() - faults;
         (times > 0).then_some(News::Collided { times })

@@ -21,6 +21,8 @@ const HEADER: &str = "tick,robot,cell,move,next,succeeded";
 #[derive(Debug)]
 pub struct Logbook<W> {
     out: W,
+    /// The move that each robot is making, where it began, and when; nothing before the first tick.
+    begun: Vec<Option<(u32, Cell, Move)>>,
     before: Vec<Cell>,
     written: io::Result<()>,
 }
@@ -28,7 +30,7 @@ pub struct Logbook<W> {
 impl<W: Write> Logbook<W> {
     /// An empty log.
     pub const fn new(out: W) -> Self {
-        Self { out, before: Vec::new(), written: Ok(()) }
+        Self { out, begun: Vec::new(), before: Vec::new(), written: Ok(()) }
     }
 
     /// What it was written to.
@@ -44,12 +46,16 @@ impl<W: Write> Logbook<W> {
     fn write(&mut self, scene: &Scene<'_>) -> io::Result<()> {
         if self.before.is_empty() {
             writeln!(self.out, "{MAP}{}\n{HEADER}", drawn(&scene.scenario.map))?;
+            self.begun = vec![None; scene.cells.len()];
         }
-        let robots = scene.scenario.robots.iter().zip(scene.commands);
-        for ((robot, &command), (&cell, &next)) in robots.zip(self.before.iter().zip(scene.cells)) {
-            if let Some(step) = command.filter(|&step| step != Move::Wait) {
-                let (name, step, made) = (quoted(&robot.name), move_name(step), u8::from(cell != next));
-                let tick = scene.tick.saturating_sub(1);
+        for (index, robot) in scene.scenario.robots.iter().enumerate() {
+            if let (Some(step), Some(&cell)) = (scene.commands[index], self.before.get(index)) {
+                self.begun[index] =
+                    Some((scene.tick.saturating_sub(1), cell, step)).filter(|_| step != Move::Wait);
+            }
+            if let Some((tick, cell, step)) = self.begun[index].take_if(|_| !scene.moving[index]) {
+                let (next, name) = (scene.cells[index], quoted(&robot.name));
+                let (step, made) = (move_name(step), u8::from(cell != next));
                 writeln!(self.out, "{tick},{name},{},{step},{},{made}", cell.0, next.0)?;
             }
         }

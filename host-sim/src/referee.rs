@@ -24,15 +24,22 @@ impl Collisions {
         self.shared + self.swapped + self.bumps
     }
 
-    /// Judges one tick: where the robots were, what they tried, and where they are now.
-    pub(crate) fn judge(&mut self, floor: &Floor, before: &[Cell], commands: &[Move], after: &[Cell]) {
+    /// Judges one tick: where the robots were, what they tried, and where they are now; who is between two cells is in
+    /// both.
+    pub(crate) fn judge(
+        &mut self,
+        floor: &Floor,
+        (before, commands): (&[Cell], &[Move]),
+        (after, entering): (&[Cell], &[Option<Cell>]),
+    ) {
+        let places = |robot: usize| [Some(after[robot]), entering[robot]].into_iter().flatten();
         for (&cell, &step) in before.iter().zip(commands) {
             self.bumps += u32::from(is_bump(floor, cell, step));
         }
         for second in 0..after.len() {
             for first in 0..second {
                 let is_swap = before[first] == after[second] && before[second] == after[first];
-                let is_shared = after[first] == after[second];
+                let is_shared = places(first).any(|cell| places(second).any(|other| other == cell));
                 self.shared += u32::from(is_shared);
                 self.swapped += u32::from(is_swap && !is_shared);
             }
@@ -67,8 +74,18 @@ mod tests {
 
     fn judged(before: [u16; 2], commands: [Move; 2], after: [u16; 2]) -> (u32, u32, u32) {
         let mut collisions = Collisions::default();
-        collisions.judge(&floor(), &before.map(Cell), &commands, &after.map(Cell));
+        collisions.judge(&floor(), (&before.map(Cell), &commands), (&after.map(Cell), &[None; 2]));
         (collisions.shared, collisions.swapped, collisions.bumps)
+    }
+
+    #[test]
+    fn a_robot_between_two_cells_shares_both() {
+        let shared = |after: [u16; 2]| {
+            let (mut collisions, after) = (Collisions::default(), after.map(Cell));
+            collisions.judge(&floor(), (&after, &[Wait; 2]), (&after, &[Some(Cell(1)), None]));
+            collisions.shared
+        };
+        assert_eq!([0, 1, 2].map(|other| shared([0, other])), [1, 1, 0]);
     }
 
     #[test]

@@ -50,8 +50,6 @@ pub struct Scenario {
     pub wear: Vec<Wear>,
     /// The radio between the robots.
     pub radio: Radio,
-    /// How many cells far a robot sees obstacles, diagonals included.
-    pub view: u16,
     /// What the robots' inference works with.
     pub inference: Inference,
 }
@@ -75,6 +73,12 @@ pub struct Robot {
     pub slip: f64,
     /// The probability that its localiser is right; else it names any other cell.
     pub localiser: f64,
+    /// The probability with which the team takes that localiser to be right, where it is not the one for all robots.
+    pub sensor: Option<f32>,
+    /// How many cells far it sees obstacles, diagonals included.
+    pub view: u16,
+    /// The ticks that one of its moves takes.
+    pub pace: u32,
     /// The paths it may choose from; none when it plans its own.
     pub paths: Vec<Path>,
 }
@@ -149,6 +153,17 @@ pub struct Inference {
     pub collision: Option<f32>,
     /// How much a robot learns of its drive from one move; zero turns learning off.
     pub learning: Option<f32>,
+    /// Whether the robots take each other for equal, whatever their paces and their sensors are.
+    pub alike: bool,
+}
+
+impl Robot {
+    /// The steps of a plan that one of its moves takes: a step takes two ticks, one to move and one to hear that the others
+    /// have.
+    #[must_use]
+    pub const fn steps(&self) -> u8 {
+        self.pace.div_ceil(2) as u8
+    }
 }
 
 impl Default for Radio {

@@ -64,6 +64,12 @@ fn sized<const S: usize, const W: usize, R>(
         mission.candidates = Some(&paths);
     }
     tune(&mut mission, scenario);
+    let paces: Vec<u8> = scenario.robots.iter().map(crate::scenario::Robot::steps).collect();
+    let sensor = mission.sensor;
+    let sensors: Vec<f32> = scenario.robots.iter().map(|robot| robot.sensor.unwrap_or(sensor)).collect();
+    if !scenario.inference.alike {
+        (mission.paces, mission.sensors) = (&paces, &sensors);
+    }
     let mut team: Team<'_> = Vec::new();
     for robot in 0..starts.len() as u8 {
         let settings = Settings::new(KEY, EPOCH);

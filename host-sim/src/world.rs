@@ -11,11 +11,24 @@ pub(crate) struct World {
     known: Floor,
     floor: Floor,
     cells: Vec<Cell>,
+    /// The move that each robot is making, if it is between two cells.
+    under_way: Vec<Option<Passage>>,
+    /// The ticks that a move of each robot takes.
+    paces: Vec<u32>,
     batteries: Vec<Battery>,
     /// The tick in which each robot that has stopped goes on; `None` for those that have not.
     stopped: Vec<Option<u32>>,
     to_come: Vec<Event>,
     due: Vec<Cell>,
+}
+
+/// A move that takes more than a tick.
+#[derive(Clone, Copy, Debug)]
+struct Passage {
+    /// Where it leads.
+    to: Cell,
+    /// The ticks that it takes from now on.
+    ticks: u32,
 }
 
 impl World {
@@ -24,6 +37,8 @@ impl World {
             known: scenario.map,
             floor: scenario.map,
             cells: scenario.robots.iter().map(|robot| robot.start).collect(),
+            under_way: vec![None; scenario.robots.len()],
+            paces: scenario.robots.iter().map(|robot| robot.pace).collect(),
             batteries: scenario.robots.iter().map(Battery::of).collect(),
             stopped: vec![None; scenario.robots.len()],
             to_come: scenario.events.clone(),
@@ -34,6 +49,16 @@ impl World {
     /// Where the robots stand.
     pub(crate) fn cells(&self) -> &[Cell] {
         &self.cells
+    }
+
+    /// The cell that each robot is on its way to; it counts as in both until it is there.
+    pub(crate) fn entering(&self) -> impl Iterator<Item = Option<Cell>> + '_ {
+        self.under_way.iter().map(|passage| passage.map(|passage| passage.to))
+    }
+
+    /// Whether a robot is between two cells.
+    pub(crate) fn is_moving(&self, robot: usize) -> bool {
+        self.under_way[robot].is_some()
     }
 
     /// Free and blocked cells as they are now.
@@ -62,7 +87,8 @@ impl World {
         };
         let events: Vec<_> = self.to_come.extract_if(.., is_due).collect();
         news.extend(events.into_iter().filter_map(|event| self.happen(event.effect, tick)));
-        let appearing: Vec<_> = self.due.extract_if(.., |cell| !self.cells.contains(cell)).collect();
+        let taken: Vec<_> = self.cells.iter().copied().chain(self.entering().flatten()).collect();
+        let appearing: Vec<_> = self.due.extract_if(.., |cell| !taken.contains(cell)).collect();
         let appeared = appearing.into_iter().filter(|&cell| self.floor.block(cell));
         news.extend(appeared.map(|cell| News::Appeared { cell }));
         news
@@ -105,14 +131,21 @@ impl World {
         self.obstacles().filter(move |&cell| self.distance(here, cell) <= view)
     }
 
-    /// Carries out one command of every robot, all at once; a robot that runs into something stays.
+    /// Carries out one command of every robot, all at once; a robot that runs into something stays, and one between two
+    /// cells goes on.
     pub(crate) fn carry_out(&mut self, commands: &[Move]) {
-        for ((cell, &step), battery) in self.cells.iter_mut().zip(commands).zip(&mut self.batteries) {
-            let (before, next) = (*cell, self.floor.neighbour(*cell, step));
-            if self.floor.is_free(next) {
-                *cell = next;
+        for (robot, &step) in commands.iter().enumerate() {
+            let (before, next) = (self.cells[robot], self.floor.neighbour(self.cells[robot], step));
+            let begun = Some(Passage { to: next, ticks: self.paces[robot] });
+            let passage =
+                self.under_way[robot].or(begun.filter(|_| next != before && self.floor.is_free(next)));
+            self.under_way[robot] = passage
+                .map(|passage| Passage { ticks: passage.ticks - 1, ..passage })
+                .filter(|passage| passage.ticks > 0);
+            if self.under_way[robot].is_none() {
+                self.cells[robot] = passage.map_or(before, |passage| passage.to);
+                self.batteries[robot].tick(before, self.cells[robot]);
             }
-            battery.tick(before, *cell);
         }
     }
 
@@ -142,6 +175,19 @@ mod tests {
         assert_eq!(world.cells(), [Cell(1), Cell(5)], "4 is blocked");
         world.carry_out(&[Move::Up, Move::Right]);
         assert_eq!(world.cells(), [Cell(1), Cell(5)], "the border is closed");
+    }
+
+    #[test]
+    fn a_slow_robot_is_in_two_cells_until_its_move_is_done() {
+        let mut world = world("[[event]]\ntick = 1\nblock = 1\n[[robot]]\npace = 3");
+        let entering = |world: &World| world.entering().collect::<Vec<_>>();
+        world.carry_out(&[Move::Right, Move::Up]);
+        assert_eq!((world.cells(), entering(&world)), (&[Cell(0), Cell(5)][..], vec![Some(Cell(1)), None]));
+        assert_eq!(world.begin(1), [], "no obstacle appears where it is going");
+        world.carry_out(&[Move::Wait, Move::Wait]);
+        assert!(world.is_moving(0) && world.cells()[0] == Cell(0));
+        world.carry_out(&[Move::Wait, Move::Wait]);
+        assert_eq!((world.cells()[0], entering(&world)), (Cell(1), vec![None, None]));
     }
 
     #[test]

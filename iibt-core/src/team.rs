@@ -20,6 +20,7 @@ mod deframer;
 mod frame;
 mod freshness;
 mod intention;
+mod paces;
 mod replay;
 mod roster;
 
@@ -30,5 +31,6 @@ pub use deframer::Deframer;
 pub use frame::{DecodeError, EncodeError, MAX_FRAME, SCHEMA, VERSION, decode, encode};
 pub use freshness::{Freshness, Limits, LimitsError};
 pub use intention::{Intention, Invalid, MAX_HAZARDS, MAX_TEAM, RobotId, Round, Status};
+pub use paces::{MAX_PACE, Paces};
 pub use replay::{Numbering, Stamp};
 pub use roster::{Heard, Peer, Refused, Roster, RosterError};

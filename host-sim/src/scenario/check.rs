@@ -29,7 +29,6 @@ pub(super) fn check(name: &str, text: &str, file: &File) -> Result<Scenario, Fau
         name: name.to_owned(),
         title: line_of_text("title", &file.title, LONGEST_TITLE)?,
         limit: whole("limit", file.limit.as_ref(), 1..=MAX_TICKS, 200)?,
-        view: whole("view", file.view.as_ref(), 1..=8, 1)? as u16,
         radio: radio(&file.radio)?,
         inference: inference(&file.inference)?,
         wear: file.wear.iter().map(|wear| worn(wear, &robots)).collect::<Result<_, _>>()?,
@@ -133,5 +132,6 @@ fn inference(written: &file::Inference) -> Result<Inference, Fault> {
         haste: parameter("haste", written.haste.as_ref(), 0.0..=1000.0)?,
         collision: parameter("collision", written.collision.as_ref(), -1000.0..=0.0)?,
         learning: parameter("learning", written.learning.as_ref(), 0.0..=1000.0)?,
+        alike: written.alike.unwrap_or(false),
     })
 }

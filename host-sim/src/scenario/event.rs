@@ -73,7 +73,7 @@ impl Drawing {
     /// A free cell to which a way leads a robot by the drawn map.
     pub(super) fn within_reach(&self, what: &str, number: &Number, robot: &Robot) -> Result<Cell, Fault> {
         let cell = self.free(what, number)?;
-        if reach::is_near(&self.map, robot.start, cell) {
+        if reach::is_near(&self.map, robot, cell) {
             return Ok(cell);
         }
         let (name, start) = (&robot.name, robot.start.0);

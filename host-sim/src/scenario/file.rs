@@ -47,6 +47,7 @@ pub(super) struct Inference {
     pub haste: Option<Real>,
     pub collision: Option<Real>,
     pub learning: Option<Real>,
+    pub alike: Option<bool>,
 }
 
 #[derive(Deserialize, Default)]
@@ -60,6 +61,9 @@ pub(super) struct Robot {
     pub charging: Option<Real>,
     pub slip: Option<Real>,
     pub localiser: Option<Real>,
+    pub sensor: Option<Real>,
+    pub view: Option<Number>,
+    pub pace: Option<Number>,
     pub paths: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
 }
 

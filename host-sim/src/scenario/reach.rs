@@ -12,7 +12,7 @@ pub(super) type Stranded = (usize, String);
 
 /// Gives every robot a goal of its own, or names the first for whom none is left.
 pub(super) fn goals_for_all(map: &Floor, goals: &[Cell], robots: &[Robot]) -> Result<(), Stranded> {
-    let reachable: Vec<_> = robots.iter().map(|robot| reachable(map, goals, robot.start)).collect();
+    let reachable: Vec<_> = robots.iter().map(|robot| reachable(map, goals, robot)).collect();
     let mut owners = vec![None; goals.len()];
     for (index, robot) in robots.iter().enumerate() {
         if !takes_a_goal(index, &reachable, &mut vec![false; goals.len()], &mut owners) {
@@ -22,17 +22,22 @@ pub(super) fn goals_for_all(map: &Floor, goals: &[Cell], robots: &[Robot]) -> Re
     Ok(())
 }
 
-/// Whether a plan from `start` can lead to a cell.
-pub(super) fn is_near(map: &Floor, start: Cell, cell: Cell) -> bool {
-    !reachable(map, &[cell], start).is_empty()
+/// Whether a robot's plan can lead from its start to a cell.
+pub(super) fn is_near(map: &Floor, robot: &Robot, cell: Cell) -> bool {
+    !reachable(map, &[cell], robot).is_empty()
 }
 
-/// The goals, by their index, that a plan from `start` can lead to.
-fn reachable(map: &Floor, goals: &[Cell], start: Cell) -> Vec<usize> {
+/// The goals, by their index, that a robot's plan can lead to from its start.
+fn reachable(map: &Floor, goals: &[Cell], robot: &Robot) -> Vec<usize> {
     let mut planner = Planner::<MAX_CELLS>::new();
-    let Ok(distances) = planner.distances(map, start) else { return Vec::new() };
-    let is_near = |goal| distances.to(goal).is_some_and(|moves| usize::from(moves) <= HORIZON);
+    let Ok(distances) = planner.distances(map, robot.start) else { return Vec::new() };
+    let is_near = |goal| distances.to(goal).is_some_and(|moves| moves <= farthest(robot));
     (0..goals.len()).filter(|&index| is_near(goals[index])).collect()
+}
+
+/// The most moves that a plan of this robot has room for.
+fn farthest(robot: &Robot) -> u16 {
+    HORIZON as u16 / u16::from(robot.steps())
 }
 
 /// Whether `robot` gets a goal, if need be by moving others to goals that are not `asked` for yet.
@@ -56,9 +61,8 @@ fn takes_a_goal(
 fn reason(robot: &Robot, goals: &[Cell], reachable: &[usize]) -> String {
     let (name, start) = (&robot.name, robot.start.0);
     if reachable.is_empty() {
-        return format!(
-            "{name} on {start} can reach no goal: no way of at most {HORIZON} moves leads to one"
-        );
+        let most = farthest(robot);
+        return format!("{name} on {start} can reach no goal: no way of at most {most} moves leads to one");
     }
     let within: Vec<_> = reachable.iter().map(|&index| goals[index].0.to_string()).collect();
     let within = within.join(", ");

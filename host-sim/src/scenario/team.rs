@@ -3,14 +3,17 @@
 use super::drawing::Drawing;
 use super::error::Fault;
 use super::file::{self, File, Number};
-use super::values::{line_of_text, percent, share, whole};
+use super::values::{line_of_text, parameter, percent, share, whole};
 use super::{MAX_PATHS, Robot};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Path};
-use iibt_core::team::MAX_TEAM;
+use iibt_core::team::{MAX_PACE, MAX_TEAM};
 use toml::Spanned;
 
 const LONGEST_NAME: usize = 12;
+
+/// The most ticks that a move takes: as many as there are for the slowest pace of a plan.
+const SLOWEST: u32 = 2 * MAX_PACE as u32;
 
 impl Drawing {
     /// How many robots there are.
@@ -45,6 +48,7 @@ impl Drawing {
             let mut robot = self.robot(index, written, goals).map_err(|fault| fault.or_at(&span))?;
             apart(&robot, &robots).map_err(|reason| Fault::new(span, reason))?;
             robot.slip = share("slip", written.slip.as_ref().or(file.slip.as_ref()), 0.0)?;
+            robot.view = whole("view", written.view.as_ref().or(file.view.as_ref()), 1..=8, 1)? as u16;
             robot.charger = self.charger(written, &robot, &robots)?;
             robots.push(robot);
         }
@@ -66,6 +70,9 @@ impl Drawing {
             charging: percent("charging", written.charging.as_ref(), 10.0)?,
             slip: 0.0,
             localiser: share("localiser", written.localiser.as_ref(), 1.0)?,
+            sensor: parameter("sensor", written.sensor.as_ref(), 0.0..=1.0)?,
+            view: 1,
+            pace: whole("pace", written.pace.as_ref(), 1..=SLOWEST, 1)?,
             paths: self.paths(start, written, goals)?,
             name,
         })

@@ -10,10 +10,14 @@
 //! reached(0)     = { start }                               \ b(0) \ b(1)
 //! reached(k + 1) = { cells one move or a wait away from reached(k) } \ b(k) \ b(k + 1) \ b(k + 2)
 //! ```
+//!
+//! A slow robot, whose every move takes `p` steps, goes in strides of `p` steps each, and `b(k)` are then the cells where teammates
+//! are in any step of the stride that ends after `k` of them.
 
 use super::spread::Spread;
 use super::{Cell, CellSet, Map, Move, Path};
 use crate::actions::HORIZON;
+use core::num::NonZero;
 
 /// The arena of the planner: one set of cells per step, `4 * W * (HORIZON + 1)` bytes.
 ///
@@ -40,6 +44,7 @@ pub struct Sweep<'a, const W: usize> {
     map: &'a Map<W>,
     from: Cell,
     teammates: &'a [Path],
+    pace: NonZero<usize>,
     reached: &'a [CellSet<W>; HORIZON + 1],
 }
 
@@ -57,11 +62,23 @@ impl<const W: usize> TimedPlanner<W> {
     ///
     /// Cost: linear in `W (HORIZON + 1)`, and one pass over each teammate's path.
     pub fn sweep<'a>(&'a mut self, map: &'a Map<W>, from: Cell, teammates: &'a [Path]) -> Sweep<'a, W> {
-        self.place(map, teammates);
+        self.sweep_at(NonZero::<usize>::MIN, map, from, teammates)
+    }
+
+    /// The same for a robot whose every move takes `pace` steps: its paths are made of moves after `pace - 1` waits, and
+    /// of `pace` waits.
+    pub fn sweep_at<'a>(
+        &'a mut self,
+        pace: NonZero<usize>,
+        map: &'a Map<W>,
+        from: Cell,
+        teammates: &'a [Path],
+    ) -> Sweep<'a, W> {
+        self.place(map, teammates, pace);
         let spread = Spread::over(map);
         let mut candidates = map.free_cells().intersection(&[from].into_iter().collect());
         let mut before = CellSet::EMPTY;
-        for step in 0..=HORIZON {
+        for step in 0..=HORIZON / pace {
             let now = self.layer(step);
             let taken = before.union(&now).union(&self.layer(step + 1));
             let reached = candidates.without(&taken);
@@ -71,15 +88,17 @@ impl<const W: usize> TimedPlanner<W> {
                 *layer = reached;
             }
         }
-        Sweep { map, from, teammates, reached: &self.layers }
+        Sweep { map, from, teammates, pace, reached: &self.layers }
     }
 
     /// Fills the layers with the cells of the teammates.
-    fn place(&mut self, map: &Map<W>, teammates: &[Path]) {
+    fn place(&mut self, map: &Map<W>, teammates: &[Path], pace: NonZero<usize>) {
         self.layers.fill(CellSet::EMPTY);
         for path in teammates {
-            for (layer, cell) in self.layers.iter_mut().zip(path.timeline(map)) {
-                layer.insert(cell);
+            for (step, cell) in path.timeline(map).enumerate().take(HORIZON + 1) {
+                if let Some(layer) = self.layers.get_mut(strides(step, pace)) {
+                    layer.insert(cell);
+                }
             }
         }
     }
@@ -87,6 +106,11 @@ impl<const W: usize> TimedPlanner<W> {
     fn layer(&self, step: usize) -> CellSet<W> {
         self.layers.get(step).copied().unwrap_or(CellSet::EMPTY)
     }
+}
+
+/// The strides within which so many steps are done.
+const fn strides(steps: usize, pace: NonZero<usize>) -> usize {
+    steps.div_ceil(pace.get())
 }
 
 impl<const W: usize> Default for TimedPlanner<W> {
@@ -102,14 +126,16 @@ impl<const W: usize> Sweep<'_, W> {
     /// starts on its goal and can stay there all the time arrives at every step.
     #[must_use]
     pub fn arrives(&self, goal: Cell, step: usize) -> bool {
-        self.clear_since(goal).is_some_and(|clear| clear <= step) && self.enters(goal, step)
+        let Some(stride) = self.stride(step) else { return false };
+        self.clear_since(goal).is_some_and(|clear| clear <= step) && self.enters(goal, stride)
     }
 
     /// The first step at which a path arrives at the goal, or `None` when none does within the horizon.
     #[must_use]
     pub fn earliest(&self, goal: Cell) -> Option<usize> {
-        let clear = self.clear_since(goal)?;
-        (clear..=HORIZON).find(|&step| self.enters(goal, step))
+        let clear = strides(self.clear_since(goal)?, self.pace);
+        let stride = (clear..=HORIZON / self.pace).find(|&stride| self.enters(goal, stride))?;
+        Some(stride * self.pace.get())
     }
 
     /// A path of exactly `arrival` moves that [arrives](Self::arrives) at the goal with the last of them,
@@ -123,14 +149,20 @@ impl<const W: usize> Sweep<'_, W> {
     /// Cost: at most `4 arrival²` lookups of a bit.
     #[must_use]
     pub fn path_to(&self, goal: Cell, arrival: usize) -> Option<Path> {
-        if self.arrives(goal, arrival) { self.trace(goal, arrival) } else { None }
+        if self.arrives(goal, arrival) { self.trace(goal, self.stride(arrival)?) } else { None }
     }
 
     /// The shortest path to a cell that keeps clear of the teammates until it is there. Unlike a goal, the cell need
     /// not stay free of them.
     #[must_use]
     pub fn soonest(&self, cell: Cell) -> Option<Path> {
-        (0..=HORIZON).find(|&step| self.is_reached(cell, step)).and_then(|step| self.trace(cell, step))
+        let stride = (0..=HORIZON / self.pace).find(|&stride| self.is_reached(cell, stride))?;
+        self.trace(cell, stride)
+    }
+
+    /// The stride that ends with a step; `None` where none does.
+    fn stride(&self, step: usize) -> Option<usize> {
+        (step <= HORIZON && step % self.pace == 0).then(|| step / self.pace)
     }
 
     /// A path that is on a reached cell with its last move.
@@ -146,12 +178,16 @@ impl<const W: usize> Sweep<'_, W> {
         }
         let mut path = Path::at(self.from);
         for &step in moves.get(..arrival)? {
+            for _ in 1..self.pace.get() {
+                path.push(Move::Wait).ok()?;
+            }
             path.push(step).ok()?;
         }
         Some(path)
     }
 
-    /// The cells on which the robot can be at `step` without a conflict so far; none past the horizon.
+    /// The cells on which the robot can be at `step`, or after so many strides, without a conflict so far; none past the
+    /// horizon.
     #[must_use]
     pub fn reached(&self, step: usize) -> CellSet<W> {
         self.reached.get(step).copied().unwrap_or(CellSet::EMPTY)

@@ -78,8 +78,8 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     /// What the drive was told at the last tick, and what it is told now.
     commanded: Option<Move>,
     command: Option<Move>,
-    /// Whether the last command was a wait that is not counted yet.
-    waited: bool,
+    /// Whether a step of the path was begun that is not counted yet.
+    begun: bool,
     /// How many rounds the team has begun since this robot last moved.
     vain_rounds: u8,
     stopping: bool,
@@ -114,7 +114,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
         roster: Roster,
     ) -> Result<Self, MissionError> {
         mission.check::<S>()?;
-        let decision = Decision::new(mission);
+        let decision = Decision::new(mission, robot);
         let start = mission.starts.get(robot.index()).copied().ok_or(MissionError::NoSuchRobot)?;
         Ok(Self {
             mission,
@@ -136,7 +136,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             choice: None,
             commanded: None,
             command: None,
-            waited: false,
+            begun: false,
             vain_rounds: 0,
             stopping: false,
             recharging: false,

@@ -7,6 +7,10 @@
 //! it knows that every teammate has made move k, and only into a cell that no teammate can be in. Whoever
 //! needs another plan opens a new round, which everyone joins by standing still.
 //!
+//! A slow robot's move takes several steps: its path has as many waits, less one, before it. The robot sets out at the
+//! first of them, counts them with the others while it is on its way, and counts the move once it stands where that leads. So a
+//! teammate is where it last said it was, or on its way to the cell that its path enters within its pace, and nowhere else.
+//!
 //! A robot that has to look after itself leaves the team by opening a round in which it says that it is
 //! away. It does not choose, so nobody can. Its teammates acknowledge that with a digest of the round and of its
 //! start, and once it has heard that of all of them it has the *floor*: it alone may move. They stand until they join a newer
@@ -17,7 +21,7 @@
 //! a round does not move again before everybody has left it. Lost, late and repeated frames cost time only.
 //! Two robots can share or swap a cell only if a localiser is wrong about the cell a robot stands in.
 
-use super::{Intention, RobotId, Round, Status};
+use super::{Intention, Paces, RobotId, Round, Status};
 use crate::grid::{Cell, Map, Move, Path};
 use core::hash::Hasher;
 use siphasher::sip::SipHasher24;
@@ -243,30 +247,87 @@ impl Agreement {
         self.is_agreed() && (restarted || peers.any(other))
     }
 
-    /// The next move of the path, when it is safe to make it from `here` now; `None` to stand still.
+    /// What to do in the next step, when it is safe to do it from `here` now; `None` to stand still. A slow robot's
+    /// move is begun with the first of the waits before it, or with a later one if the cell is not free yet.
     #[must_use]
     pub fn next_move<'a, const W: usize>(
         &self,
         map: &Map<W>,
+        paces: Paces<'_>,
         here: Cell,
-        mut peers: impl Iterator<Item = &'a Intention>,
+        peers: impl Iterator<Item = &'a Intention> + Clone,
     ) -> Option<Move> {
-        let target = self.path.cell_at(map, self.step() + 1);
-        let step = self.path.actions.get(self.step()).and_then(Move::from_code)?;
-        let free =
-            |peer: &Intention| self.keeps_pace(peer) && (step == Move::Wait || !may_be_in(map, peer, target));
-        let ready = self.is_agreed() && here == self.place(map);
-        (ready && self.all_of(&mut peers, free)).then_some(step)
+        let planned = self.planned()?;
+        let (step, target) = self.ahead(map, paces);
+        let is_there = here != self.place(map);
+        if !self.is_on_course(map, paces, here) || !self.is_in_step(peers.clone()) {
+            return None;
+        }
+        let taken = |peer: &Intention| may_be_in(map, peer, paces.of(peer.robot).get(), target);
+        if step == Move::Wait || is_there {
+            Some(Move::Wait)
+        } else if !peers.clone().any(taken) {
+            Some(step)
+        } else {
+            Some(Move::Wait).filter(|_| planned == Move::Wait)
+        }
     }
 
-    /// Counts the move that brought the robot from its last cell to `here`, or the wait when it `waited`;
-    /// returns whether there was one.
-    pub fn advance<const W: usize>(&mut self, map: &Map<W>, here: Cell, waited: bool) -> bool {
-        let Some(step) = self.path.actions.get(self.step()).and_then(Move::from_code) else { return false };
-        let done = if step == Move::Wait { waited } else { here == self.path.cell_at(map, self.step() + 1) };
+    /// Whether the whole team follows this plan, and every teammate is as far as this robot, so that it may begin the next
+    /// step.
+    pub fn is_in_step<'a>(&self, mut peers: impl Iterator<Item = &'a Intention>) -> bool {
+        self.is_agreed() && self.all_of(&mut peers, |peer| self.keeps_pace(peer))
+    }
+
+    /// Whether the robot may stand `here`: where its path says, or, if it is slow, where that leads next.
+    #[must_use]
+    pub fn is_on_course<const W: usize>(&self, map: &Map<W>, paces: Paces<'_>, here: Cell) -> bool {
+        let is_early = || self.is_agreed() && self.is_slow(paces) && here == self.ahead(map, paces).1;
+        here == self.place(map) || is_early()
+    }
+
+    /// Counts the step that was `begun` when [`next_move`](Self::next_move) gave it: a wait, or a move that brought the
+    /// robot `here`; returns whether there was one.
+    pub fn advance<const W: usize>(
+        &mut self,
+        map: &Map<W>,
+        paces: Paces<'_>,
+        here: Cell,
+        begun: bool,
+    ) -> bool {
+        let Some(step) = self.planned() else { return false };
+        // A slow robot can be there before its teammates have begun the step.
+        let arrived = here == self.path.cell_at(map, self.step() + 1) && (begun || !self.is_slow(paces));
+        self.count(if step == Move::Wait { begun } else { arrived })
+    }
+
+    /// Counts a step that was begun while the robot is between two cells: one of those before a slow robot's move.
+    pub fn advance_on_the_way(&mut self, begun: bool) -> bool {
+        self.count(begun && self.planned() == Some(Move::Wait))
+    }
+
+    fn count(&mut self, done: bool) -> bool {
         let counts = self.is_agreed() && done;
         self.step = self.step.saturating_add(u8::from(counts));
         counts
+    }
+
+    /// What the path has for the next step; `None` at its end.
+    fn planned(&self) -> Option<Move> {
+        self.path.actions.get(self.step()).and_then(Move::from_code)
+    }
+
+    fn is_slow(&self, paces: Paces<'_>) -> bool {
+        paces.of(self.robot).get() > 1
+    }
+
+    /// The move that the path has within the robot's pace and the cell that it leads to; else a wait, where it is.
+    fn ahead<const W: usize>(&self, map: &Map<W>, paces: Paces<'_>) -> (Move, Cell) {
+        let (done, pace) = (self.step(), paces.of(self.robot).get());
+        let mut within = self.path.moves().enumerate().skip(done).take(pace);
+        let next = within.find(|&(_, step)| step != Move::Wait);
+        let (at, step) = next.map_or((done, Move::Wait), |(at, step)| (at + 1, step));
+        (step, self.path.cell_at(map, at))
     }
 
     /// The cell in which the robot is, by its path and the moves that are done.
@@ -343,10 +404,10 @@ const fn has_chosen(peer: &Intention) -> bool {
     matches!(peer.status, Status::Announced | Status::Agreed | Status::Arrived)
 }
 
-/// Whether a teammate can be in `cell`: where it last said it was, or one move further.
-fn may_be_in<const W: usize>(map: &Map<W>, peer: &Intention, cell: Cell) -> bool {
+/// Whether a teammate can be in `cell`: where it last said it was, or one move further, which takes it `pace` steps.
+fn may_be_in<const W: usize>(map: &Map<W>, peer: &Intention, pace: usize, cell: Cell) -> bool {
     let step = usize::from(peer.step);
-    peer.path.cells(map).skip(step).take(2).any(|occupied| occupied == cell)
+    peer.path.cells(map).skip(step).take(pace + 1).any(|occupied| occupied == cell)
 }
 
 #[cfg(test)]
@@ -400,7 +461,7 @@ mod tests {
     }
 
     fn step_of(robot: &Agreement, peer: &Intention) -> Option<Move> {
-        robot.next_move(&corridor(), robot.place(&corridor()), [peer].into_iter())
+        robot.next_move(&corridor(), Paces::EVEN, robot.place(&corridor()), [peer].into_iter())
     }
 
     #[test]
@@ -526,8 +587,16 @@ mod tests {
         assert_eq!(step_of(&one, &Intention { plan: 0, ..peer.clone() }), None);
         assert_eq!(step_of(&one, &Intention { plan: peer.plan ^ 1, ..peer.clone() }), None);
         assert_eq!(step_of(&one, &Intention { round: Round(2), ..peer.clone() }), None);
-        assert_eq!(one.next_move(&corridor(), Cell(1), [].into_iter()), None, "a teammate is unheard");
-        assert_eq!(one.next_move(&corridor(), Cell(2), [&peer].into_iter()), None, "it is off its path");
+        assert_eq!(
+            one.next_move(&corridor(), Paces::EVEN, Cell(1), [].into_iter()),
+            None,
+            "a teammate is unheard"
+        );
+        assert_eq!(
+            one.next_move(&corridor(), Paces::EVEN, Cell(2), [&peer].into_iter()),
+            None,
+            "it is off its path"
+        );
         assert_eq!(step_of(&announcing(0, 2, &[1, 2, 3]), &peer), None, "it has not agreed");
         let undecided = said(&announcing(1, 2, &[5, 6, 7]));
         assert_eq!(step_of(&announcing(0, 2, &[1, 2, 3]), &undecided), None, "nobody has agreed");
@@ -573,18 +642,18 @@ mod tests {
     fn counts_the_moves_that_were_made() {
         let (map, (mut robot, _)) = (corridor(), agreed(&[1, 2, 2, 3], &[6, 7]));
         let mut undecided = announcing(0, 2, &[1, 2, 2, 3]);
-        assert!(!undecided.advance(&map, Cell(2), false), "nothing is agreed");
+        assert!(!undecided.advance(&map, Paces::EVEN, Cell(2), false), "nothing is agreed");
         // Where the robot is, whether it waited, and how many moves are done then.
         let ticks = [(1, false, 0), (1, true, 0), (2, false, 1), (2, false, 1), (2, true, 2), (3, false, 3)];
         for (here, waited, done) in ticks {
             let before = robot.step();
-            assert_eq!(robot.advance(&map, Cell(here), waited), done != before);
+            assert_eq!(robot.advance(&map, Paces::EVEN, Cell(here), waited), done != before);
             assert_eq!(robot.step(), done, "on {here}, waited: {waited}");
             robot.arrive();
             assert_eq!(robot.status() == Status::Arrived, done == 3);
         }
         assert!(robot.is_complete() && robot.place(&map) == Cell(3));
-        assert!(!robot.advance(&map, Cell(3), true), "there is nothing left");
+        assert!(!robot.advance(&map, Paces::EVEN, Cell(3), true), "there is nothing left");
     }
 
     #[test]

@@ -6,7 +6,8 @@ use super::{MAX_GOALS, MAX_WAYPOINTS, Mission};
 use crate::actions::HORIZON;
 use crate::bounded::up_to;
 use crate::grid::{Cell, Map, Move, Path, Planner, TimedPlanner, Variety, WaitPlace, first_conflict};
-use crate::team::MAX_TEAM;
+use crate::team::{MAX_TEAM, RobotId};
+use core::num::NonZero;
 use heapless::Vec;
 
 /// One policy a robot can choose.
@@ -29,16 +30,24 @@ pub(super) struct Situation<const W: usize> {
     /// The cells to lead over on the way to a goal.
     pub(super) via: Vec<Cell, MAX_WAYPOINTS>,
     /// The paths of the teammates that have announced theirs.
-    pub(super) announced: Vec<Path, MAX_TEAM>,
+    pub(super) announced: Vec<Runner, MAX_TEAM>,
     /// The numbers of moves after which to arrive, most wanted first.
     pub(super) arrivals: Vec<usize, 2>,
+}
+
+/// A robot on its path.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Runner {
+    pub(super) path: Path,
+    /// The steps that one of its moves takes.
+    pub(super) pace: NonZero<usize>,
 }
 
 /// Whose candidates are built.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place<'a> {
-    /// The robot, by its index.
-    pub(super) robot: usize,
+    /// The robot.
+    pub(super) robot: RobotId,
     /// Where it stands.
     pub(super) from: Cell,
     /// The cells to lead over, in their order.
@@ -63,21 +72,21 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         Self { planner: Planner::new(), timed: TimedPlanner::new() }
     }
 
-    /// When the team could arrive together, for robots that stand in these cells, the first of which has to lead over
-    /// others: when the announced paths do,
+    /// When the team could arrive together, for robots where their paths start, the first of which has to lead over
+    /// other cells: when the announced paths do,
     /// or else at the earliest and a little later. The more rounds were in vain, the later.
     pub(super) fn arrivals(
         &mut self,
         mission: &Mission<'_, W>,
         map: &Map<W>,
-        (cells, via): (&[Cell], &[Cell]),
-        announced: &[Path],
+        (team, via): (&[Runner], &[Cell]),
+        announced: &[Runner],
         vain_rounds: u8,
     ) -> Vec<usize, 2> {
-        let fixed = announced.iter().map(Path::len).max().filter(|&moves| moves > 0);
+        let fixed = announced.iter().map(|other| other.path.len()).max().filter(|&moves| moves > 0);
         let earliest = match fixed {
             Some(_) => None,
-            None => earliest_together(&self.moves(mission, map, cells, via), cells.len()).map(usize::from),
+            None => earliest_together(&self.moves(mission, map, team, via), team.len()).map(usize::from),
         };
         // The first round of a new situation is not in vain yet.
         let earliest = earliest.map(|moves| moves + usize::from(vain_rounds.saturating_sub(1)));
@@ -98,10 +107,11 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         for path in mission.listed(place.robot, place.from).filter(serves) {
             add(mission, candidates, path);
         }
+        let pace = mission.paces().of(place.robot);
         if candidates.is_empty()
-            && let Some(lead) = self.lead(situation, place)
+            && let Some(lead) = self.lead(situation, place, pace)
         {
-            self.plan(mission, situation, &lead, candidates);
+            self.plan(mission, situation, &Runner { path: lead, pace }, candidates);
         }
     }
 
@@ -112,12 +122,12 @@ impl<const S: usize, const W: usize> Generator<S, W> {
 
     /// The way over the cells that a candidate has to lead over, each reached as soon as the teammates let it; only
     /// the place where there are none.
-    fn lead(&mut self, situation: &Situation<W>, place: Place<'_>) -> Option<Path> {
+    fn lead(&mut self, situation: &Situation<W>, place: Place<'_>, pace: NonZero<usize>) -> Option<Path> {
         let map = &situation.map;
         let mut lead = Path::at(place.from);
         for &point in place.via {
             let teammates = rest_of(&situation.announced, map, lead.len());
-            let leg = self.timed.sweep(map, lead.end(map), &teammates).soonest(point)?;
+            let leg = self.timed.sweep_at(pace, map, lead.end(map), &teammates).soonest(point)?;
             lead = lead.then(&leg)?;
         }
         Some(lead)
@@ -129,24 +139,27 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         &mut self,
         mission: &Mission<'_, W>,
         situation: &Situation<W>,
-        lead: &Path,
+        lead: &Runner,
         candidates: &mut Vec<Candidate, P>,
     ) {
-        let map = &situation.map;
-        let (from, announced) = (lead.end(map), rest_of(&situation.announced, map, lead.len()));
-        let sweep = self.timed.sweep(map, from, &announced);
-        let mut join = |path: Option<Path>| {
+        let (map, pace) = (&situation.map, lead.pace);
+        let mut join = |lead: &Path, path: Option<Path>| {
             if let Some(whole) = path.and_then(|path| lead.then(&path)) {
                 add(mission, candidates, whole);
             }
         };
-        for arrival in situation.arrivals.iter().filter_map(|arrival| arrival.checked_sub(lead.len())) {
+        for &arrival in &situation.arrivals {
+            let Some(lead) = lead.delayed(arrival) else { continue };
+            let announced = rest_of(&situation.announced, map, lead.len());
+            let sweep = self.timed.sweep_at(pace, map, lead.end(map), &announced);
             for &goal in mission.goals {
-                join(sweep.path_to(goal, arrival));
+                join(&lead, sweep.path_to(goal, arrival - lead.len()));
             }
         }
+        let announced = rest_of(&situation.announced, map, lead.path.len());
+        let sweep = self.timed.sweep_at(pace, map, lead.path.end(map), &announced);
         for &goal in mission.goals {
-            join(sweep.earliest(goal).and_then(|arrival| sweep.path_to(goal, arrival)));
+            join(&lead.path, sweep.earliest(goal).and_then(|arrival| sweep.path_to(goal, arrival)));
         }
         self.vary(mission, situation, lead, candidates);
     }
@@ -156,34 +169,38 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         &mut self,
         mission: &Mission<'_, W>,
         situation: &Situation<W>,
-        lead: &Path,
+        lead: &Runner,
         candidates: &mut Vec<Candidate, P>,
     ) {
-        let from = lead.end(&situation.map);
+        let from = lead.path.end(&situation.map);
         for &goal in mission.goals {
             let ways =
                 self.planner.alternatives::<W, 3>(&situation.map, from, goal, VARIETY).unwrap_or_default();
-            for way in ways.iter().filter_map(|way| lead.then(way)) {
+            let slowed = ways.iter().filter_map(|way| way.slowed(lead.pace.get()));
+            for way in slowed.filter_map(|way| lead.path.then(&way)) {
                 let arrival = situation.arrivals.iter().copied().find(|&arrival| arrival >= way.len());
                 let path = arrival
                     .and_then(|arrival| way.with_waits(arrival, WaitPlace::BeforeLastMove))
                     .unwrap_or(way);
-                let clear = |other: &Path| first_conflict(&situation.map, &path, other).is_none();
-                if situation.announced.iter().all(clear) {
+                let own = Runner { path, pace: lead.pace };
+                if situation.announced.iter().all(|other| are_clear(&situation.map, &own, other)) {
                     add(mission, candidates, path);
                 }
             }
         }
     }
 
-    fn moves(&mut self, mission: &Mission<'_, W>, map: &Map<W>, cells: &[Cell], via: &[Cell]) -> Moves {
+    /// The steps from each robot to each goal.
+    fn moves(&mut self, mission: &Mission<'_, W>, map: &Map<W>, team: &[Runner], via: &[Cell]) -> Moves {
         let mut moves = [[None; MAX_GOALS]; MAX_TEAM];
         let detours = core::iter::once(via).chain(core::iter::repeat(&[] as &[Cell]));
-        for ((row, &cell), via) in moves.iter_mut().zip(cells).zip(detours) {
-            let Some((from, before)) = self.detour(map, cell, via) else { continue };
+        for ((row, robot), via) in moves.iter_mut().zip(team).zip(detours) {
+            let pace = robot.pace.get() as u16;
+            let Some((from, before)) = self.detour(map, robot.path.start, via) else { continue };
             let Ok(distances) = self.planner.distances(map, from) else { continue };
             for (entry, &goal) in row.iter_mut().zip(mission.goals) {
-                *entry = distances.to(goal).and_then(|moves| moves.checked_add(before));
+                let moves = distances.to(goal).and_then(|moves| moves.checked_add(before));
+                *entry = moves.and_then(|moves| moves.checked_mul(pace));
             }
         }
         moves
@@ -200,9 +217,32 @@ impl<const S: usize, const W: usize> Generator<S, W> {
     }
 }
 
-/// What is left of the teammates' paths after so many moves.
-fn rest_of<const W: usize>(paths: &[Path], map: &Map<W>, done: usize) -> Vec<Path, MAX_TEAM> {
-    up_to(paths.iter().map(|path| path.rest(map, done)))
+impl Runner {
+    /// The path with as many waits after it as leave whole moves until `arrival`; `None` when it is longer.
+    fn delayed(&self, arrival: usize) -> Option<Path> {
+        let waits = arrival.checked_sub(self.path.len())? % self.pace;
+        self.path.with_waits(self.path.len() + waits, WaitPlace::BeforeMove(u8::MAX))
+    }
+
+    /// The path as it is when the robot sets out for every cell as early as it can.
+    fn hurried<const W: usize>(&self, map: &Map<W>) -> Option<Path> {
+        let early = self.pace.get() - 1;
+        (early > 0).then(|| self.path.rest(map, early))
+    }
+}
+
+/// Whether two robots never get in each other's way, wherever they are on their way between two cells.
+pub(super) fn are_clear<const W: usize>(map: &Map<W>, one: &Runner, other: &Runner) -> bool {
+    let clear = |one: &Path, other: &Path| first_conflict(map, one, other).is_none();
+    clear(&one.path, &other.path)
+        && one.hurried(map).is_none_or(|early| clear(&early, &other.path))
+        && other.hurried(map).is_none_or(|early| clear(&one.path, &early))
+}
+
+/// What is left of the teammates' paths after so many steps, those of slow ones also as they are when they hurry.
+fn rest_of<const W: usize>(team: &[Runner], map: &Map<W>, done: usize) -> Vec<Path, { 2 * MAX_TEAM }> {
+    let paths = team.iter().flat_map(|robot| [Some(robot.path), robot.hurried(map)]).flatten();
+    up_to(paths.map(|path| path.rest(map, done)))
 }
 
 /// Adds a path that is not there yet, while there is room.

@@ -10,6 +10,7 @@ use crate::inference::{
     Preference, Problem, Scoring, Star, Terms,
 };
 use crate::math;
+use crate::team::RobotId;
 use heapless::Vec;
 
 /// The model that joint policies are judged by, and the last judgement.
@@ -46,9 +47,9 @@ pub(super) struct Timing {
 }
 
 impl<const S: usize, const P: usize> Decision<S, P> {
-    pub(super) fn new<const W: usize>(mission: &Mission<'_, W>) -> Self {
+    pub(super) fn new<const W: usize>(mission: &Mission<'_, W>, robot: RobotId) -> Self {
         Self {
-            world: World::new(mission),
+            world: World::new(mission, robot),
             scoring: mission.scoring,
             collision: mission.collision,
             haste: mission.haste,
@@ -63,6 +64,11 @@ impl<const S: usize, const P: usize> Decision<S, P> {
     /// The robot's own generative model, by which its teammates are judged too.
     pub(super) const fn world(&self) -> &World<S> {
         &self.world
+    }
+
+    /// Has the next teammate's word right with this probability.
+    pub(super) fn trust(&mut self, word: f32) {
+        self.world.trust(word);
     }
 
     /// What is believed of this robot, which takes itself to be at `here`, and of a teammate that announced to stand at

@@ -1,14 +1,14 @@
 //! How the robot chooses when it is its turn, and what it does about a choice that does not fit.
 
-use super::candidates::{Place, Situation};
+use super::candidates::{Place, Runner, Situation, are_clear};
 use super::decision::{Party, Timing};
 use super::motion::SURE;
 use super::{Candidate, Cause, Navigation, intentions};
 use crate::bounded::up_to;
-use crate::grid::{Cell, Map, Path, first_conflict};
+use crate::grid::{Cell, Map, Path};
 use crate::inference::Preference;
 use crate::math;
-use crate::team::{Intention, MAX_TEAM, Status};
+use crate::team::{Intention, MAX_TEAM, RobotId, Status};
 use heapless::Vec;
 
 /// How many rounds in vain, for each robot of the team, before a robot takes a path that does not bring all of
@@ -25,8 +25,13 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// The paths that teammates have announced in this round.
-    fn announced(&self) -> Vec<Path, MAX_TEAM> {
-        up_to(self.partners().filter(|peer| peer.status != Status::Deciding).map(|peer| peer.path))
+    fn announced(&self) -> Vec<Runner, MAX_TEAM> {
+        let chosen = self.partners().filter(|peer| peer.status != Status::Deciding);
+        up_to(chosen.map(|peer| self.runner(peer.robot, peer.path)))
+    }
+
+    fn runner(&self, robot: RobotId, path: Path) -> Runner {
+        Runner { path, pace: self.mission.paces().of(robot) }
     }
 
     /// The teammates that are in this round.
@@ -39,10 +44,11 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     pub(super) fn find_situation(&mut self) -> Option<Situation<W>> {
         let here = self.turn()?;
         let (map, announced, via) = (self.passable(), self.announced(), self.via());
-        let starts = self.partners().map(|peer| peer.path.start);
-        let cells: Vec<Cell, MAX_TEAM> = up_to(core::iter::once(here).chain(starts));
+        let starts = self.partners().map(|peer| self.runner(peer.robot, Path::at(peer.path.start)));
+        let own = self.runner(self.robot, Path::at(here));
+        let team: Vec<Runner, MAX_TEAM> = up_to(core::iter::once(own).chain(starts));
         let arrivals =
-            self.generator.arrivals(self.mission, &map, (&cells, &via), &announced, self.vain_rounds);
+            self.generator.arrivals(self.mission, &map, (&team, &via), &announced, self.vain_rounds);
         Some(Situation { here, map, via, announced, arrivals })
     }
 
@@ -63,7 +69,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     /// The longest policy in this decision, and the earliest arrival.
     fn timing(&self, situation: &Situation<W>) -> Timing {
         let ours = self.candidates.iter().map(|candidate| candidate.path.len());
-        let listed = (0..self.mission.starts.len()).flat_map(|robot| self.mission.listed_lengths(robot));
+        let listed = (0..self.mission.team()).flat_map(|robot| self.mission.listed_lengths(RobotId(robot)));
         let horizon = ours.chain(listed).chain(situation.arrivals.iter().copied()).max().unwrap_or(0);
         Timing { horizon, earliest: situation.arrivals.first().copied().unwrap_or(0) }
     }
@@ -73,15 +79,17 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     pub(super) fn deliberate(&mut self, situation: &Situation<W>) {
         let (here, timing) = (situation.here, self.timing(situation));
         let (wanted, odds) = (self.wanted(), self.motion.odds());
-        let known = |peer: &Intention| (peer.robot.index(), peer.path, peer.status != Status::Deciding);
-        let partners: Vec<(usize, Path, bool), MAX_TEAM> = up_to(self.partners().map(known));
+        let known = |peer: &Intention| (peer.robot, peer.path, peer.status != Status::Deciding);
+        let partners: Vec<(RobotId, Path, bool), MAX_TEAM> = up_to(self.partners().map(known));
         let mut own = self.belief;
-        for (_, path, _) in &partners {
+        for (robot, path, _) in &partners {
+            self.decision.trust(self.mission.word_of(*robot));
             let pair = self.decision.beliefs(own.as_flat(), here, path.start);
             math::assign(own.as_flat_mut(), self.decision.world().cells(pair.as_flat()));
         }
         self.decision.clear();
         for &(robot, path, chosen) in &partners {
+            self.decision.trust(self.mission.word_of(robot));
             let mut pair = self.decision.beliefs(self.belief.as_flat(), here, path.start);
             math::assign(pair.as_flat_mut(), self.decision.world().cells(own.as_flat()));
             self.propose(situation, robot, path, chosen);
@@ -96,7 +104,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// What a teammate may do: what it announced, or whatever this robot would consider in its place.
-    fn propose(&mut self, situation: &Situation<W>, robot: usize, path: Path, chosen: bool) {
+    fn propose(&mut self, situation: &Situation<W>, robot: RobotId, path: Path, chosen: bool) {
         if chosen {
             self.teammates.clear();
         } else {
@@ -126,13 +134,14 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         }
     }
 
-    fn is_clear(&self, path: &Path, other: &Path) -> bool {
-        first_conflict(&self.mission.map, path, other).is_none()
+    fn is_clear(&self, path: &Path, other: &Runner) -> bool {
+        are_clear(&self.mission.map, &self.runner(self.robot, *path), other)
     }
 
     /// Whether two robots that follow these paths arrive in the same step on different cells, safely.
-    fn goes_with(&self, path: &Path, other: &Path) -> bool {
-        let together = other.is_empty() || other.len() == path.len();
-        together && path.end(&self.mission.map) != other.end(&self.mission.map) && self.is_clear(path, other)
+    fn goes_with(&self, path: &Path, other: &Runner) -> bool {
+        let together = other.path.is_empty() || other.path.len() == path.len();
+        let apart = path.end(&self.mission.map) != other.path.end(&self.mission.map);
+        together && apart && self.is_clear(path, other)
     }
 }

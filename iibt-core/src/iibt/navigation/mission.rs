@@ -3,7 +3,7 @@
 use crate::grid::{Cell, Map, Path};
 use crate::inference::Scoring;
 use crate::inference::learning::Rates;
-use crate::team::MAX_TEAM;
+use crate::team::{MAX_TEAM, Paces, RobotId};
 
 /// The most goals of one mission.
 pub const MAX_GOALS: usize = 8;
@@ -35,6 +35,12 @@ pub struct Mission<'m, const W: usize> {
     pub sensor: f32,
     /// The probability that the cell a teammate announces is right.
     pub peer_sensor: f32,
+    /// The probability that each robot's own localiser is right, where it is not as above. A teammate's word is then
+    /// right the more or the less often, in the same proportion.
+    pub sensors: &'m [f32],
+    /// How many steps of a plan one move of each robot takes, from 1 to [`MAX_PACE`](crate::team::MAX_PACE). One without an
+    /// entry makes a move in a step.
+    pub paces: &'m [u8],
     /// How policies are scored.
     pub scoring: Scoring,
     /// The preference, on the log scale of C, for being in one cell with a teammate or changing places with it.
@@ -81,6 +87,8 @@ impl<'m, const W: usize> Mission<'m, W> {
             candidates: None,
             sensor: 0.9952,
             peer_sensor: 0.904,
+            sensors: &[],
+            paces: &[],
             scoring: Scoring::DEFAULT,
             collision: -4.0,
             haste: 2.0,
@@ -92,6 +100,27 @@ impl<'m, const W: usize> Mission<'m, W> {
     #[must_use]
     pub const fn team(&self) -> u8 {
         if self.starts.len() > u8::MAX as usize { u8::MAX } else { self.starts.len() as u8 }
+    }
+
+    /// How fast the robots move.
+    #[must_use]
+    pub const fn paces(&self) -> Paces<'m> {
+        Paces::new(self.paces)
+    }
+
+    /// The probability that a robot's own localiser is right.
+    #[must_use]
+    pub fn sensor_of(&self, robot: RobotId) -> f32 {
+        self.sensors.get(robot.index()).copied().unwrap_or(self.sensor)
+    }
+
+    /// The probability that the cell that a robot announces is right.
+    #[must_use]
+    pub fn word_of(&self, robot: RobotId) -> f32 {
+        let Some(sensor) = self.sensors.get(robot.index()).filter(|_| self.sensor > 0.0) else {
+            return self.peer_sensor;
+        };
+        (self.peer_sensor * sensor / self.sensor).min(1.0)
     }
 
     /// Whether a controller for `S` cells can fly this.
@@ -120,7 +149,8 @@ impl<'m, const W: usize> Mission<'m, W> {
         let probability = |p: f32| (0.0..=1.0).contains(&p);
         let finite = self.haste.is_finite() && self.haste >= 0.0 && self.scoring.precision.is_finite();
         let numbers = finite && self.collision.is_finite() && self.collision <= 0.0;
-        if numbers && probability(self.sensor) && probability(self.peer_sensor) {
+        let sensors = [self.sensor, self.peer_sensor].into_iter().chain(self.sensors.iter().copied());
+        if numbers && self.paces().are_sound() && sensors.into_iter().all(probability) {
             Ok(())
         } else {
             Err(MissionError::Number)
@@ -130,17 +160,20 @@ impl<'m, const W: usize> Mission<'m, W> {
     /// C for the team's outcome.
     pub(super) const OUTCOME_PREFERENCE: [f32; OUTCOMES] = [0.0, 1.0, 0.0];
 
-    /// The paths given by hand for a robot that stands at `from`; none through walls.
-    pub(super) fn listed(&self, robot: usize, from: Cell) -> impl Iterator<Item = Path> + '_ {
+    /// The paths given by hand for a robot that stands at `from`, at its pace; none through walls.
+    pub(super) fn listed(&self, robot: RobotId, from: Cell) -> impl Iterator<Item = Path> + '_ {
         let lists = self.candidates.unwrap_or(&[]);
-        let list: &'m [Path] = lists.get(robot).copied().unwrap_or(&[]);
-        list.iter().copied().filter(move |path| path.start == from && path.is_open(&self.map))
+        let list: &'m [Path] = lists.get(robot.index()).copied().unwrap_or(&[]);
+        let pace = self.paces().of(robot).get();
+        let open = list.iter().filter(move |path| path.start == from && path.is_open(&self.map));
+        open.filter_map(move |path| path.slowed(pace))
     }
 
     /// How long the paths given by hand for a robot are.
-    pub(super) fn listed_lengths(&self, robot: usize) -> impl Iterator<Item = usize> + 'm {
-        let lists = self.candidates.unwrap_or(&[]);
-        lists.get(robot).copied().unwrap_or(&[]).iter().map(Path::len)
+    pub(super) fn listed_lengths(&self, robot: RobotId) -> impl Iterator<Item = usize> + 'm {
+        let (lists, pace) = (self.candidates.unwrap_or(&[]), self.paces().of(robot).get());
+        let list: &'m [Path] = lists.get(robot.index()).copied().unwrap_or(&[]);
+        list.iter().filter_map(move |path| path.slowed(pace)).map(|path| path.len())
     }
 
     /// The first cell that no robot can stand on, or that is listed twice.
@@ -177,7 +210,7 @@ impl core::fmt::Display for MissionError {
                 write!(f, "the charger p{} is outside the map, blocked or given twice", cell.0)
             }
             Self::Number => {
-                f.write_str("a probability, precision, haste or collision preference is out of range")
+                f.write_str("a probability, pace, precision, haste or collision preference is out of range")
             }
         }
     }
@@ -198,8 +231,8 @@ mod tests {
         map.block(Cell(3));
         let paths: [&[Path]; 1] = [&[right, wall, left]];
         let mission = Mission { candidates: Some(&paths), ..Mission::new(map, &[Cell(1)], &[Cell(0)]) };
-        assert!(mission.listed(0, Cell(1)).eq([right, left]));
-        assert_eq!(mission.listed(0, Cell(2)).count(), 0);
-        assert_eq!(mission.listed(1, Cell(1)).count(), 0);
+        assert!(mission.listed(RobotId(0), Cell(1)).eq([right, left]));
+        assert_eq!(mission.listed(RobotId(0), Cell(2)).count(), 0);
+        assert_eq!(mission.listed(RobotId(1), Cell(1)).count(), 0);
     }
 }

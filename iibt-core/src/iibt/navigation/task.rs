@@ -39,7 +39,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
         self.situation = self.find_situation();
         self.candidates.clear();
         let Some(situation) = &self.situation else { return };
-        let place = Place { robot: self.robot.index(), from: situation.here, via: &situation.via };
+        let place = Place { robot: self.robot, from: situation.here, via: &situation.via };
         self.generator.fill(self.mission, situation, place, &mut self.candidates);
         if self.candidates.is_empty() {
             // There is room: the list is empty.
@@ -106,13 +106,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
                     self.commit(candidate);
                 }
             }
-            Plan::Follow => {
-                if let Some(here) = self.here() {
-                    let peers = intentions(&self.roster);
-                    self.command = self.agreement.next_move(&self.mission.map, here, peers);
-                    self.commanded = self.command;
-                }
-            }
+            Plan::Follow => self.follow(),
             Plan::Stop | Plan::Wait => {}
         }
     }
@@ -126,7 +120,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
     }
 
     fn reaches_stop(&self, plan: Plan) -> bool {
-        let done = self.agreement.step() + usize::from(self.command.is_some());
+        let done = self.agreement.step() + usize::from(self.begun);
         // A path without moves is done when it is announced.
         let chosen = plan != Plan::Wait && self.agreement.status() != Status::Deciding;
         chosen && done == self.agreement.path().len()
@@ -138,6 +132,18 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
 }
 
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
+    /// Begins the next step of the path, if it is time for it.
+    fn follow(&mut self) {
+        let peers = intentions(&self.roster);
+        if let Some(here) = self.here() {
+            self.command = self.agreement.next_move(&self.mission.map, self.mission.paces(), here, peers);
+            self.commanded = self.command;
+            self.begun = self.command.is_some();
+        } else if self.percept.moving {
+            self.begun |= self.agreement.is_in_step(peers);
+        }
+    }
+
     /// Wants the obstacles on the chosen path by so much more, which is less.
     fn avoid(&mut self, amount: f32) {
         let (path, done) = match self.choice.and_then(|choice| self.candidates.get(choice.policy)) {

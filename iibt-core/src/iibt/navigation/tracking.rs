@@ -61,7 +61,6 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             let here = self.position().0;
             self.motion.begin(here, step);
             left = Some(here).filter(|_| step != Move::Wait);
-            self.waited = step == Move::Wait;
         }
         // The first reading after a move may be from before it: whether the move failed, the next one tells.
         let reading = self.percept.reading.filter(|&reading| left != Some(reading));
@@ -81,12 +80,12 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
 
     /// Follows the team's agreement as far as the robot's place and the teammates' intentions carry it.
     pub(super) fn keep_up(&mut self) {
-        let Some(here) = self.here() else { return };
+        let Some(here) = self.here() else { return self.keep_up_on_the_way() };
         self.learn(here);
         self.tick_off(here);
         self.agreement.stand(here);
-        let waited = core::mem::take(&mut self.waited);
-        if self.agreement.advance(&self.mission.map, here, waited) {
+        let begun = core::mem::take(&mut self.begun);
+        if self.agreement.advance(&self.mission.map, self.mission.paces(), here, begun) {
             self.vain_rounds = 0;
         }
         if self.agreement.join(here, intentions(&self.roster)) {
@@ -101,9 +100,16 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         }
     }
 
+    /// Counts a step that a slow robot makes with the others while it is between two cells.
+    fn keep_up_on_the_way(&mut self) {
+        if self.percept.moving && self.agreement.advance_on_the_way(self.begun) {
+            (self.begun, self.vain_rounds) = (false, 0);
+        }
+    }
+
     /// Why the agreement cannot go on as it is.
     fn trouble(&self, here: Cell) -> Option<Cause> {
-        if self.agreement.place(&self.mission.map) != here {
+        if !self.agreement.is_on_course(&self.mission.map, self.mission.paces(), here) {
             Some(Cause::Position)
         } else if self.agreement.is_contradicted(intentions(&self.roster)) {
             Some(Cause::Outdated)

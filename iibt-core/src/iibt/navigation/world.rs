@@ -7,6 +7,7 @@ use crate::inference::{
     Beliefs, Encounter, Factor, IdentityNoise, Modality, Model, NextState, OutcomeTable, Preference, Shape,
 };
 use crate::math;
+use crate::team::RobotId;
 
 /// The factor and the modality of a robot's own place.
 pub(super) const OWN: usize = 0;
@@ -43,7 +44,7 @@ pub(super) struct World<const S: usize> {
 const COLUMNS: [f32; OUTCOMES * OUTCOMES] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
 impl<const S: usize> World<S> {
-    pub(super) fn new<const W: usize>(mission: &Mission<'_, W>) -> Self {
+    pub(super) fn new<const W: usize>(mission: &Mission<'_, W>, robot: RobotId) -> Self {
         let cells = mission.map.len().clamp(1, S);
         let free = |state: usize| mission.map.is_free(Cell(state as u16));
         let free_cells = (0..S).filter(|&state| free(state)).count() as f32;
@@ -63,11 +64,16 @@ impl<const S: usize> World<S> {
             preference: core::array::from_fn(|state| if goal(state).is_some() { GOAL } else { 0.0 }),
             labels: core::array::from_fn(|state| goal(state).map_or(0, |goal| goal as u8 + 1)),
             outcomes: core::array::from_fn(|pair| outcome_of(pair / labels, pair % labels)),
-            sensor: IdentityNoise::among(mission.sensor, cells),
+            sensor: IdentityNoise::among(mission.sensor_of(robot), cells),
             peer_sensor: IdentityNoise::among(mission.peer_sensor, cells),
             goals: mission.goals.len(),
             cells,
         }
+    }
+
+    /// Has the teammate's word right with this probability from now on.
+    pub(super) fn trust(&mut self, word: f32) {
+        self.peer_sensor = IdentityNoise::among(word, self.cells);
     }
 
     /// C to begin with.
