@@ -1,13 +1,15 @@
 //! The paper's results, each section as the report has it, and the claims behind its verdicts.
 
 use firmware::missions::SECTION_5_1;
-use host_sim::reproduce::{self, CHAPTERS, Item, Judged, Mode, Section, Verdict, choice, detour};
+use host_sim::reproduce::{
+    self, CHAPTERS, Effort, Item, Judged, Mode, Run, Section, Verdict, choice, detour,
+};
 use host_sim::{Conditions, News, Outcome, fly, library};
 use iibt_core::grid::{Cell, Path, first_conflict};
 
 /// A chapter as the report has it.
 fn section(id: &str) -> Section {
-    reproduce::chapter(id).expect("there is such a section").run(&mut |_, _| {})
+    reproduce::chapter(id).expect("there is such a section").run(Run::new(Effort::Quick, &mut |_, _| {}))
 }
 
 /// The items whose description begins so.
