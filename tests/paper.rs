@@ -145,6 +145,14 @@ fn section_6_1_the_papers_own_plans_arrive_together_and_collide_six_times() {
 }
 
 #[test]
+fn the_lists_that_the_paper_does_not_print_are_reported_as_unknown() {
+    let section = section("6.1");
+    let unknown = section.items.iter().filter(|item| item.verdict == Verdict::Unknown).collect::<Vec<_>>();
+    assert_eq!(unknown.len(), 3);
+    assert!(unknown.iter().all(|item| item.ours.is_none() && item.note.is_some()));
+}
+
+#[test]
 fn every_section_says_something_and_nothing_falls_short() {
     for chapter in CHAPTERS {
         let section = section(chapter.id);
