@@ -239,7 +239,7 @@ mod readme {
                 .map(String::from),
         );
         names.extend(
-            ["obstacle", "way_point", "battery", "charged", "position", "outdated", "misfit"]
+            ["obstacle", "way_point", "battery", "room", "charged", "position", "outdated", "misfit"]
                 .map(String::from),
         );
         names.extend(["deciding", "announced", "away", "together", "apart", "unfinished"].map(String::from));

@@ -362,7 +362,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             frames: self.radio.traffic()[index],
             battery: self.world.battery(index).percent(),
             visited: self.visited[index].clone(),
-            charged: self.news.iter().filter(|dated| dated.news.is_return_of(index)).count() as u32,
+            charged: record::times_charged(&self.news, index),
             stopped: self.world.is_stopped(index),
             tree: self.tree[index].clone(),
             accepted: report.received.accepted,
