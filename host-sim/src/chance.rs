@@ -16,6 +16,10 @@ pub(crate) enum Purpose {
     Localiser = 3,
     /// Whether a worn drive makes a move.
     Wear = 4,
+    /// What a robot that handles things reads of its state.
+    Reading = 16,
+    /// Whether an action of such a robot fails.
+    Deed = 17,
 }
 
 /// A stream of draws.

@@ -176,6 +176,7 @@ impl Manipulation {
     /// teammate is connected and, in [`Order::InTurn`], holds its object too.
     pub fn go(&mut self, place: Place) -> tree::Status {
         self.track();
+        self.decision = None;
         if self.percept.busy || !self.is_sure() {
             return tree::Status::Running;
         }

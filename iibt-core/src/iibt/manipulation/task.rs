@@ -48,6 +48,8 @@ impl Task for Manipulation {
             return Some(Plan::Look);
         }
         if self.has_reached(self.aim) {
+            // Nothing was decided: what the posterior is about is done.
+            self.decision = None;
             return Some(Plan::Stop);
         }
         self.decision.as_ref().map(|decision| Plan::Take(decision.choice))
