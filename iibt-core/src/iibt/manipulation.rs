@@ -39,7 +39,7 @@ pub use mission::{Ending, Mission, MissionError, Order, Place, Preset, Role, TEA
 pub use model::{RESULT_PREFERENCE, RESULTS};
 
 use self::model::Own;
-use self::tracking::{HOLDS, PLACED as IS_PLACED, Tracking};
+use self::tracking::{EMPTY, HOLDS, PLACED as IS_PLACED, Tracking};
 use super::{Logic, Task};
 use crate::inference::{Impossible, Preference};
 use crate::math;
@@ -173,12 +173,16 @@ impl Manipulation {
     }
 
     /// The plain leaf MoveTo(place), one tick: success when the robot is sure to be there. It leaves for the meeting place when the
-    /// teammate is connected and, in [`Order::InTurn`], holds its object too.
+    /// teammate is connected and, in [`Order::InTurn`], holds its object too; it fails when the robot is sure to have nothing
+    /// to bring there, so that the tree begins again.
     pub fn go(&mut self, place: Place) -> tree::Status {
         self.track();
         self.decision = None;
         if self.percept.busy || !self.is_sure() {
             return tree::Status::Running;
+        }
+        if place == self.mission.meeting() && sure(&self.tracking.grips()) == Some(EMPTY) {
+            return tree::Status::Failure;
         }
         if self.place() == Some(place) {
             return tree::Status::Success;

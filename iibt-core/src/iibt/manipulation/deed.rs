@@ -125,10 +125,10 @@ impl Joint {
     }
 }
 
+/// IsHolding(object). The first that is looked at: what is not held is fetched before it is brought anywhere.
+pub const HOLDING: u8 = 0;
 /// IsReached(place): the robot is where the action is done, or where the move leads.
-pub const REACHED: u8 = 0;
-/// IsHolding(object).
-pub const HOLDING: u8 = 1;
+pub const REACHED: u8 = 1;
 /// IsPlaced(object).
 pub const PLACED: u8 = 2;
 /// The teammate is free (the first row of equation 12): it does nothing, and it does not go first.
