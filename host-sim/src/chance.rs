@@ -16,6 +16,8 @@ pub(crate) enum Purpose {
     Localiser = 3,
     /// Whether a worn drive makes a move.
     Wear = 4,
+    /// Whether a move fails.
+    Slip = 5,
     /// What a robot that handles things reads of its state.
     Reading = 16,
     /// Whether an action of such a robot fails.

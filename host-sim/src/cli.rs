@@ -3,10 +3,12 @@
 mod learn;
 mod manipulate;
 mod notebook;
+mod reproduce;
 mod tree;
 
 use self::learn::Learn;
 use self::manipulate::Manipulate;
+use self::reproduce::Reproduce;
 use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand};
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, summary};
@@ -33,6 +35,7 @@ Examples:
   host-sim list               see what else is built in
   host-sim run detour --loss 0.3 --seed 7
   host-sim run my-warehouse.toml --json > flight.json
+  host-sim reproduce          the paper's results beside ours, as a table and a page
   host-sim infer model.json   run an active-inference model from a notebook
   host-sim export model.json > src/model.rs
   host-sim tree check my-tree.xml
@@ -86,6 +89,9 @@ enum Verb {
     /// Fly a scenario
     #[command(after_help = RUN_EXAMPLES)]
     Run(Run),
+    /// Put the paper's results beside ours: a table, and a page to look at
+    #[command(after_help = reproduce::EXAMPLES)]
+    Reproduce(Reproduce),
     /// Run a model from a notebook: beliefs, expected free energies and a decision, as JSON
     #[command(after_help = notebook::INFER_EXAMPLES)]
     Infer(notebook::Infer),
@@ -142,6 +148,7 @@ impl Cli {
         match self.verb {
             Some(Verb::List) => list(),
             Some(Verb::Run(run)) => run.run(),
+            Some(Verb::Reproduce(reproduce)) => reproduce.run(),
             Some(Verb::Infer(infer)) => infer.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Export(export)) => export.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Learn(learn)) => learn.run(),

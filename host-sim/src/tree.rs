@@ -79,5 +79,6 @@ pub use document::{Document, Extras, Files, LoadError};
 pub use dry_run::{DryRecord, DryRun, Mode};
 pub use instance::Instance;
 pub use model::{Class, Direction, Model, Port};
+pub(crate) use show::Line;
 pub use statuses::Statuses;
 pub use value::ValueType;

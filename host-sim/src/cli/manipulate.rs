@@ -50,6 +50,9 @@ pub(super) struct Manipulate {
     /// The numbers by which inference nodes judge
     #[arg(long, value_name = "PRESET", default_value = "default")]
     preset: Judgement,
+    /// How likely the robots take a reading to be right, in place of equation 8's 0.923
+    #[arg(long, value_name = "P", value_parser = probability)]
+    sensor: Option<f64>,
     /// Let the inference nodes of both robots fetch at once, and not in turn as published
     #[arg(long)]
     together: bool,
@@ -132,6 +135,10 @@ impl Manipulate {
             failed_placings: self.placings,
             loss: self.loss,
         };
+        let preset = match self.preset {
+            Judgement::Default => Preset::DEFAULT,
+            Judgement::Calibrated => Preset::CALIBRATED,
+        };
         Terms {
             trees: match self.tree {
                 Kind::Inference => Trees::Inference,
@@ -140,10 +147,7 @@ impl Manipulate {
                 Kind::AsDrawn => Trees::AsDrawn,
             },
             disturbances,
-            preset: match self.preset {
-                Judgement::Default => Preset::DEFAULT,
-                Judgement::Calibrated => Preset::CALIBRATED,
-            },
+            preset: Preset { sensor: self.sensor.map_or(preset.sensor, |p| p as f32), ..preset },
             order: if self.together { Order::Together } else { Order::InTurn },
             settle: self.settle,
             ..Terms::new(self.seed)

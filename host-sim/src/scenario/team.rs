@@ -3,7 +3,7 @@
 use super::drawing::Drawing;
 use super::error::Fault;
 use super::file::{self, File, Number};
-use super::values::{line_of_text, share, whole};
+use super::values::{line_of_text, percent, share, whole};
 use super::{MAX_PATHS, Robot};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Path};
@@ -42,8 +42,10 @@ impl Drawing {
                 Some(entry) => (entry.span(), entry.get_ref()),
                 None => (file.map.span(), &file::Robot::default()),
             };
-            let robot = self.robot(index, written, goals).map_err(|fault| fault.or_at(&span))?;
+            let mut robot = self.robot(index, written, goals).map_err(|fault| fault.or_at(&span))?;
             apart(&robot, &robots).map_err(|reason| Fault::new(span, reason))?;
+            robot.slip = share("slip", written.slip.as_ref().or(file.slip.as_ref()), 0.0)?;
+            robot.charger = self.charger(written, &robot, &robots)?;
             robots.push(robot);
         }
         all_or_none(&robots, file)?;
@@ -59,6 +61,10 @@ impl Drawing {
         Ok(Robot {
             start,
             battery: whole("battery", written.battery.as_ref(), 0..=100, 100)? as u8,
+            charger: None,
+            drain: percent("drain", written.drain.as_ref(), 0.0)?,
+            charging: percent("charging", written.charging.as_ref(), 10.0)?,
+            slip: 0.0,
             localiser: share("localiser", written.localiser.as_ref(), 1.0)?,
             paths: self.paths(start, written, goals)?,
             name,
@@ -81,6 +87,19 @@ impl Drawing {
         }
     }
 
+    /// Where a robot charges: a cell that it can reach and that is no other robot's charger.
+    fn charger(&self, written: &file::Robot, robot: &Robot, others: &[Robot]) -> Result<Option<Cell>, Fault> {
+        let Some(number) = &written.charger else { return Ok(None) };
+        let cell = self.within_reach("charger", number, robot)?;
+        match others.iter().find(|other| other.charger == Some(cell)) {
+            Some(other) => {
+                let reason = format!("{} is the charger of {} already", cell.0, other.name);
+                Err(Fault::new(number.span(), reason))
+            }
+            None => Ok(Some(cell)),
+        }
+    }
+
     fn paths(&self, start: Cell, written: &file::Robot, goals: &[Cell]) -> Result<Vec<Path>, Fault> {
         let Some(listed) = &written.paths else { return Ok(Vec::new()) };
         let count = listed.get_ref().len();
@@ -88,10 +107,16 @@ impl Drawing {
             let reason = format!("{count} paths listed: give 1 to {MAX_PATHS}, or leave `paths` out");
             return Err(Fault::new(listed.span(), reason));
         }
-        listed.get_ref().iter().map(|path| self.path(start, path, goals)).collect()
+        let paths = listed.get_ref().iter().map(|path| self.path(path, goals));
+        let paths = paths.collect::<Result<Vec<_>, _>>()?;
+        if paths.iter().all(|path| path.start != start) {
+            let reason = format!("no path begins at {}, where the robot starts", start.0);
+            return Err(Fault::new(listed.span(), reason));
+        }
+        Ok(paths)
     }
 
-    fn path(&self, start: Cell, listed: &Spanned<Vec<Number>>, goals: &[Cell]) -> Result<Path, Fault> {
+    fn path(&self, listed: &Spanned<Vec<Number>>, goals: &[Cell]) -> Result<Path, Fault> {
         let numbers = listed.get_ref();
         let cells = numbers.iter().map(|number| self.free("path cell", number));
         let cells = cells.collect::<Result<Vec<_>, _>>()?;
@@ -101,7 +126,7 @@ impl Drawing {
                 return Err(Fault::new(number.span(), reason));
             }
         }
-        ends_well(start, &cells, goals).map_err(|reason| Fault::new(listed.span(), reason))?;
+        ends_well(&cells, goals).map_err(|reason| Fault::new(listed.span(), reason))?;
         Path::through(&self.map, &cells).ok_or_else(|| {
             let moves = cells.len().saturating_sub(1);
             Fault::new(listed.span(), format!("the path has {moves} moves, but at most {HORIZON} fit"))
@@ -109,11 +134,8 @@ impl Drawing {
     }
 }
 
-fn ends_well(start: Cell, cells: &[Cell], goals: &[Cell]) -> Result<(), String> {
+fn ends_well(cells: &[Cell], goals: &[Cell]) -> Result<(), String> {
     match cells {
-        [first, ..] if *first != start => {
-            Err(format!("the path begins at {}, but the robot at {}", first.0, start.0))
-        }
         [.., last] if !goals.contains(last) => Err(format!("the path ends at {}, which is no goal", last.0)),
         [] => Err("the path has no cells".to_owned()),
         _ => Ok(()),
