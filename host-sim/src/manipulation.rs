@@ -8,11 +8,13 @@
 //!           └─ Radio         the only way between them
 //! ```
 //!
-//! [`Campaign`] runs the mission for many seeds and gives rates and means with their intervals. The trees are files of
+//! [`Campaign`] runs the mission for many seeds and gives rates and means with their intervals, [`compare`] does
+//! so for inference trees and conventional ones side by side. The trees are files of
 //! [`tree::library`](crate::tree::library), bound to the robots' skills by the names of their leaves; [`Trees::sizes`]
 //! counts them.
 
 mod campaign;
+mod comparison;
 mod narration;
 mod record;
 mod robot;
@@ -23,6 +25,7 @@ mod trees;
 mod world;
 
 pub use campaign::{Campaign, Findings, Mean, Rate};
+pub use comparison::{CONTENDERS, Compared, Contender, LEVELS, compare};
 pub use narration::narrate;
 pub use record::{Actions, Decided, RobotTick, Run, Thought, Tick};
 pub use run::{Detail, RunError, run};

@@ -3,7 +3,7 @@
 use super::{Failure, NOT_ACCOMPLISHED, print, probability};
 use clap::{Args, ValueEnum};
 use host_sim::manipulation::{
-    Campaign, Detail, Disturbances, Findings, Mean, Rate, Terms, Trees, narrate, run,
+    Campaign, Compared, Detail, Disturbances, Findings, Mean, Rate, Terms, Trees, compare, narrate, run,
 };
 use iibt_core::iibt::manipulation::{Order, Preset};
 use serde::Serialize;
@@ -17,10 +17,11 @@ Examples:
   host-sim manipulate --grasps 0.3 --readings 0.3 --loss 0.3 --seed 7
   host-sim manipulate --json | jq '.decisions[].policy'
   host-sim manipulate --seeds 1000          rates and means with their intervals
+  host-sim manipulate --compare             inference and conventional trees side by side
 From a checkout, `host-sim manipulate ...` is `cargo run --release -- manipulate ...`.
 
 Exit status:
-  0  the bottle is on the plate; with --seeds, in every run
+  0  the bottle is on the plate; with --seeds, in every run; always with --compare
   1  it is not
   2  wrong usage or input";
 
@@ -62,6 +63,10 @@ pub(super) struct Manipulate {
     /// Run this many seeds from --seed on, and print rates and means only
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: Option<u32>,
+    /// Run inference and conventional trees with the same --seeds seeds, 1000 unless given, at several levels of disturbance
+    #[arg(long, conflicts_with_all = ["tree", "grasps", "readings", "moves", "placings", "loss", "preset", "sensor",
+        "together", "settle"])]
+    compare: bool,
     /// Print one JSON object with everything, and nothing else
     #[arg(long)]
     json: bool,
@@ -101,6 +106,7 @@ struct Campaigned {
 impl Manipulate {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
         let accomplished = match self.seeds {
+            _ if self.compare => self.comparison()?,
             Some(seeds) => self.campaign(seeds)?,
             None => self.once()?,
         };
@@ -114,9 +120,8 @@ impl Manipulate {
     }
 
     fn campaign(&self, seeds: u32) -> Result<bool, Failure> {
-        let threads = thread::available_parallelism().map_or(1, usize::from);
         let terms = self.terms();
-        let findings = Campaign { terms, seeds }.run(threads)?;
+        let findings = Campaign { terms, seeds }.run(threads())?;
         let (trees, disturbances) = (terms.trees, terms.disturbances);
         let text = if self.json {
             serde_json::to_string(&Campaigned { trees, disturbances, seeds, findings })? + "\n"
@@ -125,6 +130,13 @@ impl Manipulate {
         };
         print(&text)?;
         Ok(findings.success.count == seeds)
+    }
+
+    fn comparison(&self) -> Result<bool, Failure> {
+        let compared = compare(self.seed, self.seeds.unwrap_or(1000), threads())?;
+        let text = if self.json { serde_json::to_string(&compared)? + "\n" } else { side_by_side(&compared) };
+        print(&text)?;
+        Ok(true)
     }
 
     fn terms(&self) -> Terms {
@@ -153,6 +165,32 @@ impl Manipulate {
             ..Terms::new(self.seed)
         }
     }
+}
+
+fn threads() -> usize {
+    thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn side_by_side(compared: &[Compared]) -> String {
+    let header = "level  contender                       success %            mistaken %  ticks                   retries\n";
+    let line = |of: &Compared| {
+        let Findings { success, mistaken, ticks, retries, .. } = of.findings;
+        let range =
+            |[low, high]: [f64; 2], scale: f64| format!("({:.2} to {:.2})", scale * low, scale * high);
+        format!(
+            "{:<5}  {:<30}  {:<19}  {:<10.2}  {:<22}  {:.2}\n",
+            of.level,
+            of.contender,
+            format!("{:.1} {}", 100.0 * success.rate, range(success.interval, 100.0)),
+            100.0 * mistaken.rate,
+            format!("{:.2} {}", ticks.mean, range(ticks.interval, 1.0)),
+            retries.mean
+        )
+    };
+    let lines: String = compared.iter().map(line).collect();
+    header.to_owned()
+        + &lines
+        + "In brackets: 95 % intervals. The level is the share of grasps that fail and of readings that are wrong.\n"
 }
 
 fn table(findings: &Findings) -> String {
