@@ -15,10 +15,12 @@
 
 mod campaign;
 mod comparison;
+mod conventional;
 mod narration;
 mod record;
 mod robot;
 mod run;
+mod sense;
 mod skill;
 mod terms;
 mod trees;
@@ -29,5 +31,5 @@ pub use comparison::{CONTENDERS, Compared, Contender, LEVELS, compare};
 pub use narration::narrate;
 pub use record::{Actions, Decided, RobotTick, Run, Thought, Tick};
 pub use run::{Detail, RunError, run};
-pub use terms::{Disturbances, Terms, Trees};
+pub use terms::{Disturbances, Terms, Trees, Trust};
 pub use trees::TreeSize;

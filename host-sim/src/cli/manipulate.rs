@@ -3,7 +3,8 @@
 use super::{Failure, NOT_ACCOMPLISHED, print, probability};
 use clap::{Args, ValueEnum};
 use host_sim::manipulation::{
-    Campaign, Compared, Detail, Disturbances, Findings, Mean, Rate, Terms, Trees, compare, narrate, run,
+    Campaign, Compared, Detail, Disturbances, Findings, Mean, Rate, Terms, Trees, Trust, compare, narrate,
+    run,
 };
 use iibt_core::iibt::manipulation::{Order, Preset};
 use serde::Serialize;
@@ -57,15 +58,18 @@ pub(super) struct Manipulate {
     /// Let the inference nodes of both robots fetch at once, and not in turn as published
     #[arg(long)]
     together: bool,
-    /// How many equal readings in a row settle a state for conventional trees
-    #[arg(long, value_name = "N", default_value_t = Terms::SETTLE)]
-    settle: u8,
+    /// How many equal readings in a row conventional trees trust
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=100))]
+    equal: u8,
+    /// Let conventional trees trust the inference nodes' belief instead
+    #[arg(long)]
+    belief: bool,
     /// Run this many seeds from --seed on, and print rates and means only
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: Option<u32>,
     /// Run inference and conventional trees with the same --seeds seeds, 1000 unless given, at several levels of disturbance
     #[arg(long, conflicts_with_all = ["tree", "grasps", "readings", "moves", "placings", "loss", "preset", "sensor",
-        "together", "settle"])]
+        "together", "equal", "belief"])]
     compare: bool,
     /// Print one JSON object with everything, and nothing else
     #[arg(long)]
@@ -161,7 +165,7 @@ impl Manipulate {
             disturbances,
             preset: Preset { sensor: self.sensor.map_or(preset.sensor, |p| p as f32), ..preset },
             order: if self.together { Order::Together } else { Order::InTurn },
-            settle: self.settle,
+            trust: if self.belief { Trust::Belief } else { Trust::Equal(self.equal) },
             ..Terms::new(self.seed)
         }
     }

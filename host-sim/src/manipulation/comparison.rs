@@ -2,7 +2,7 @@
 
 use super::campaign::{Campaign, Findings};
 use super::run::RunError;
-use super::terms::{Disturbances, Terms, Trees};
+use super::terms::{Disturbances, Terms, Trees, Trust};
 use iibt_core::iibt::manipulation::Order;
 use serde::Serialize;
 
@@ -15,8 +15,8 @@ pub struct Contender {
     pub trees: Trees,
     /// Who fetches when, in inference nodes.
     pub order: Order,
-    /// How many equal readings in a row settle a state, in conventional leaves.
-    pub settle: u8,
+    /// What conventional leaves trust.
+    pub trust: Trust,
 }
 
 /// One contender at one level.
@@ -34,22 +34,24 @@ pub struct Compared {
 pub const LEVELS: [f64; 4] = [0.0, 0.1, 0.2, 0.3];
 
 const fn inference(name: &'static str, order: Order) -> Contender {
-    Contender { name, trees: Trees::Inference, order, settle: Terms::SETTLE }
+    Contender { name, trees: Trees::Inference, order, trust: Trust::DEFAULT }
 }
 
-const fn conventional(name: &'static str, trees: Trees, settle: u8) -> Contender {
-    Contender { name, trees, order: Order::InTurn, settle }
+const fn conventional(name: &'static str, trees: Trees, trust: Trust) -> Contender {
+    Contender { name, trees, order: Order::InTurn, trust }
 }
 
-/// Those who take part. Conventional trees trust what several readings in a row agree on, and how many those should be is a
-/// choice between fast and safe; the three next to the best are here.
-pub const CONTENDERS: [Contender; 6] = [
+/// Those who take part. A conventional tree that trusts readings has to choose how many in a row should agree, between fast and
+/// safe: the three next to the best are here. One that asks the inference nodes' own belief shows what is the belief's doing
+/// and what the tree's.
+pub const CONTENDERS: [Contender; 7] = [
     inference("inference, in turn", Order::InTurn),
     inference("inference, both at once", Order::Together),
-    conventional("conventional, 2 equal readings", Trees::Conventional, 2),
-    conventional("conventional, 3 equal readings", Trees::Conventional, 3),
-    conventional("conventional, 4 equal readings", Trees::Conventional, 4),
-    conventional("table 6, 3 equal readings", Trees::Table6, 3),
+    conventional("conventional, the same belief", Trees::Conventional, Trust::Belief),
+    conventional("conventional, 2 equal readings", Trees::Conventional, Trust::Equal(2)),
+    conventional("conventional, 3 equal readings", Trees::Conventional, Trust::Equal(3)),
+    conventional("conventional, 4 equal readings", Trees::Conventional, Trust::Equal(4)),
+    conventional("table 6, 3 equal readings", Trees::Table6, Trust::Equal(3)),
 ];
 
 /// Runs `seeds` seeds from `seed` on for every level and contender, level by level, on so many threads.
@@ -60,8 +62,8 @@ pub fn compare(seed: u64, seeds: u32, threads: usize) -> Result<Vec<Compared>, R
     let pairs = LEVELS.into_iter().flat_map(|level| CONTENDERS.map(|contender| (level, contender)));
     let one = |(level, contender): (f64, Contender)| {
         let disturbances = Disturbances { wrong_readings: level, failed_grasps: level, ..Disturbances::NONE };
-        let Contender { name, trees, order, settle } = contender;
-        let terms = Terms { trees, order, settle, disturbances, ..Terms::new(seed) };
+        let Contender { name, trees, order, trust } = contender;
+        let terms = Terms { trees, order, trust, disturbances, ..Terms::new(seed) };
         let findings = Campaign { terms, seeds }.run(threads)?;
         Ok(Compared { contender: name, level, findings })
     };

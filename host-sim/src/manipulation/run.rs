@@ -1,9 +1,11 @@
 //! A run: the loop in which the world, the robots and the radio take turns.
 
+use super::conventional::Conventional;
 use super::record::{Actions, Decided, RobotTick, Run, Thought, Tick, deed_name, place_name, state_name};
-use super::robot::{Conventional, Inferring, Skills};
+use super::robot::{Inferring, Skills};
+use super::sense::Sense;
 use super::skill::Skill;
-use super::terms::{Terms, Trees};
+use super::terms::{Terms, Trees, Trust};
 use super::world::{Spot, World};
 use crate::radio::{Radio, Traffic};
 use crate::scenario;
@@ -103,12 +105,11 @@ impl Robot {
         let id = RobotId(index);
         let limits = Limits::for_beacons(Duration(1)).unwrap_or_else(|_| unreachable!("a tick is short"));
         let roster = Roster::new(id, TEAM, limits).unwrap_or_else(|_| unreachable!("a team of two"));
-        let skills: Box<dyn Skills> = match terms.trees {
-            Trees::Inference => {
-                let task = Manipulation::new(mission, id, roster).map_err(RunError::Mission)?;
-                Box::new(Inferring::new(task))
-            }
-            _ => Box::new(Conventional::new(id, roster, terms.settle)),
+        let task = Manipulation::new(mission, id, roster.clone()).map_err(RunError::Mission)?;
+        let skills: Box<dyn Skills> = match (terms.trees, terms.trust) {
+            (Trees::Inference, _) => Box::new(Inferring::new(task)),
+            (_, Trust::Equal(enough)) => Box::new(Conventional::new(id, roster, Sense::debounced(enough))),
+            (_, Trust::Belief) => Box::new(Conventional::new(id, roster, Sense::believed(task))),
         };
         Ok(Self {
             tree,

@@ -18,6 +18,20 @@ pub enum Trees {
     AsDrawn,
 }
 
+/// What the leaves of a conventional tree take for true.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Trust {
+    /// What so many equal readings in a row say, one at the least.
+    Equal(u8),
+    /// What the inference nodes' belief is sure of: the same filter under another tree.
+    Belief,
+}
+
+impl Trust {
+    /// Three equal readings: with one in ten wrong, two are faster and end one mission in a hundred by mistake.
+    pub const DEFAULT: Self = Self::Equal(3);
+}
+
 /// What goes wrong, as probabilities.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Disturbances {
@@ -55,17 +69,13 @@ pub struct Terms {
     pub preset: Preset,
     /// Who fetches when, in the inference nodes.
     pub order: Order,
-    /// How many equal readings in a row a conventional leaf takes for settled, at least one.
-    pub settle: u8,
+    /// What conventional leaves trust.
+    pub trust: Trust,
     /// The run ends after so many ticks.
     pub max_ticks: u32,
 }
 
 impl Terms {
-    /// How many equal readings in a row settle a state, unless told otherwise: with one wrong reading in ten, the fewest with which
-    /// the conventional trees do not take a wrong state for the right one in the course of a mission.
-    pub const SETTLE: u8 = 3;
-
     /// The default mission with a seed.
     #[must_use]
     pub const fn new(seed: u64) -> Self {
@@ -75,7 +85,7 @@ impl Terms {
             disturbances: Disturbances::TENTH,
             preset: Preset::DEFAULT,
             order: Order::InTurn,
-            settle: Self::SETTLE,
+            trust: Trust::DEFAULT,
             max_ticks: 600,
         }
     }

@@ -193,6 +193,20 @@ impl Manipulation {
         tree::Status::Running
     }
 
+    /// Takes the last percept in and says where the robot is and what it is, if it is sure of both. With [`act`](Self::act), this is
+    /// all that a conventional tree needs to work on the same belief.
+    pub fn settled(&mut self) -> Option<(Place, State)> {
+        self.track();
+        let place = self.place().filter(|_| !self.percept.busy)?;
+        let grip = sure(&self.tracking.grips())?;
+        Some((place, tracking::state(grip, place as usize, self.role.source)))
+    }
+
+    /// Begins an action that somebody else has chosen.
+    pub fn act(&mut self, command: Command) {
+        self.begin(command);
+    }
+
     /// Begins nothing more; an action under way ends by itself.
     pub fn halt(&mut self) {
         self.command = None;
