@@ -1,11 +1,13 @@
 //! The verbs, what they read and what they print.
 
 mod learn;
+mod manipulate;
 mod notebook;
 mod reproduce;
 mod tree;
 
 use self::learn::Learn;
+use self::manipulate::Manipulate;
 use self::reproduce::Reproduce;
 use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand};
@@ -99,6 +101,9 @@ enum Verb {
     /// Learn from a log how often each robot's moves succeed
     #[command(after_help = learn::EXAMPLES)]
     Learn(Learn),
+    /// Let two robots bring a bottle and a plate together
+    #[command(after_help = manipulate::EXAMPLES)]
+    Manipulate(Manipulate),
     /// Check, show, translate and try behavior trees
     Tree(tree::Tree),
 }
@@ -147,6 +152,7 @@ impl Cli {
             Some(Verb::Infer(infer)) => infer.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Export(export)) => export.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Learn(learn)) => learn.run(),
+            Some(Verb::Manipulate(manipulate)) => manipulate.run(),
             Some(Verb::Tree(tree)) => tree.run(),
             None => self.run.run(),
         }

@@ -29,6 +29,7 @@ mod flight;
 mod learn;
 pub mod library;
 mod log;
+pub mod manipulation;
 mod news;
 pub mod notebook;
 mod phases;

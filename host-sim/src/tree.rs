@@ -46,6 +46,7 @@
 
 mod alarm;
 mod blackboard;
+mod bound;
 mod census;
 mod check;
 mod codegen;
@@ -70,6 +71,7 @@ mod timeline;
 mod value;
 mod xml;
 
+pub use bound::{Bound, Leaf};
 pub use census::Census;
 pub use check::check;
 pub use diagnostic::{Diagnostic, Place, Remarks, Severity};
