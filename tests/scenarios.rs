@@ -117,6 +117,14 @@ block = 7
             host_sim::News::Agreed { .. } => "agreed",
             host_sim::News::Arrived { .. } => "arrived",
             host_sim::News::Collided { .. } => "collided",
+            host_sim::News::Asked { .. } => "asked",
+            host_sim::News::Refused { .. } => "refused",
+            host_sim::News::Visited { .. } => "visited",
+            host_sim::News::Drained { .. } => "drained",
+            host_sim::News::Left { .. } => "left",
+            host_sim::News::Returned { .. } => "returned",
+            host_sim::News::Stopped { .. } => "stopped",
+            host_sim::News::Resumed { .. } => "resumed",
         }
     }
 }
@@ -226,6 +234,14 @@ mod readme {
         let mut names = keys(&serde_json::to_value(&record).unwrap());
         names.extend(keys(&serde_json::to_value(News::Collided { times: 1 }).unwrap()));
         names.extend(["appeared", "found", "chose", "agreed", "arrived", "collided"].map(String::from));
+        names.extend(
+            ["asked", "refused", "visited", "drained", "left", "returned", "stopped", "resumed"]
+                .map(String::from),
+        );
+        names.extend(
+            ["obstacle", "way_point", "battery", "charged", "position", "outdated", "misfit"]
+                .map(String::from),
+        );
         names.extend(["deciding", "announced", "away", "together", "apart", "unfinished"].map(String::from));
         let missing: Vec<_> = names.iter().filter(|name| !README.contains(&format!("`{name}`"))).collect();
         assert!(names.len() > 40 && missing.is_empty(), "of {}, missing {missing:?}", names.len());
@@ -311,9 +327,26 @@ precision = 16.0
             ("delay = 1", "jitter = 1", "18", "unknown field `jitter`"),
             ("block = 7", "block = 8", "21", "8 is where Bo starts"),
             ("block = 7", "block = 12", "21", "block 12 is outside the map"),
-            ("tick = 4", "at = 4", "19", "say when it appears"),
+            ("tick = 4", "at = 4", "19", "say when it happens"),
             ("tick = 4", "robot = 'Al'\nat = 4", "20", "no robot is called \"Al\": there are R1, Bo"),
-            ("tick = 4\nblock = 7", "tick = 4", "19", "missing field `block`"),
+            ("tick = 4\nblock = 7", "tick = 4", "19", "say what happens: exactly one of block, charge, visit and stop"),
+            ("block = 7", "block = 7\nstop = true", "19", "say what happens: exactly one"),
+            ("block = 7", "block = 7\nwho = 'Bo'", "22", "an obstacle is nobody's: leave `who` out"),
+            ("block = 7", "block = 7\nfor = 3", "22", "only stop takes a time: leave `for` out"),
+            ("block = 7", "charge = 20", "19", "say whom it concerns: who = \"NAME\""),
+            ("block = 7", "charge = 101\nwho = 'Bo'", "21", "charge = 101 is not between 0 and 100"),
+            ("block = 7", "visit = 5\nwho = 'Bo'", "21", "way-point 5 is blocked on the map"),
+            ("block = 7", "visit = 12\nwho = 'Bo'", "21", "way-point 12 is outside the map"),
+            ("block = 7", "visit = 7\nwho = 'Al'", "22", "no robot is called \"Al\": there are R1, Bo"),
+            ("block = 7", "stop = false\nwho = 'Bo'", "21", "stop = false says nothing"),
+            ("block = 7", "stop = true\nfor = 0\nwho = 'Bo'", "22", "for = 0 is not between 1 and 100000"),
+            ("block = 7", "stop = 1\nwho = 'Bo'", "21", "expected a boolean"),
+            ("start = 0", "start = 0\ncharger = 5", "11", "charger 5 is blocked on the map"),
+            ("start = 0", "start = 0\ncharger = 12", "11", "charger 12 is outside the map"),
+            ("start = 0", "start = 0\ndrain = -1", "11", "drain = -1 is not between 0 and 100"),
+            ("start = 0", "start = 0\ncharging = 200", "11", "charging = 200 is not between 0 and 100"),
+            ("start = 0", "start = 0\nslip = 2", "11", "slip = 2 is not between 0 and 1"),
+            ("limit = 100", "slip = 1.5", "2", "slip = 1.5 is not between 0 and 1"),
             ("precision = 16.0", "precision = -1", "23", "precision = -1 is not between 0 and 1000"),
         ];
         for (right, wrong, line, reason) in cases {
@@ -335,6 +368,17 @@ precision = 16.0
         let shared = "title = 't'\nmap = '''\n1.#G\n2.#.\nG.#.\n'''";
         let refused = refusal("my.toml", shared);
         assert!(refused.starts_with("my.toml:2: R2 on 4 can reach no goal of its own"), "{refused}");
+    }
+
+    #[test]
+    fn when_a_charger_or_a_way_point_is_out_of_reach_or_taken() {
+        let text = |more: &str| format!("title = 't'\nmap = '''\n1.G\n###\n2.G\n'''\n{more}");
+        let refused = |more: &str| refusal("my.toml", &text(more));
+        assert_eq!(refused("[[robot]]\ncharger = 7"), "my.toml:8: R1 on 0 cannot reach the charger 7");
+        let visit = "[[event]]\ntick = 3\nvisit = 1\nwho = 'R2'";
+        assert_eq!(refused(visit), "my.toml:9: R2 on 6 cannot reach the way-point 1");
+        let free = text("[[robot]]\ncharger = 1\n[[robot]]\ncharger = 1").replace("###", "...");
+        assert_eq!(refusal("my.toml", &free), "my.toml:10: 1 is the charger of R1 already");
     }
 
     #[test]

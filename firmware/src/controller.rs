@@ -4,11 +4,12 @@ use crate::hardware::{Battery, Clock, Drive, Hardware, Link, Localiser, Scanner}
 use crate::pilot;
 use crate::pilot::{NODES, Pilot, TREE};
 use crate::{Report, Settings};
-use iibt_core::iibt::navigation::{MissionError, Percept};
+use iibt_core::grid::Cell;
+use iibt_core::iibt::navigation::{MissionError, Percept, VisitError};
 use iibt_core::iibt::{Mission, Navigation, Node};
 use iibt_core::team::{
     Deframer, Intention, Limits, LimitsError, MAX_FRAME, MAX_TEAM, Numbering, RobotId, Roster, RosterError,
-    SipHash64, Stamp, Status as Doing, encode,
+    SipHash64, Stamp, encode,
 };
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::{Memory, Status};
@@ -73,7 +74,6 @@ impl<'m, H: Hardware, const S: usize, const W: usize, const P: usize> Controller
                 charge: 100,
                 low_battery: settings.low_battery,
                 charged: settings.charged,
-                recharging: false,
             },
             memory: Memory::new(),
             deframer: Deframer::new(),
@@ -99,6 +99,14 @@ impl<'m, H: Hardware, const S: usize, const W: usize, const P: usize> Controller
         status
     }
 
+    /// Has the robot visit a cell before its goal; see [`Navigation::visit`].
+    ///
+    /// # Errors
+    /// [`VisitError`] when it cannot, or has too many to visit already.
+    pub fn visit(&mut self, cell: Cell) -> Result<(), VisitError> {
+        self.pilot.navigation.visit(cell)
+    }
+
     /// The leaf of the tree that is running since the last tick.
     #[must_use]
     pub fn activity(&self) -> Option<&'static str> {
@@ -112,7 +120,7 @@ impl<'m, H: Hardware, const S: usize, const W: usize, const P: usize> Controller
         let agreement = navigation.agreement();
         let (cell, confidence) = navigation.position();
         Report {
-            status: self.doing(),
+            status: navigation.status(),
             round: agreement.round(),
             goal: agreement.goal(),
             path: *agreement.path(),
@@ -121,6 +129,8 @@ impl<'m, H: Hardware, const S: usize, const W: usize, const P: usize> Controller
             cell,
             confidence,
             surprise: navigation.surprise().ok(),
+            waypoint: navigation.waypoints().first().copied(),
+            cause: navigation.cause(),
             sent: self.sent,
             unsent: self.unsent,
             dropped: self.deframer.dropped(),
@@ -192,12 +202,7 @@ impl<'m, H: Hardware, const S: usize, const W: usize, const P: usize> Controller
         intention.epoch = stamp.epoch;
         intention.sequence = stamp.sequence;
         intention.tick = now;
-        intention.status = self.doing();
         intention
-    }
-
-    fn doing(&self) -> Doing {
-        if self.pilot.recharging { Doing::Away } else { self.pilot.navigation.agreement().status() }
     }
 }
 

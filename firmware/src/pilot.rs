@@ -45,14 +45,16 @@ pub(crate) struct Pilot<'m, const S: usize, const W: usize, const P: usize> {
     pub(crate) charge: u8,
     pub(crate) low_battery: u8,
     pub(crate) charged: u8,
-    pub(crate) recharging: bool,
 }
 
 impl<const S: usize, const W: usize, const P: usize> Pilot<'_, S, W, P> {
-    /// The robot stands where it is and takes no part until its battery is charged.
+    /// The robot takes no part until its battery is charged, and drives to its charger if it has one.
     fn recharge(&mut self) -> Status {
-        self.recharging = self.charge < self.charged;
-        if self.recharging { Status::Running } else { Status::Success }
+        if self.charge >= self.charged {
+            return Status::Success;
+        }
+        self.navigation.recharge();
+        Status::Running
     }
 }
 
@@ -76,8 +78,7 @@ impl<const S: usize, const W: usize, const P: usize> Leaves<Skill> for Pilot<'_,
     fn on_halted(&mut self, leaf: &Skill, _: Instant) -> Halt {
         match leaf {
             Skill::MoveToGoal => self.node.halt(&mut self.navigation),
-            Skill::Recharge => self.recharging = false,
-            Skill::BatteryEnough => {}
+            Skill::Recharge | Skill::BatteryEnough => {}
         }
         Halt::Done
     }

@@ -1,6 +1,7 @@
 //! What a robot says about itself to whoever watches.
 
 use iibt_core::grid::{Cell, Path};
+use iibt_core::iibt::navigation::Cause;
 use iibt_core::team::{Counters, Round, Status};
 
 /// A robot's state after a tick.
@@ -26,6 +27,10 @@ pub struct Report {
     pub confidence: f32,
     /// The surprise of the last reading, -ln P(o); `None` when the reading was impossible.
     pub surprise: Option<f32>,
+    /// The way-point that it is to visit next.
+    pub waypoint: Option<Cell>,
+    /// Why it opened the round that it is in, if it did.
+    pub cause: Option<Cause>,
     /// Frames sent.
     pub sent: u32,
     /// Frames that the link did not take.

@@ -16,6 +16,8 @@ pub(crate) enum Purpose {
     Localiser = 3,
     /// Whether a worn drive makes a move.
     Wear = 4,
+    /// Whether a move fails.
+    Slip = 5,
 }
 
 /// A stream of draws.

@@ -1,7 +1,7 @@
 //! A flight: the loop that lets the world, the robots and the radio take turns, and keeps the record.
 //!
 //! ```text
-//! one tick   world: obstacles appear ─► sensors and arrived frames into the bodies
+//! one tick   world: events happen ─► sensors and arrived frames into the bodies
 //!            every controller ticks, alone in its body
 //!            frames to the radio ─► commands to the world, all at once ─► referee ─► news
 //! ```
@@ -10,6 +10,7 @@
 
 use crate::chance::{Chance, Purpose};
 use crate::news::{self, News};
+use crate::phases::{self, Phase};
 use crate::radio::{Radio, Traffic};
 use crate::record::{self, Activity, Dated, Outcome, Record, RobotRecord};
 use crate::referee::Collisions;
@@ -42,6 +43,10 @@ pub struct Scene<'f> {
     pub cells: &'f [Cell],
     /// What the robots say of themselves.
     pub reports: &'f [Report],
+    /// The charge of their batteries in percent.
+    pub charges: &'f [u8],
+    /// Whether they have stopped.
+    pub stopped: &'f [bool],
     /// The moves that the robots were told to make in the last tick, none before the first.
     pub commands: &'f [Option<Move>],
     /// The leaf of each robot's tree that is running.
@@ -101,12 +106,17 @@ struct Flight<'f, 'm> {
     radio: Radio,
     localisers: Chance,
     wear: Chance,
+    slips: Chance,
     collisions: Collisions,
     tick: u32,
     reports: Vec<Report>,
     activities: Vec<Option<&'static str>>,
     tree: Vec<Vec<Activity>>,
     found: Vec<Cell>,
+    waypoints: Vec<Vec<Cell>>,
+    visited: Vec<Vec<Cell>>,
+    phases: Vec<Phase>,
+    certainty: Vec<Vec<f32>>,
     commands: Vec<Option<Move>>,
     news: Vec<Dated>,
     history: Vec<Vec<Cell>>,
@@ -123,12 +133,17 @@ impl<'f, 'm> Flight<'f, 'm> {
             radio: Radio::new(terms, team.len(), conditions.seed),
             localisers: Chance::new(conditions.seed, Purpose::Localiser),
             wear: Chance::new(conditions.seed, Purpose::Wear),
+            slips: Chance::new(conditions.seed, Purpose::Slip),
             collisions: Collisions::default(),
             tick: 0,
             reports: team.iter().map(|robot| robot.report()).collect(),
             activities: vec![None; team.len()],
             tree: vec![Vec::new(); team.len()],
             found: Vec::new(),
+            waypoints: vec![Vec::new(); team.len()],
+            visited: vec![Vec::new(); team.len()],
+            phases: Vec::new(),
+            certainty: Vec::new(),
             commands: vec![None; team.len()],
             news: Vec::new(),
             history: vec![world.cells().to_vec()],
@@ -140,12 +155,17 @@ impl<'f, 'm> Flight<'f, 'm> {
 
     /// Shows how things stand, and the news but for those told already.
     fn show(&self, audience: &mut dyn Audience, told: usize) {
+        let robots = 0..self.team.len();
+        let charges: Vec<_> = robots.clone().map(|robot| self.world.battery(robot).percent()).collect();
+        let stopped: Vec<_> = robots.map(|robot| self.world.is_stopped(robot)).collect();
         audience.see(&Scene {
             scenario: self.scenario,
             tick: self.tick,
             floor: self.world.floor(),
             cells: self.world.cells(),
             reports: &self.reports,
+            charges: &charges,
+            stopped: &stopped,
             commands: &self.commands,
             activities: &self.activities,
             news: &self.news[told..],
@@ -159,12 +179,15 @@ impl<'f, 'm> Flight<'f, 'm> {
     }
 
     fn tick(&mut self) {
-        let mut news: Vec<_> =
-            self.world.begin(self.tick).into_iter().map(|cell| News::Appeared { cell }).collect();
+        let mut news = self.world.begin(self.tick);
+        self.instruct(&mut news);
         news.extend(self.sense());
-        for robot in self.team.iter_mut() {
-            robot.tick();
+        for (index, robot) in self.team.iter_mut().enumerate() {
+            if !self.world.is_stopped(index) {
+                robot.tick();
+            }
         }
+        self.certainty.push(self.certainties());
         self.transmit();
         news.extend(self.drive());
         news.extend(self.compare());
@@ -172,10 +195,31 @@ impl<'f, 'm> Flight<'f, 'm> {
         self.tick += 1;
     }
 
+    /// Tells the robots which way-points to visit.
+    fn instruct(&mut self, news: &mut [News]) {
+        for item in news {
+            if let News::Asked { robot, cell } = *item {
+                if self.team[robot].visit(cell) {
+                    self.waypoints[robot].push(cell);
+                } else {
+                    *item = News::Refused { robot, cell };
+                }
+            }
+        }
+    }
+
+    /// How likely each robot takes itself to be where it is.
+    fn certainties(&self) -> Vec<f32> {
+        self.team.iter().zip(self.world.cells()).map(|(robot, &cell)| robot.belief(cell)).collect()
+    }
+
     /// Fills the bodies with what the sensors and the radio bring in this tick.
     fn sense(&mut self) -> Vec<News> {
         let mut news = Vec::new();
         for index in 0..self.team.len() {
+            if self.world.is_stopped(index) {
+                continue;
+            }
             let reading = self.locate(index);
             let in_view: Vec<_> = self.world.in_view(index, self.scenario.view).collect();
             for &cell in &in_view {
@@ -186,12 +230,14 @@ impl<'f, 'm> Flight<'f, 'm> {
             }
             let body = self.team[index].body();
             body.clock.now = self.tick;
-            body.battery.charge = self.scenario.robots[index].battery;
+            body.battery.charge = self.world.battery(index).percent();
             body.localiser.reading = Some(reading);
             body.scanner.look(in_view);
         }
         for (receiver, frame) in self.radio.arrivals(self.tick) {
-            self.team[receiver].body().antenna.received.extend(frame);
+            if !self.world.is_stopped(receiver) {
+                self.team[receiver].body().antenna.received.extend(frame);
+            }
         }
         news
     }
@@ -231,7 +277,8 @@ impl<'f, 'm> Flight<'f, 'm> {
         // Drawn one by one: a drive that is worn twice fails for either reason.
         let fails =
             self.scenario.wear.iter().filter(worn).filter(|wear| self.wear.strikes(wear.fails)).count() > 0;
-        if fails { Move::Wait } else { step }
+        let slips = step != Move::Wait && self.slips.strikes(self.scenario.robots[robot].slip);
+        if fails || slips || self.world.battery(robot).is_empty() { Move::Wait } else { step }
     }
 
     fn compare(&mut self) -> Vec<News> {
@@ -243,7 +290,31 @@ impl<'f, 'm> Flight<'f, 'm> {
                 tree.push(Activity { tick: self.tick, running });
             }
         }
-        news::between(&before, &self.reports, self.world.cells(), self.world.floor())
+        let obstacles = || self.world.obstacles().collect();
+        phases::note(&mut self.phases, self.tick, &self.reports, self.world.floor(), obstacles);
+        let mut news = self.ticked_off();
+        news.extend(news::between(&before, &self.reports, &self.world));
+        news
+    }
+
+    /// The way-points that robots have visited in this tick.
+    fn ticked_off(&mut self) -> Vec<News> {
+        let mut news = Vec::new();
+        for (robot, known) in self.waypoints.iter_mut().enumerate() {
+            let mut left = self.team[robot].waypoints().to_vec();
+            // From the end: of a cell that is to be visited twice, the first visit comes off first.
+            for cell in std::mem::take(known).into_iter().rev() {
+                match left.iter().rposition(|&other| other == cell) {
+                    Some(index) => known.push(left.remove(index)),
+                    None => {
+                        self.visited[robot].push(cell);
+                        news.push(News::Visited { robot, cell });
+                    }
+                }
+            }
+            known.reverse();
+        }
+        news
     }
 
     fn record(self) -> Record {
@@ -263,7 +334,9 @@ impl<'f, 'm> Flight<'f, 'm> {
             goals: self.scenario.goals.clone(),
             robots,
             news: self.news,
+            phases: self.phases,
             history: self.history,
+            certainty: self.certainty,
         }
     }
 
@@ -287,6 +360,10 @@ impl<'f, 'm> Flight<'f, 'm> {
             moves: cells.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32,
             arrived: cells.iter().rposition(|&before| before != cell).map_or(0, |last| last as u32 + 1),
             frames: self.radio.traffic()[index],
+            battery: self.world.battery(index).percent(),
+            visited: self.visited[index].clone(),
+            charged: self.news.iter().filter(|dated| dated.news.is_return_of(index)).count() as u32,
+            stopped: self.world.is_stopped(index),
             tree: self.tree[index].clone(),
             accepted: report.received.accepted,
             rejected: report.received.refused(),

@@ -22,6 +22,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod battery;
 mod body;
 mod chance;
 mod flight;
@@ -30,6 +31,7 @@ pub mod library;
 mod log;
 mod news;
 pub mod notebook;
+mod phases;
 mod radio;
 mod record;
 mod referee;
@@ -44,12 +46,13 @@ pub use flight::{Audience, Conditions, Scene, fly};
 pub use learn::{Learned, MoveRatio, RobotRatios};
 pub use log::{Attempt, ExecutionLog, LogError, Logbook};
 pub use news::News;
+pub use phases::{Chosen, Phase};
 pub use radio::Traffic;
 pub use record::{Activity, Dated, Outcome, Record, RobotRecord};
 pub use referee::Collisions;
 pub use scenario::{
-    Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Obstacle, Radio, Robot, Scenario, ScenarioError, Wear,
-    When,
+    Effect, Event, Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Radio, Robot, Scenario, ScenarioError,
+    Wear, When,
 };
 
 /// The code in the README and in the documents is compiled and run with the tests.

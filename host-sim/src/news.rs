@@ -2,6 +2,7 @@
 
 use crate::scenario::{Floor, Scenario};
 use crate::words::route;
+use crate::world::World;
 use firmware::Report;
 use iibt_core::grid::Cell;
 use iibt_core::team::Status;
@@ -48,6 +49,58 @@ pub enum News {
         /// Where it stands in truth.
         cell: Cell,
     },
+    /// A robot was told to visit a cell before its goal.
+    Asked {
+        /// Who.
+        robot: usize,
+        /// Where.
+        cell: Cell,
+    },
+    /// A robot was told to visit a cell, but there is an obstacle or no room for another way-point.
+    Refused {
+        /// Who.
+        robot: usize,
+        /// Where.
+        cell: Cell,
+    },
+    /// A robot takes itself to have visited a way-point.
+    Visited {
+        /// Who.
+        robot: usize,
+        /// Which.
+        cell: Cell,
+    },
+    /// A robot's battery fell.
+    Drained {
+        /// Whose.
+        robot: usize,
+        /// To how many percent.
+        charge: u8,
+    },
+    /// A robot left the team because its battery is low.
+    Left {
+        /// Who.
+        robot: usize,
+        /// Its charge in percent.
+        charge: u8,
+    },
+    /// A robot is charged and takes part again.
+    Returned {
+        /// Who.
+        robot: usize,
+        /// Its charge in percent.
+        charge: u8,
+    },
+    /// A robot stopped.
+    Stopped {
+        /// Who.
+        robot: usize,
+    },
+    /// A robot that had stopped goes on.
+    Resumed {
+        /// Who.
+        robot: usize,
+    },
     /// Robots shared or swapped cells, or ran into something.
     Collided {
         /// How often in this tick.
@@ -56,12 +109,13 @@ pub enum News {
 }
 
 /// What the reports of two ticks in a row tell together.
-pub(crate) fn between(before: &[Report], after: &[Report], cells: &[Cell], floor: &Floor) -> Vec<News> {
+pub(crate) fn between(before: &[Report], after: &[Report], world: &World) -> Vec<News> {
     let mut news = Vec::new();
     for (robot, (old, new)) in before.iter().zip(after).enumerate() {
-        news.extend(choice(robot, old, new, floor));
+        news.extend(leave(robot, old, new, world.battery(robot).percent()));
+        news.extend(choice(robot, old, new, world.floor()));
         if new.status == Status::Arrived && old.status != Status::Arrived {
-            news.push(News::Arrived { robot, cell: cells[robot] });
+            news.push(News::Arrived { robot, cell: world.cells()[robot] });
         }
     }
     let round = agreed_round(after).filter(|&round| agreed_round(before) != Some(round));
@@ -79,8 +133,17 @@ fn choice(robot: usize, old: &Report, new: &Report, floor: &Floor) -> Option<New
     Some(News::Chose { robot, round: new.round.0, goal, path, probability: new.probability })
 }
 
+/// Leaving the team to charge, and coming back.
+fn leave(robot: usize, old: &Report, new: &Report, charge: u8) -> Option<News> {
+    match (old.status == Status::Away, new.status == Status::Away) {
+        (false, true) => Some(News::Left { robot, charge }),
+        (true, false) => Some(News::Returned { robot, charge }),
+        _ => None,
+    }
+}
+
 /// The round that every robot has agreed to, if they all have.
-fn agreed_round(reports: &[Report]) -> Option<u16> {
+pub(crate) fn agreed_round(reports: &[Report]) -> Option<u16> {
     let first = reports.first()?.round;
     let agrees =
         |report: &Report| report.round == first && matches!(report.status, Status::Agreed | Status::Arrived);
@@ -88,6 +151,11 @@ fn agreed_round(reports: &[Report]) -> Option<u16> {
 }
 
 impl News {
+    /// Whether this robot is charged and back.
+    pub(crate) fn is_return_of(&self, index: usize) -> bool {
+        matches!(self, Self::Returned { robot, .. } if *robot == index)
+    }
+
     /// This in one line.
     #[must_use]
     pub fn line(&self, scenario: &Scenario) -> String {
@@ -103,6 +171,18 @@ impl News {
             ),
             Self::Agreed { round } => format!("all agree (round {round})"),
             Self::Arrived { robot, cell } => format!("{} has arrived at {}", name(*robot), cell.0),
+            Self::Asked { robot, cell } => format!("{} is to visit {}", name(*robot), cell.0),
+            Self::Refused { robot, cell } => format!("{} cannot visit {}", name(*robot), cell.0),
+            Self::Visited { robot, cell } => format!("{} visits {}", name(*robot), cell.0),
+            Self::Drained { robot, charge } => {
+                format!("the battery of {} falls to {charge} %", name(*robot))
+            }
+            Self::Left { robot, charge } => {
+                format!("{} leaves the team with {charge} % in its battery", name(*robot))
+            }
+            Self::Returned { robot, charge } => format!("{} is back with {charge} %", name(*robot)),
+            Self::Stopped { robot } => format!("{} stops", name(*robot)),
+            Self::Resumed { robot } => format!("{} goes on", name(*robot)),
             Self::Collided { times } => format!("COLLISION ({times})"),
         }
     }

@@ -1,6 +1,7 @@
 //! The record of a flight: everything that is printed at its end, and the whole of `--json`.
 
 use crate::news::News;
+use crate::phases::Phase;
 use crate::radio::Traffic;
 use crate::referee::Collisions;
 use crate::scenario::Scenario;
@@ -39,8 +40,12 @@ pub struct Record {
     pub robots: Vec<RobotRecord>,
     /// What happened, in order.
     pub news: Vec<Dated>,
+    /// The rounds in which the team decided or a robot charged, in the order they were opened.
+    pub phases: Vec<Phase>,
     /// Where the robots stood: at first, then after every tick, so two entries more than the last tick's number.
     pub history: Vec<Vec<Cell>>,
+    /// How likely each robot took itself to be in the cell it stood in, in every tick before its move.
+    pub certainty: Vec<Vec<f32>>,
 }
 
 /// How a flight ended.
@@ -80,6 +85,14 @@ pub struct RobotRecord {
     pub arrived: u32,
     /// What became of the frames it sent.
     pub frames: Traffic,
+    /// The charge of its battery at the end, in percent.
+    pub battery: u8,
+    /// The way-points it visited.
+    pub visited: Vec<Cell>,
+    /// How often it came back charged.
+    pub charged: u32,
+    /// Whether it has stopped.
+    pub stopped: bool,
     /// The leaves of its tree that were running, one after the other.
     pub tree: Vec<Activity>,
     /// The frames it received and took in.

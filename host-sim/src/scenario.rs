@@ -7,6 +7,7 @@
 mod check;
 mod drawing;
 mod error;
+mod event;
 mod file;
 mod reach;
 mod team;
@@ -43,8 +44,8 @@ pub struct Scenario {
     pub goals: Vec<Cell>,
     /// The team, in the order of the robots' numbers.
     pub robots: Vec<Robot>,
-    /// The obstacles that appear while the mission is flown.
-    pub obstacles: Vec<Obstacle>,
+    /// What happens while the mission is flown.
+    pub events: Vec<Event>,
     /// The drives that make some moves only now and then.
     pub wear: Vec<Wear>,
     /// The radio between the robots.
@@ -64,22 +65,43 @@ pub struct Robot {
     pub start: Cell,
     /// The charge of its battery in percent.
     pub battery: u8,
+    /// Where it charges, if there is such a place.
+    pub charger: Option<Cell>,
+    /// What a move takes from its battery, in percent.
+    pub drain: f64,
+    /// What a tick on its charger gives its battery, in percent.
+    pub charging: f64,
+    /// The probability that a move fails, and it stays.
+    pub slip: f64,
     /// The probability that its localiser is right; else it names any other cell.
     pub localiser: f64,
     /// The paths it may choose from; none when it plans its own.
     pub paths: Vec<Path>,
 }
 
-/// An obstacle that appears.
+/// Something that happens once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Obstacle {
-    /// Where it appears, as soon as no robot stands there.
-    pub cell: Cell,
-    /// When it appears.
+pub struct Event {
+    /// When.
     pub when: When,
+    /// What.
+    pub effect: Effect,
 }
 
-/// When an obstacle appears.
+/// What an event does. Robots are named by their index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// An obstacle appears in this cell, as soon as no robot stands there.
+    Block(Cell),
+    /// A robot's battery falls to a charge in percent, if it has more.
+    Charge(usize, u8),
+    /// A robot is told to visit a cell before its goal.
+    Visit(usize, Cell),
+    /// A robot stops: its controller is dead and it stands, for so many ticks or for good.
+    Stop(usize, Option<u32>),
+}
+
+/// When an event happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
     /// At the beginning of a tick.

@@ -18,6 +18,12 @@ pub(crate) trait Robot {
     fn report(&self) -> Report;
     /// The leaf of its tree that is running.
     fn activity(&self) -> Option<&'static str>;
+    /// Tells it to visit a cell; returns whether it will.
+    fn visit(&mut self, cell: Cell) -> bool;
+    /// The way-points that it is still to visit.
+    fn waypoints(&self) -> &[Cell];
+    /// How likely it takes itself to be in a cell.
+    fn belief(&self, cell: Cell) -> f32;
     /// The body it works in.
     fn body(&mut self) -> &mut Body;
 }
@@ -51,7 +57,9 @@ fn sized<const S: usize, const W: usize, R>(
 ) -> Result<R, ControllerError> {
     let starts: Vec<Cell> = scenario.robots.iter().map(|robot| robot.start).collect();
     let paths: Vec<&[Path]> = scenario.robots.iter().map(|robot| robot.paths.as_slice()).collect();
+    let chargers: Vec<Option<Cell>> = scenario.robots.iter().map(|robot| robot.charger).collect();
     let mut mission = Mission::new(shrunk::<W>(&scenario.map), &starts, &scenario.goals);
+    mission.chargers = &chargers;
     if paths.iter().all(|paths| !paths.is_empty()) {
         mission.candidates = Some(&paths);
     }
@@ -103,6 +111,18 @@ impl<const S: usize, const W: usize, const P: usize> Robot for Controller<'_, Bo
 
     fn activity(&self) -> Option<&'static str> {
         Controller::activity(self)
+    }
+
+    fn visit(&mut self, cell: Cell) -> bool {
+        Controller::visit(self, cell).is_ok()
+    }
+
+    fn waypoints(&self) -> &[Cell] {
+        self.navigation().waypoints()
+    }
+
+    fn belief(&self, cell: Cell) -> f32 {
+        self.navigation().probability_of(cell)
     }
 
     fn body(&mut self) -> &mut Body {

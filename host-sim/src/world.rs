@@ -1,6 +1,8 @@
 //! The world as it is, whatever the robots believe: where they stand and what blocks their way.
 
-use crate::scenario::{Floor, Obstacle, Scenario, When};
+use crate::battery::Battery;
+use crate::news::News;
+use crate::scenario::{Effect, Event, Floor, Scenario, When};
 use iibt_core::grid::{Cell, Move};
 
 /// The truth of a flight.
@@ -9,7 +11,10 @@ pub(crate) struct World {
     known: Floor,
     floor: Floor,
     cells: Vec<Cell>,
-    to_come: Vec<Obstacle>,
+    batteries: Vec<Battery>,
+    /// The tick in which each robot that has stopped goes on; `None` for those that have not.
+    stopped: Vec<Option<u32>>,
+    to_come: Vec<Event>,
     due: Vec<Cell>,
 }
 
@@ -19,7 +24,9 @@ impl World {
             known: scenario.map,
             floor: scenario.map,
             cells: scenario.robots.iter().map(|robot| robot.start).collect(),
-            to_come: scenario.obstacles.clone(),
+            batteries: scenario.robots.iter().map(Battery::of).collect(),
+            stopped: vec![None; scenario.robots.len()],
+            to_come: scenario.events.clone(),
             due: Vec::new(),
         }
     }
@@ -34,33 +41,78 @@ impl World {
         &self.floor
     }
 
-    /// Lets the obstacles of this tick appear, those on robots excepted: they appear when the robot has gone.
-    pub(crate) fn begin(&mut self, tick: u32) -> Vec<Cell> {
+    /// The battery of a robot.
+    pub(crate) fn battery(&self, robot: usize) -> &Battery {
+        &self.batteries[robot]
+    }
+
+    /// Whether a robot has stopped.
+    pub(crate) fn is_stopped(&self, robot: usize) -> bool {
+        self.stopped[robot].is_some()
+    }
+
+    /// Lets the events of this tick happen; what a robot is told is left to the flight. An obstacle does not appear on a
+    /// robot, but when that has gone.
+    pub(crate) fn begin(&mut self, tick: u32) -> Vec<News> {
+        let mut news = self.resume(tick);
         let cells = &self.cells;
-        let is_due = |obstacle: &mut Obstacle| match obstacle.when {
+        let is_due = |event: &mut Event| match event.when {
             When::Tick(at) => at <= tick,
             When::Reached(robot, at) => cells.get(robot) == Some(&at),
         };
-        self.due.extend(self.to_come.extract_if(.., is_due).map(|obstacle| obstacle.cell));
-        let appearing: Vec<_> = self.due.extract_if(.., |cell| !cells.contains(cell)).collect();
-        appearing.into_iter().filter(|&cell| self.floor.block(cell)).collect()
+        let events: Vec<_> = self.to_come.extract_if(.., is_due).collect();
+        news.extend(events.into_iter().filter_map(|event| self.happen(event.effect, tick)));
+        let appearing: Vec<_> = self.due.extract_if(.., |cell| !self.cells.contains(cell)).collect();
+        let appeared = appearing.into_iter().filter(|&cell| self.floor.block(cell));
+        news.extend(appeared.map(|cell| News::Appeared { cell }));
+        news
+    }
+
+    /// Lets the robots go on whose time has come.
+    fn resume(&mut self, tick: u32) -> Vec<News> {
+        let waking = |(robot, until): (usize, &mut Option<u32>)| {
+            until.take_if(|until| *until <= tick).map(|_| News::Resumed { robot })
+        };
+        self.stopped.iter_mut().enumerate().filter_map(waking).collect()
+    }
+
+    fn happen(&mut self, effect: Effect, tick: u32) -> Option<News> {
+        match effect {
+            Effect::Block(cell) => {
+                self.due.push(cell);
+                None
+            }
+            Effect::Charge(robot, charge) => {
+                self.batteries[robot].fall_to(charge).then_some(News::Drained { robot, charge })
+            }
+            Effect::Visit(robot, cell) => Some(News::Asked { robot, cell }),
+            Effect::Stop(robot, ticks) => {
+                self.stopped[robot] = Some(ticks.map_or(u32::MAX, |ticks| tick + ticks));
+                Some(News::Stopped { robot })
+            }
+        }
+    }
+
+    /// The obstacles that have appeared.
+    pub(crate) fn obstacles(&self) -> impl Iterator<Item = Cell> + '_ {
+        let appeared = |&cell: &Cell| self.known.is_free(cell) && !self.floor.is_free(cell);
+        (0..self.floor.len() as u16).map(Cell).filter(appeared)
     }
 
     /// The obstacles not on the map within `view` cells of a robot, diagonals included.
     pub(crate) fn in_view(&self, robot: usize, view: u16) -> impl Iterator<Item = Cell> + '_ {
         let here = self.cells[robot];
-        let appeared = move |&cell: &Cell| self.known.is_free(cell) && !self.floor.is_free(cell);
-        let near = move |&cell: &Cell| self.distance(here, cell) <= view;
-        (0..self.floor.len() as u16).map(Cell).filter(near).filter(appeared)
+        self.obstacles().filter(move |&cell| self.distance(here, cell) <= view)
     }
 
     /// Carries out one command of every robot, all at once; a robot that runs into something stays.
     pub(crate) fn carry_out(&mut self, commands: &[Move]) {
-        for (cell, &step) in self.cells.iter_mut().zip(commands) {
-            let next = self.floor.neighbour(*cell, step);
+        for ((cell, &step), battery) in self.cells.iter_mut().zip(commands).zip(&mut self.batteries) {
+            let (before, next) = (*cell, self.floor.neighbour(*cell, step));
             if self.floor.is_free(next) {
                 *cell = next;
             }
+            battery.tick(before, *cell);
         }
     }
 
@@ -99,7 +151,7 @@ mod tests {
         world.carry_out(&[Move::Right, Move::Wait]);
         assert_eq!(world.begin(1), [], "a robot stands there");
         world.carry_out(&[Move::Left, Move::Wait]);
-        assert_eq!(world.begin(2), [Cell(1), Cell(3)]);
+        assert_eq!(world.begin(2), [1, 3].map(|cell| News::Appeared { cell: Cell(cell) }));
         assert!(!world.floor().is_free(Cell(1)));
         assert_eq!(world.begin(3), []);
     }
@@ -109,7 +161,24 @@ mod tests {
         let mut world = world("[[event]]\nrobot = 'R2'\nat = 5\nblock = 1");
         assert_eq!(world.begin(0), []);
         world.carry_out(&[Move::Wait, Move::Up]);
-        assert_eq!(world.begin(1), [Cell(1)]);
+        assert_eq!(world.begin(1), [News::Appeared { cell: Cell(1) }]);
+    }
+
+    #[test]
+    fn what_happens_to_a_robot_happens_once_and_it_goes_on_when_its_time_has_come() {
+        let mut world = world(
+            "[[event]]\ntick = 1\nwho = 'R1'\ncharge = 12\n[[event]]\nrobot = 'R2'\nat = 7\nvisit = 0\n\
+             [[event]]\ntick = 2\nwho = 'R2'\nstop = true\nfor = 3",
+        );
+        assert_eq!(world.begin(0), []);
+        assert_eq!(world.begin(1), [News::Drained { robot: 0, charge: 12 }]);
+        assert_eq!((world.battery(0).percent(), world.battery(1).percent()), (12, 100));
+        world.carry_out(&[Move::Wait, Move::Left]);
+        assert_eq!(world.begin(2), [News::Asked { robot: 1, cell: Cell(0) }, News::Stopped { robot: 1 }]);
+        assert!(world.is_stopped(1) && !world.is_stopped(0));
+        assert_eq!((world.begin(3), world.begin(4)), (vec![], vec![]));
+        assert_eq!(world.begin(5), [News::Resumed { robot: 1 }]);
+        assert!(!world.is_stopped(1));
     }
 
     #[test]

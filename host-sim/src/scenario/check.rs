@@ -2,9 +2,9 @@
 
 use super::drawing::Drawing;
 use super::error::Fault;
-use super::file::{Event, File, Number};
+use super::file::{File, Number};
 use super::values::{line_of_text, parameter, share, whole};
-use super::{Inference, MAX_TICKS, Obstacle, Radio, Robot, Scenario, Wear, When, file, reach};
+use super::{Inference, MAX_TICKS, Radio, Robot, Scenario, Wear, file, reach};
 use crate::words::{self, counted};
 use iibt_core::grid::{Cell, Move};
 use iibt_core::iibt::navigation::MAX_GOALS;
@@ -24,7 +24,7 @@ pub(super) fn check(name: &str, text: &str, file: &File) -> Result<Scenario, Fau
     let robots = drawing.team(file, &goals)?;
     reach::goals_for_all(&drawing.map, &goals, &robots)
         .map_err(|(robot, reason)| Fault::new(start_of(robot, file), reason))?;
-    let obstacles = file.events.iter().map(|event| drawing.obstacle(event, &robots));
+    let events = file.events.iter().map(|event| drawing.event(event, &robots));
     Ok(Scenario {
         name: name.to_owned(),
         title: line_of_text("title", &file.title, LONGEST_TITLE)?,
@@ -33,7 +33,7 @@ pub(super) fn check(name: &str, text: &str, file: &File) -> Result<Scenario, Fau
         radio: radio(&file.radio)?,
         inference: inference(&file.inference)?,
         wear: file.wear.iter().map(|wear| worn(wear, &robots)).collect::<Result<_, _>>()?,
-        obstacles: obstacles.collect::<Result<_, _>>()?,
+        events: events.collect::<Result<_, _>>()?,
         map: drawing.map,
         goals,
         robots,
@@ -72,28 +72,6 @@ impl Drawing {
         }
         Ok(goals)
     }
-
-    fn obstacle(&self, event: &Spanned<Event>, robots: &[Robot]) -> Result<Obstacle, Fault> {
-        let written = event.get_ref();
-        let cell = self.free("block", &written.block)?;
-        if let Some(robot) = robots.iter().find(|robot| robot.start == cell) {
-            let reason = format!("{} is where {} starts: no obstacle can appear there", cell.0, robot.name);
-            return Err(Fault::new(written.block.span(), reason));
-        }
-        Ok(Obstacle { cell, when: self.when(event, robots)? })
-    }
-
-    fn when(&self, event: &Spanned<Event>, robots: &[Robot]) -> Result<When, Fault> {
-        let written = event.get_ref();
-        match (&written.tick, &written.robot, &written.at) {
-            (Some(_), None, None) => Ok(When::Tick(whole("tick", written.tick.as_ref(), 0..=MAX_TICKS, 0)?)),
-            (None, Some(name), Some(at)) => Ok(When::Reached(named(name, robots)?, self.free("at", at)?)),
-            _ => {
-                let reason = "say when it appears: either tick = N, or robot = \"NAME\" and at = CELL";
-                Err(Fault::new(event.span(), reason))
-            }
-        }
-    }
 }
 
 fn enough(goals: usize, robots: usize) -> Result<(), String> {
@@ -113,7 +91,7 @@ fn start_of(robot: usize, file: &File) -> Range<usize> {
     written.map_or(file.map.span(), Spanned::span)
 }
 
-fn named(name: &Spanned<String>, robots: &[Robot]) -> Result<usize, Fault> {
+pub(super) fn named(name: &Spanned<String>, robots: &[Robot]) -> Result<usize, Fault> {
     robots.iter().position(|robot| robot.name == *name.get_ref()).ok_or_else(|| {
         let names: Vec<_> = robots.iter().map(|robot| robot.name.as_str()).collect();
         let reason = format!("no robot is called \"{}\": there are {}", name.get_ref(), names.join(", "));

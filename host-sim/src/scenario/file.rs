@@ -11,6 +11,7 @@ pub(super) struct File {
     pub goals: Option<Spanned<Vec<Number>>>,
     pub limit: Option<Number>,
     pub view: Option<Number>,
+    pub slip: Option<Real>,
     #[serde(default)]
     pub radio: Radio,
     #[serde(default)]
@@ -54,6 +55,10 @@ pub(super) struct Robot {
     pub start: Option<Number>,
     pub name: Option<Spanned<String>>,
     pub battery: Option<Number>,
+    pub charger: Option<Number>,
+    pub drain: Option<Real>,
+    pub charging: Option<Real>,
+    pub slip: Option<Real>,
     pub localiser: Option<Real>,
     pub paths: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
 }
@@ -61,10 +66,16 @@ pub(super) struct Robot {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Event {
-    pub block: Number,
     pub tick: Option<Number>,
     pub robot: Option<Spanned<String>>,
     pub at: Option<Number>,
+    pub who: Option<Spanned<String>>,
+    pub block: Option<Number>,
+    pub charge: Option<Number>,
+    pub visit: Option<Number>,
+    pub stop: Option<Spanned<bool>>,
+    #[serde(rename = "for")]
+    pub ticks: Option<Number>,
 }
 
 #[derive(Deserialize)]

@@ -22,6 +22,11 @@ pub(super) fn goals_for_all(map: &Floor, goals: &[Cell], robots: &[Robot]) -> Re
     Ok(())
 }
 
+/// Whether a plan from `start` can lead to a cell.
+pub(super) fn is_near(map: &Floor, start: Cell, cell: Cell) -> bool {
+    !reachable(map, &[cell], start).is_empty()
+}
+
 /// The goals, by their index, that a plan from `start` can lead to.
 fn reachable(map: &Floor, goals: &[Cell], start: Cell) -> Vec<usize> {
     let mut planner = Planner::<MAX_CELLS>::new();

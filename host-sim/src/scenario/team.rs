@@ -3,7 +3,7 @@
 use super::drawing::Drawing;
 use super::error::Fault;
 use super::file::{self, File, Number};
-use super::values::{line_of_text, share, whole};
+use super::values::{line_of_text, percent, share, whole};
 use super::{MAX_PATHS, Robot};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Path};
@@ -42,8 +42,10 @@ impl Drawing {
                 Some(entry) => (entry.span(), entry.get_ref()),
                 None => (file.map.span(), &file::Robot::default()),
             };
-            let robot = self.robot(index, written, goals).map_err(|fault| fault.or_at(&span))?;
+            let mut robot = self.robot(index, written, goals).map_err(|fault| fault.or_at(&span))?;
             apart(&robot, &robots).map_err(|reason| Fault::new(span, reason))?;
+            robot.slip = share("slip", written.slip.as_ref().or(file.slip.as_ref()), 0.0)?;
+            robot.charger = self.charger(written, &robot, &robots)?;
             robots.push(robot);
         }
         all_or_none(&robots, file)?;
@@ -59,6 +61,10 @@ impl Drawing {
         Ok(Robot {
             start,
             battery: whole("battery", written.battery.as_ref(), 0..=100, 100)? as u8,
+            charger: None,
+            drain: percent("drain", written.drain.as_ref(), 0.0)?,
+            charging: percent("charging", written.charging.as_ref(), 10.0)?,
+            slip: 0.0,
             localiser: share("localiser", written.localiser.as_ref(), 1.0)?,
             paths: self.paths(start, written, goals)?,
             name,
@@ -78,6 +84,19 @@ impl Drawing {
                 let reason = format!("{name} has no start: write start = CELL, or draw '{mark}' on the map");
                 Err(Fault::anywhere(reason))
             }
+        }
+    }
+
+    /// Where a robot charges: a cell that it can reach and that is no other robot's charger.
+    fn charger(&self, written: &file::Robot, robot: &Robot, others: &[Robot]) -> Result<Option<Cell>, Fault> {
+        let Some(number) = &written.charger else { return Ok(None) };
+        let cell = self.within_reach("charger", number, robot)?;
+        match others.iter().find(|other| other.charger == Some(cell)) {
+            Some(other) => {
+                let reason = format!("{} is the charger of {} already", cell.0, other.name);
+                Err(Fault::new(number.span(), reason))
+            }
+            None => Ok(Some(cell)),
         }
     }
 

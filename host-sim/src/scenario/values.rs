@@ -23,6 +23,11 @@ pub(super) fn share(key: &str, number: Option<&Real>, usual: f64) -> Result<f64,
     number.map_or(Ok(usual), |number| real(key, number, 0.0..=1.0))
 }
 
+/// A part of a battery in percent, or `usual` where none is written.
+pub(super) fn percent(key: &str, number: Option<&Real>, usual: f64) -> Result<f64, Fault> {
+    number.map_or(Ok(usual), |number| real(key, number, 0.0..=100.0))
+}
+
 /// A parameter of the robots' inference, where one is written.
 pub(super) fn parameter(
     key: &str,

@@ -95,8 +95,12 @@ fn robot_line(scene: &Scene<'_>, robot: usize, palette: Palette) -> String {
         ),
         None => "has not chosen".to_owned(),
     };
-    let activity = scene.activities[robot].unwrap_or("-");
-    format!("  {name} at {:>3}  {activity:<10}  {plan}", scene.cells[robot].0)
+    let stopped = scene.stopped[robot].then_some("stopped");
+    let activity = stopped.or(scene.activities[robot]).unwrap_or("-");
+    let errand = report.waypoint.map_or_else(String::new, |cell| format!(", by way of {}", cell.0));
+    let charge = scene.charges[robot];
+    let battery = if charge < 100 { format!(", battery {charge} %") } else { String::new() };
+    format!("  {name} at {:>3}  {activity:<10}  {plan}{errand}{battery}", scene.cells[robot].0)
 }
 
 fn colour(robot: usize) -> Style {

@@ -11,6 +11,9 @@ pub(super) fn shortfall(record: &Record) -> Vec<String> {
 
 fn lack(robot: &RobotRecord) -> Option<String> {
     let here = robot.cell.0;
+    if robot.stopped {
+        return Some(format!("stands on {here}: it has stopped"));
+    }
     Some(match (robot.status, robot.goal) {
         ("away", _) => format!("stands on {here}: its battery is low"),
         ("deciding", _) => {

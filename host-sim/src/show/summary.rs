@@ -34,8 +34,19 @@ pub fn summary(record: &Record, columns: Option<u16>) -> String {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
+    let events: String = record.robots.iter().filter_map(events).collect();
     let lacking: String = shortfall(record).into_iter().map(|line| format!("\n  {line}")).collect();
-    format!("{}\n\n{LEGEND}\n{}{lacking}", table.trim_fmt(), outcome_line(record))
+    format!("{}\n\n{LEGEND}\n{events}{}{lacking}", table.trim_fmt(), outcome_line(record))
+}
+
+/// What happened to a robot besides its plans, in a line; `None` when nothing did.
+fn events(robot: &RobotRecord) -> Option<String> {
+    let visited = (!robot.visited.is_empty()).then(|| format!("visited {}", route(&robot.visited)));
+    let charged = (robot.charged > 0).then(|| format!("charged {}", counted(robot.charged, "time")));
+    let battery = (robot.battery < 100).then(|| format!("battery {} %", robot.battery));
+    let stopped = robot.stopped.then(|| "stopped".to_owned());
+    let parts: Vec<_> = [visited, charged, battery, stopped].into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| format!("{}: {}\n", robot.name, parts.join(", ")))
 }
 
 fn row(robot: &RobotRecord) -> [String; 9] {
@@ -110,6 +121,7 @@ fn collisions(record: &Record) -> String {
 mod tests {
     use super::*;
     use crate::{Conditions, fly, library};
+    use iibt_core::grid::Cell;
 
     fn flown(loss: f64) -> Record {
         let scenario = library::find("two-goals").unwrap().unwrap();
@@ -127,6 +139,17 @@ mod tests {
         assert_eq!(words(3), "R2 24 2 1 8 15 22 23 24");
         assert!(lines[5].contains("prob.: of its joint policy"), "{text}");
         assert!(lines[6].starts_with("two-goals: both robots arrived together at tick"), "{text}");
+    }
+
+    #[test]
+    fn tells_what_happened_to_a_robot_besides_its_plans() {
+        let mut record = flown(0.0);
+        let robot = &mut record.robots[1];
+        (robot.visited, robot.charged) = (vec![Cell(4), Cell(9)], 1);
+        (robot.battery, robot.stopped) = (35, true);
+        let text = summary(&record, None);
+        assert!(text.contains("\nR2: visited 4 9, charged 1 time, battery 35 %, stopped\n"), "{text}");
+        assert!(!text.contains("\nR1: "), "{text}");
     }
 
     #[test]

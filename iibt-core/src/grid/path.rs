@@ -105,6 +105,17 @@ impl Path {
         rest
     }
 
+    /// This path and then the moves of another one, which should begin where this one ends; `None` when they are more
+    /// than the horizon has room for.
+    #[must_use]
+    pub fn then(&self, next: &Self) -> Option<Self> {
+        let mut whole = *self;
+        for code in next.actions.iter() {
+            whole.actions.push(code).ok()?;
+        }
+        Some(whole)
+    }
+
     /// Whether a robot can follow the path: it starts on a free cell, every code is a move, and every move
     /// leads to a free cell of the map rather than into an obstacle or the border.
     #[must_use]

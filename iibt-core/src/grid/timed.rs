@@ -123,9 +123,18 @@ impl<const W: usize> Sweep<'_, W> {
     /// Cost: at most `4 arrival²` lookups of a bit.
     #[must_use]
     pub fn path_to(&self, goal: Cell, arrival: usize) -> Option<Path> {
-        if !self.arrives(goal, arrival) {
-            return None;
-        }
+        if self.arrives(goal, arrival) { self.trace(goal, arrival) } else { None }
+    }
+
+    /// The shortest path to a cell that keeps clear of the teammates until it is there. Unlike a goal, the cell need
+    /// not stay free of them.
+    #[must_use]
+    pub fn soonest(&self, cell: Cell) -> Option<Path> {
+        (0..=HORIZON).find(|&step| self.is_reached(cell, step)).and_then(|step| self.trace(cell, step))
+    }
+
+    /// A path that is on a reached cell with its last move.
+    fn trace(&self, goal: Cell, arrival: usize) -> Option<Path> {
         let stays = self.stays(goal, arrival);
         let mut moves = [Move::Wait; HORIZON];
         let mut here = goal;

@@ -11,19 +11,24 @@
 
 mod assignment;
 mod candidates;
+mod cause;
 mod decision;
 mod deliberation;
 mod mission;
 mod motion;
 mod plans;
+mod recharging;
 mod task;
 mod tracking;
+mod waypoints;
 mod world;
 
 pub use candidates::Candidate;
+pub use cause::Cause;
 pub use decision::Decision;
 pub use mission::{MAX_GOALS, Mission, MissionError};
-pub use plans::{ARRIVED, OBSTACLE, Plan, REACHABLE, RULES};
+pub use plans::{ARRIVED, OBSTACLE, Plan, REACHABLE, RULES, VISITED};
+pub use waypoints::{MAX_WAYPOINTS, VisitError};
 
 use self::candidates::{Generator, Situation};
 use self::motion::{MOVES, Motion};
@@ -62,6 +67,7 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     surprise: Result<f32, Impossible>,
     preference: Preference<S>,
     hazards: Vec<Cell, MAX_KNOWN_HAZARDS>,
+    waypoints: Vec<Cell, MAX_WAYPOINTS>,
     percept: Percept,
     situation: Option<Situation<W>>,
     candidates: Vec<Candidate, P>,
@@ -77,6 +83,10 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     /// How many rounds the team has begun since this robot last moved.
     vain_rounds: u8,
     stopping: bool,
+    /// Whether this is a tick of charging.
+    recharging: bool,
+    /// Why this robot opened the round it is in, if it did.
+    cause: Option<Cause>,
 }
 
 /// The most obstacles a robot keeps in mind beside those on its map.
@@ -116,6 +126,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             surprise: Ok(0.0),
             preference: decision.world().preference(),
             hazards: Vec::new(),
+            waypoints: Vec::new(),
             percept: Percept::default(),
             situation: None,
             candidates: Vec::new(),
@@ -128,13 +139,17 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             waited: false,
             vain_rounds: 0,
             stopping: false,
+            recharging: false,
+            cause: None,
         })
     }
 
-    /// Takes in what was sensed since the last tick. Call it once before the node's tick.
+    /// Takes in what was sensed since the last tick. Call it once before the node's tick, or before
+    /// [`recharge`](Self::recharge).
     pub fn perceive(&mut self, percept: Percept) {
         self.percept = percept;
         self.command = None;
+        self.recharging = false;
     }
 
     /// The teammates.
@@ -166,6 +181,18 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
         let belief = self.belief.as_flat();
         let state = math::argmax(belief);
         (Cell(state as u16), belief.get(state).copied().unwrap_or(0.0))
+    }
+
+    /// How likely the robot takes itself to be in a cell; zero outside the map.
+    #[must_use]
+    pub fn probability_of(&self, cell: Cell) -> f32 {
+        self.belief.as_flat().get(cell.index()).copied().unwrap_or(0.0)
+    }
+
+    /// Why this robot opened the round that it is in; `None` when it has not, or when the mission began with it.
+    #[must_use]
+    pub const fn cause(&self) -> Option<Cause> {
+        self.cause
     }
 
     /// The surprise F = -ln P(o) of the last reading, in nats, or that it was impossible.
@@ -216,7 +243,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             sequence: 0,
             tick: self.percept.now,
             round: self.agreement.round(),
-            status: self.agreement.status(),
+            status: self.status(),
             plan: self.agreement.plan(),
             goal: self.agreement.goal(),
             path: *self.agreement.path(),
@@ -236,8 +263,18 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             Plan::Follow => self.meets_hazard(self.agreement.path(), self.agreement.step()),
             Plan::Stop | Plan::Wait => false,
         };
+        let visited = match plan {
+            // To stay for want of any way is no way past the way-points.
+            Plan::Take(index) => self
+                .candidates
+                .get(index)
+                .is_none_or(|taken| taken.goal.is_none() || self.visits_all(&taken.path, 0)),
+            Plan::Follow => self.visits_all(self.agreement.path(), self.agreement.step()),
+            Plan::Stop | Plan::Wait => true,
+        };
         let reachable = plan != Plan::Follow || self.agreement.goal().is_some();
-        Logic::NONE.with(OBSTACLE, blocked).with(ARRIVED, self.has_arrived()).with(REACHABLE, reachable)
+        let logic = Logic::NONE.with(OBSTACLE, blocked).with(ARRIVED, self.has_arrived());
+        logic.with(REACHABLE, reachable).with(VISITED, visited)
     }
 }
 

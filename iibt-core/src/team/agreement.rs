@@ -7,6 +7,11 @@
 //! it knows that every teammate has made move k, and only into a cell that no teammate can be in. Whoever
 //! needs another plan opens a new round, which everyone joins by standing still.
 //!
+//! A robot that has to look after itself leaves the team by opening a round in which it says that it is
+//! away. It does not choose, so nobody can. Its teammates acknowledge that with a digest of the round and of its
+//! start, and once it has heard that of all of them it has the *floor*: it alone may move. They stand until they join a newer
+//! round, in which nobody moves before the robot that was away has joined, standing still.
+//!
 //! Safety needs no clock and no reliable radio. Everything a robot relies on was said by the teammate itself
 //! and stays true: a path never changes within a round, moves made are never unmade, and a robot that has left
 //! a round does not move again before everybody has left it. Lost, late and repeated frames cost time only.
@@ -111,7 +116,7 @@ impl Agreement {
         self.probability
     }
 
-    /// The digest of the joint plan it has agreed to; zero before it has.
+    /// The digest of the joint plan it has agreed to, or of the leave that it has acknowledged; else zero.
     #[must_use]
     pub const fn plan(&self) -> u32 {
         self.plan
@@ -120,7 +125,7 @@ impl Agreement {
     /// Whether it knows the whole plan of this round.
     #[must_use]
     pub const fn is_agreed(&self) -> bool {
-        self.plan != 0
+        matches!(self.status, Status::Agreed | Status::Arrived)
     }
 
     /// Whether all moves of its path are done.
@@ -146,6 +151,60 @@ impl Agreement {
         if let Some(round) = self.round.next_of(self.robot, self.size) {
             self.anchor(round, here);
         }
+    }
+
+    /// Opens a round as one that is away: nobody chooses in it. Does nothing when the round numbers are used up.
+    pub fn leave(&mut self, here: Cell) {
+        let before = self.round;
+        self.open(here);
+        if self.round != before {
+            self.status = Status::Away;
+        }
+    }
+
+    /// Whether it opened its round as one that is away.
+    #[must_use]
+    pub const fn is_away(&self) -> bool {
+        matches!(self.status, Status::Away)
+    }
+
+    /// Says where it stands, if it is away: it has no path to keep to.
+    pub const fn stand(&mut self, here: Cell) {
+        if self.is_away() {
+            self.path = Path::at(here);
+        }
+    }
+
+    /// Whether a teammate has opened this round as one that is away.
+    pub fn is_floor_taken<'a>(&self, peers: impl Iterator<Item = &'a Intention>) -> bool {
+        self.leave_of(peers).is_some()
+    }
+
+    /// Acknowledges that the teammate that opened this round is away, or takes that back; returns whether it is.
+    ///
+    /// Call it only while the robot stands still.
+    pub fn give_way<'a>(&mut self, peers: impl Iterator<Item = &'a Intention>) -> bool {
+        let leave = self.leave_of(peers).filter(|_| self.status == Status::Deciding);
+        if self.status == Status::Deciding {
+            self.plan = leave.unwrap_or(0);
+        }
+        leave.is_some()
+    }
+
+    /// Whether it is away and every teammate has acknowledged that: they stand where their paths start, and this
+    /// robot may drive around those cells until it joins another round.
+    pub fn has_floor<'a>(&self, mut peers: impl Iterator<Item = &'a Intention>) -> bool {
+        let leave = digest_of_leave(self.round, self.epoch);
+        self.is_away() && self.all_of(&mut peers, |peer| peer.round == self.round && peer.plan == leave)
+    }
+
+    /// The digest of the leave that the opener of this round has taken.
+    fn leave_of<'a>(&self, mut peers: impl Iterator<Item = &'a Intention>) -> Option<u32> {
+        let opener = self.round.opener(self.size);
+        let is_away = |peer: &&Intention| {
+            peer.robot == opener && peer.round == self.round && peer.status == Status::Away
+        };
+        peers.find(is_away).map(|peer| digest_of_leave(peer.round, peer.epoch))
     }
 
     /// Whether this robot is the one to choose now: all teammates are in this round, and those that decide
@@ -260,6 +319,14 @@ impl Agreement {
         }
         (hasher.finish() as u32).max(1)
     }
+}
+
+/// What acknowledges that the robot that opened a round, started so many times, is away.
+fn digest_of_leave(round: Round, epoch: u32) -> u32 {
+    let mut hasher = SipHasher24::new();
+    hasher.write(&round.0.to_le_bytes());
+    hasher.write(&epoch.to_le_bytes());
+    (hasher.finish() as u32).max(1)
 }
 
 /// Byte by byte, because the derived `Hash` depends on the width of `usize`.

@@ -65,7 +65,8 @@ pub struct Intention {
     pub round: Round,
     /// What the sender is doing.
     pub status: Status,
-    /// The digest of the joint plan the sender has agreed to; zero before it has.
+    /// The digest of the joint plan the sender has agreed to, or of a teammate's leave that it has acknowledged; else
+    /// zero.
     pub plan: u32,
     /// The goal of the chosen policy.
     pub goal: Option<Cell>,

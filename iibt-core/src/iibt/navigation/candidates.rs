@@ -1,10 +1,11 @@
 //! A robot's candidate policies: ways to each goal that arrive when the team can be there together.
 
 use super::assignment::{Moves, earliest_together};
-use super::{MAX_GOALS, Mission};
+use super::waypoints::leads_over;
+use super::{MAX_GOALS, MAX_WAYPOINTS, Mission};
 use crate::actions::HORIZON;
 use crate::bounded::up_to;
-use crate::grid::{Cell, Map, Path, Planner, TimedPlanner, Variety, WaitPlace, first_conflict};
+use crate::grid::{Cell, Map, Move, Path, Planner, TimedPlanner, Variety, WaitPlace, first_conflict};
 use crate::team::MAX_TEAM;
 use heapless::Vec;
 
@@ -25,10 +26,23 @@ pub(super) struct Situation<const W: usize> {
     pub(super) here: Cell,
     /// The map, with what is to be avoided blocked.
     pub(super) map: Map<W>,
+    /// The cells to lead over on the way to a goal.
+    pub(super) via: Vec<Cell, MAX_WAYPOINTS>,
     /// The paths of the teammates that have announced theirs.
     pub(super) announced: Vec<Path, MAX_TEAM>,
     /// The numbers of moves after which to arrive, most wanted first.
     pub(super) arrivals: Vec<usize, 2>,
+}
+
+/// Whose candidates are built.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place<'a> {
+    /// The robot, by its index.
+    pub(super) robot: usize,
+    /// Where it stands.
+    pub(super) from: Cell,
+    /// The cells to lead over, in their order.
+    pub(super) via: &'a [Cell],
 }
 
 /// The planners, and the room they need.
@@ -49,20 +63,21 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         Self { planner: Planner::new(), timed: TimedPlanner::new() }
     }
 
-    /// When the team could arrive together, for robots that stand in these cells: when the announced paths do,
+    /// When the team could arrive together, for robots that stand in these cells, the first of which has to lead over
+    /// others: when the announced paths do,
     /// or else at the earliest and a little later. The more rounds were in vain, the later.
     pub(super) fn arrivals(
         &mut self,
         mission: &Mission<'_, W>,
         map: &Map<W>,
-        cells: &[Cell],
+        (cells, via): (&[Cell], &[Cell]),
         announced: &[Path],
         vain_rounds: u8,
     ) -> Vec<usize, 2> {
         let fixed = announced.iter().map(Path::len).max().filter(|&moves| moves > 0);
         let earliest = match fixed {
             Some(_) => None,
-            None => earliest_together(&self.moves(mission, map, cells), cells.len()).map(usize::from),
+            None => earliest_together(&self.moves(mission, map, cells, via), cells.len()).map(usize::from),
         };
         // The first round of a new situation is not in vain yet.
         let earliest = earliest.map(|moves| moves + usize::from(vain_rounds.saturating_sub(1)));
@@ -75,41 +90,65 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         &mut self,
         mission: &Mission<'_, W>,
         situation: &Situation<W>,
-        (robot, from): (usize, Cell),
+        place: Place<'_>,
         candidates: &mut Vec<Candidate, P>,
     ) {
         candidates.clear();
-        for path in mission.listed(robot, from) {
+        let serves = |path: &Path| leads_over(&mission.map, path, 0, place.via.iter().copied());
+        for path in mission.listed(place.robot, place.from).filter(serves) {
             add(mission, candidates, path);
         }
-        if candidates.is_empty() {
-            self.plan(mission, situation, from, candidates);
+        if candidates.is_empty()
+            && let Some(lead) = self.lead(situation, place)
+        {
+            self.plan(mission, situation, &lead, candidates);
         }
     }
 
-    /// For each goal: one path per arrival that keeps clear of the announced ones, then the earliest one, then
-    /// different ways padded with waits.
+    /// The first move of a shortest way.
+    pub(super) fn first_move(&mut self, map: &Map<W>, from: Cell, to: Cell) -> Option<Move> {
+        self.planner.shortest(map, from, to).ok()?.moves().next()
+    }
+
+    /// The way over the cells that a candidate has to lead over, each reached as soon as the teammates let it; only
+    /// the place where there are none.
+    fn lead(&mut self, situation: &Situation<W>, place: Place<'_>) -> Option<Path> {
+        let map = &situation.map;
+        let mut lead = Path::at(place.from);
+        for &point in place.via {
+            let teammates = rest_of(&situation.announced, map, lead.len());
+            let leg = self.timed.sweep(map, lead.end(map), &teammates).soonest(point)?;
+            lead = lead.then(&leg)?;
+        }
+        Some(lead)
+    }
+
+    /// For each goal, after the lead: one path per arrival that keeps clear of the announced ones, then the earliest
+    /// one, then different ways padded with waits.
     fn plan<const P: usize>(
         &mut self,
         mission: &Mission<'_, W>,
         situation: &Situation<W>,
-        from: Cell,
+        lead: &Path,
         candidates: &mut Vec<Candidate, P>,
     ) {
-        let sweep = self.timed.sweep(&situation.map, from, &situation.announced);
-        for &arrival in &situation.arrivals {
+        let map = &situation.map;
+        let (from, announced) = (lead.end(map), rest_of(&situation.announced, map, lead.len()));
+        let sweep = self.timed.sweep(map, from, &announced);
+        let mut join = |path: Option<Path>| {
+            if let Some(whole) = path.and_then(|path| lead.then(&path)) {
+                add(mission, candidates, whole);
+            }
+        };
+        for arrival in situation.arrivals.iter().filter_map(|arrival| arrival.checked_sub(lead.len())) {
             for &goal in mission.goals {
-                if let Some(path) = sweep.path_to(goal, arrival) {
-                    add(mission, candidates, path);
-                }
+                join(sweep.path_to(goal, arrival));
             }
         }
         for &goal in mission.goals {
-            if let Some(path) = sweep.earliest(goal).and_then(|arrival| sweep.path_to(goal, arrival)) {
-                add(mission, candidates, path);
-            }
+            join(sweep.earliest(goal).and_then(|arrival| sweep.path_to(goal, arrival)));
         }
-        self.vary(mission, situation, from, candidates);
+        self.vary(mission, situation, lead, candidates);
     }
 
     /// Ways to each goal that differ from the shortest, arriving with the team where they are short enough.
@@ -117,13 +156,14 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         &mut self,
         mission: &Mission<'_, W>,
         situation: &Situation<W>,
-        from: Cell,
+        lead: &Path,
         candidates: &mut Vec<Candidate, P>,
     ) {
+        let from = lead.end(&situation.map);
         for &goal in mission.goals {
             let ways =
                 self.planner.alternatives::<W, 3>(&situation.map, from, goal, VARIETY).unwrap_or_default();
-            for &way in &ways {
+            for way in ways.iter().filter_map(|way| lead.then(way)) {
                 let arrival = situation.arrivals.iter().copied().find(|&arrival| arrival >= way.len());
                 let path = arrival
                     .and_then(|arrival| way.with_waits(arrival, WaitPlace::BeforeLastMove))
@@ -136,16 +176,33 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         }
     }
 
-    fn moves(&mut self, mission: &Mission<'_, W>, map: &Map<W>, cells: &[Cell]) -> Moves {
+    fn moves(&mut self, mission: &Mission<'_, W>, map: &Map<W>, cells: &[Cell], via: &[Cell]) -> Moves {
         let mut moves = [[None; MAX_GOALS]; MAX_TEAM];
-        for (row, &cell) in moves.iter_mut().zip(cells) {
-            let Ok(distances) = self.planner.distances(map, cell) else { continue };
+        let detours = core::iter::once(via).chain(core::iter::repeat(&[] as &[Cell]));
+        for ((row, &cell), via) in moves.iter_mut().zip(cells).zip(detours) {
+            let Some((from, before)) = self.detour(map, cell, via) else { continue };
+            let Ok(distances) = self.planner.distances(map, from) else { continue };
             for (entry, &goal) in row.iter_mut().zip(mission.goals) {
-                *entry = distances.to(goal);
+                *entry = distances.to(goal).and_then(|moves| moves.checked_add(before));
             }
         }
         moves
     }
+
+    /// The last of the cells to lead over, and the moves it takes to get there.
+    fn detour(&mut self, map: &Map<W>, from: Cell, via: &[Cell]) -> Option<(Cell, u16)> {
+        let (mut here, mut moves) = (from, 0u16);
+        for &point in via {
+            moves = moves.checked_add(self.planner.distances(map, here).ok()?.to(point)?)?;
+            here = point;
+        }
+        Some((here, moves))
+    }
+}
+
+/// What is left of the teammates' paths after so many moves.
+fn rest_of<const W: usize>(paths: &[Path], map: &Map<W>, done: usize) -> Vec<Path, MAX_TEAM> {
+    up_to(paths.iter().map(|path| path.rest(map, done)))
 }
 
 /// Adds a path that is not there yet, while there is room.

@@ -1,9 +1,9 @@
 //! How the robot chooses when it is its turn, and what it does about a choice that does not fit.
 
-use super::candidates::Situation;
+use super::candidates::{Place, Situation};
 use super::decision::{Party, Timing};
 use super::motion::SURE;
-use super::{Candidate, Navigation, intentions};
+use super::{Candidate, Cause, Navigation, intentions};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Map, Path, first_conflict};
 use crate::inference::Preference;
@@ -38,11 +38,12 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     /// What there is to decide on; `None` while it is not this robot's turn.
     pub(super) fn find_situation(&mut self) -> Option<Situation<W>> {
         let here = self.turn()?;
-        let (map, announced) = (self.passable(), self.announced());
+        let (map, announced, via) = (self.passable(), self.announced(), self.via());
         let starts = self.partners().map(|peer| peer.path.start);
         let cells: Vec<Cell, MAX_TEAM> = up_to(core::iter::once(here).chain(starts));
-        let arrivals = self.generator.arrivals(self.mission, &map, &cells, &announced, self.vain_rounds);
-        Some(Situation { here, map, announced, arrivals })
+        let arrivals =
+            self.generator.arrivals(self.mission, &map, (&cells, &via), &announced, self.vain_rounds);
+        Some(Situation { here, map, via, announced, arrivals })
     }
 
     /// Whether it is this robot's turn to choose, and where it stands.
@@ -99,7 +100,8 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         if chosen {
             self.teammates.clear();
         } else {
-            self.generator.fill(self.mission, situation, (robot, path.start), &mut self.teammates);
+            let place = Place { robot, from: path.start, via: &[] };
+            self.generator.fill(self.mission, situation, place, &mut self.teammates);
         }
         if self.teammates.is_empty() {
             // There is room: the list is empty.
@@ -115,7 +117,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             candidate.goal.is_some() && announced.iter().all(|other| self.goes_with(&candidate.path, other));
         let clear = announced.iter().all(|other| self.is_clear(&candidate.path, other));
         if !fits && self.vain_rounds < ROUNDS_PER_ROBOT * self.mission.team() {
-            self.open_round(candidate.path.start);
+            self.open_round(candidate.path.start, Cause::Misfit);
         } else if clear {
             let probability = self.choice.map_or(0.0, |choice| choice.joint);
             self.agreement.announce(candidate.path, candidate.goal, probability);

@@ -26,6 +26,8 @@ pub struct Mission<'m, const W: usize> {
     pub starts: &'m [Cell],
     /// The goals; each robot is to reach another one.
     pub goals: &'m [Cell],
+    /// Where each robot charges. One without an entry stands still when its battery is low.
+    pub chargers: &'m [Option<Cell>],
     /// Candidate paths given by hand, per robot, used while the robot stands where they begin; `None` or an
     /// empty list has them planned.
     pub candidates: Option<&'m [&'m [Path]]>,
@@ -60,6 +62,8 @@ pub enum MissionError {
     Start(Cell),
     /// A goal is outside the map, blocked, or given twice.
     Goal(Cell),
+    /// A charger is outside the map, blocked, or given twice.
+    Charger(Cell),
     /// A number of the model is out of its range.
     Number,
 }
@@ -73,6 +77,7 @@ impl<'m, const W: usize> Mission<'m, W> {
             map,
             starts,
             goals,
+            chargers: &[],
             candidates: None,
             sensor: 0.9952,
             peer_sensor: 0.904,
@@ -103,11 +108,14 @@ impl<'m, const W: usize> Mission<'m, W> {
         if self.goals.is_empty() || self.goals.len() > MAX_GOALS {
             return Err(MissionError::GoalCount);
         }
-        if let Some(cell) = self.misplaced(self.starts) {
+        if let Some(cell) = self.misplaced(self.starts.iter().copied()) {
             return Err(MissionError::Start(cell));
         }
-        if let Some(cell) = self.misplaced(self.goals) {
+        if let Some(cell) = self.misplaced(self.goals.iter().copied()) {
             return Err(MissionError::Goal(cell));
+        }
+        if let Some(cell) = self.misplaced(self.chargers.iter().copied().flatten()) {
+            return Err(MissionError::Charger(cell));
         }
         let probability = |p: f32| (0.0..=1.0).contains(&p);
         let finite = self.haste.is_finite() && self.haste >= 0.0 && self.scoring.precision.is_finite();
@@ -136,10 +144,10 @@ impl<'m, const W: usize> Mission<'m, W> {
     }
 
     /// The first cell that no robot can stand on, or that is listed twice.
-    fn misplaced(&self, cells: &[Cell]) -> Option<Cell> {
-        let twice = |index: usize, cell| cells.iter().take(index).any(|&other| other == cell);
+    fn misplaced(&self, cells: impl Iterator<Item = Cell> + Clone) -> Option<Cell> {
+        let twice = |index: usize, cell| cells.clone().take(index).any(|other| other == cell);
         let wrong = |&(index, cell): &(usize, Cell)| !self.map.is_free(cell) || twice(index, cell);
-        cells.iter().copied().enumerate().find(wrong).map(|(_, cell)| cell)
+        cells.clone().enumerate().find(wrong).map(|(_, cell)| cell)
     }
 }
 
@@ -165,6 +173,9 @@ impl core::fmt::Display for MissionError {
                 write!(f, "the start p{} is outside the map, blocked or given twice", cell.0)
             }
             Self::Goal(cell) => write!(f, "the goal p{} is outside the map, blocked or given twice", cell.0),
+            Self::Charger(cell) => {
+                write!(f, "the charger p{} is outside the map, blocked or given twice", cell.0)
+            }
             Self::Number => {
                 f.write_str("a probability, precision, haste or collision preference is out of range")
             }

@@ -11,6 +11,8 @@ pub const ARRIVED: u8 = 1;
 /// Exist(way): the path leads to a goal. No preference can make it true, so the node waits for the world or
 /// the teammates to change, and fails at its timeout.
 pub const REACHABLE: u8 = 2;
+/// IsArrived(points): the rest of the path leads over every open way-point, in their order.
+pub const VISITED: u8 = 3;
 
 /// What a robot can decide to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +36,7 @@ impl Plan {
             Self::Wait => Condition::ALWAYS,
             Self::Stop => Condition { all: Logic::of(&[ARRIVED]), none: Logic::NONE },
             Self::Take(_) | Self::Follow => {
-                Condition { all: Logic::of(&[REACHABLE]), none: Logic::of(&[OBSTACLE, ARRIVED]) }
+                Condition { all: Logic::of(&[REACHABLE, VISITED]), none: Logic::of(&[OBSTACLE, ARRIVED]) }
             }
         }
     }
@@ -42,7 +44,8 @@ impl Plan {
 
 /// f_L. An obstacle on the way is avoided with -1, the value behind the paper's numbers; its table prints
 /// -(max(C) + 1).
-pub const RULES: [Rule; 2] = [
+pub const RULES: [Rule; 3] = [
     Rule { missing: Literal { variable: OBSTACLE, value: false }, raise: Raise::By(-1.0) },
     Rule { missing: Literal { variable: ARRIVED, value: true }, raise: Raise::AboveAll },
+    Rule { missing: Literal { variable: VISITED, value: true }, raise: Raise::AboveAll },
 ];

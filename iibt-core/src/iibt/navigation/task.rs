@@ -1,6 +1,7 @@
 //! Navigation as the task of the inference node: the lines of Algorithm 1.
 
-use super::{Candidate, MAX_KNOWN_HAZARDS, Navigation, Plan, RULES, intentions};
+use super::candidates::Place;
+use super::{Candidate, Cause, MAX_KNOWN_HAZARDS, Navigation, Plan, RULES, VISITED, intentions};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Path};
 use crate::iibt::rules::raise_for;
@@ -38,7 +39,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
         self.situation = self.find_situation();
         self.candidates.clear();
         let Some(situation) = &self.situation else { return };
-        let place = (self.robot.index(), situation.here);
+        let place = Place { robot: self.robot.index(), from: situation.here, via: &situation.via };
         self.generator.fill(self.mission, situation, place, &mut self.candidates);
         if self.candidates.is_empty() {
             // There is room: the list is empty.
@@ -78,19 +79,16 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
 
     fn raise(&mut self, missing: Literal) {
         let Some(raise) = raise_for(&RULES, missing) else { return };
-        let (path, done) = match self.choice.and_then(|choice| self.candidates.get(choice.policy)) {
-            Some(taken) => (taken.path, 0),
-            None => (*self.agreement.path(), self.agreement.step()),
-        };
         let amount = raise.amount(self.preference.largest());
-        let hazards: Vec<Cell, MAX_KNOWN_HAZARDS> = up_to(self.hazards_on(&path, done));
-        for &hazard in &hazards {
-            self.preference.raise(hazard.index(), amount);
+        let cause = if missing.variable == VISITED { Cause::WayPoint } else { Cause::Obstacle };
+        match cause {
+            Cause::WayPoint => self.want_waypoints(amount),
+            _ => self.avoid(amount),
         }
         if self.choice.is_none()
             && let Some(here) = self.here()
         {
-            self.open_round(here);
+            self.open_round(here, cause);
         }
     }
 
@@ -136,5 +134,19 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
 
     fn promote_stop(&mut self) {
         self.stopping = true;
+    }
+}
+
+impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
+    /// Wants the obstacles on the chosen path by so much more, which is less.
+    fn avoid(&mut self, amount: f32) {
+        let (path, done) = match self.choice.and_then(|choice| self.candidates.get(choice.policy)) {
+            Some(taken) => (taken.path, 0),
+            None => (*self.agreement.path(), self.agreement.step()),
+        };
+        let hazards: Vec<Cell, MAX_KNOWN_HAZARDS> = up_to(self.hazards_on(&path, done));
+        for &hazard in &hazards {
+            self.preference.raise(hazard.index(), amount);
+        }
     }
 }

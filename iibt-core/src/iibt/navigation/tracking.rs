@@ -2,7 +2,7 @@
 //! plan.
 
 use super::world::OWN;
-use super::{Navigation, intentions};
+use super::{Cause, Navigation, intentions};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Move, Path};
 use crate::inference::{Beliefs, Evidence};
@@ -10,7 +10,8 @@ use crate::inference::{Beliefs, Evidence};
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     pub(super) fn has_arrived(&self) -> bool {
         let end = self.agreement.path().end(&self.mission.map);
-        self.agreement.is_complete() && self.here() == Some(end) && self.mission.goals.contains(&end)
+        let stands = self.agreement.is_complete() && self.here() == Some(end);
+        stands && self.mission.goals.contains(&end) && self.open_waypoints().next().is_none()
     }
 
     /// The cell the robot stands in, if it stands still and is sure of it.
@@ -82,6 +83,8 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     pub(super) fn keep_up(&mut self) {
         let Some(here) = self.here() else { return };
         self.learn(here);
+        self.tick_off(here);
+        self.agreement.stand(here);
         let waited = core::mem::take(&mut self.waited);
         if self.agreement.advance(&self.mission.map, here, waited) {
             self.vain_rounds = 0;
@@ -90,20 +93,44 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             self.count_round();
         }
         self.agreement.agree(intentions(&self.roster));
-        let lost = self.agreement.place(&self.mission.map) != here;
-        if lost || self.agreement.is_contradicted(intentions(&self.roster)) {
-            self.open_round(here);
+        if self.agreement.give_way(intentions(&self.roster)) {
+            self.vain_rounds = 0;
+        }
+        if let Some(cause) = self.trouble(here) {
+            self.open_round(here, cause);
+        }
+    }
+
+    /// Why the agreement cannot go on as it is.
+    fn trouble(&self, here: Cell) -> Option<Cause> {
+        if self.agreement.place(&self.mission.map) != here {
+            Some(Cause::Position)
+        } else if self.agreement.is_contradicted(intentions(&self.roster)) {
+            Some(Cause::Outdated)
+        } else if self.agreement.is_away() && !self.recharging {
+            Some(Cause::Charged)
+        } else {
+            None
         }
     }
 
     /// Calls the team to another decision, in which this robot chooses first.
-    pub(super) fn open_round(&mut self, here: Cell) {
+    pub(super) fn open_round(&mut self, here: Cell, cause: Cause) {
         self.agreement.open(here);
         self.count_round();
+        self.cause = Some(cause);
+    }
+
+    /// Opens a round in which nobody decides, to drive alone.
+    pub(super) fn leave(&mut self, here: Cell) {
+        self.agreement.leave(here);
+        self.count_round();
+        self.vain_rounds = 0;
+        self.cause = Some(Cause::Battery);
     }
 
     fn count_round(&mut self) {
-        self.stopping = false;
+        (self.stopping, self.cause) = (false, None);
         self.vain_rounds = self.vain_rounds.saturating_add(1);
     }
 }

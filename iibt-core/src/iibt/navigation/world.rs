@@ -17,6 +17,9 @@ pub(super) const PEER: usize = 1;
 /// The modality of what the two places mean for the team.
 pub(super) const TEAM: usize = 2;
 
+/// C: what every goal is worth.
+pub(super) const GOAL: f32 = 1.0;
+
 /// The tables of the model, for maps of `S` cells at the most. A robot judges its teammates by its own.
 #[derive(Clone, Debug)]
 pub(super) struct World<const S: usize> {
@@ -57,7 +60,7 @@ impl<const S: usize> World<S> {
         Self {
             next: moves,
             prior: core::array::from_fn(|state| if free(state) { 1.0 / free_cells } else { 0.0 }),
-            preference: core::array::from_fn(|state| if goal(state).is_some() { 1.0 } else { 0.0 }),
+            preference: core::array::from_fn(|state| if goal(state).is_some() { GOAL } else { 0.0 }),
             labels: core::array::from_fn(|state| goal(state).map_or(0, |goal| goal as u8 + 1)),
             outcomes: core::array::from_fn(|pair| outcome_of(pair / labels, pair % labels)),
             sensor: IdentityNoise::among(mission.sensor, cells),

@@ -1,0 +1,74 @@
+//! A robot's battery: what moves take from it, and what its charger gives.
+
+use crate::scenario::Robot;
+use iibt_core::grid::Cell;
+
+/// The battery of one robot, in percent of what it can hold.
+#[derive(Clone, Debug)]
+pub(crate) struct Battery {
+    charge: f64,
+    drain: f64,
+    charging: f64,
+    charger: Option<Cell>,
+}
+
+impl Battery {
+    pub(crate) fn of(robot: &Robot) -> Self {
+        Self {
+            charge: f64::from(robot.battery),
+            drain: robot.drain,
+            charging: robot.charging,
+            charger: robot.charger,
+        }
+    }
+
+    /// What the gauge shows: whole percents, rounded down.
+    pub(crate) fn percent(&self) -> u8 {
+        self.charge as u8
+    }
+
+    /// Whether there is nothing left to move with.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.charge <= 0.0
+    }
+
+    /// Falls to a charge if there is more in it; returns whether there was.
+    pub(crate) fn fall_to(&mut self, percent: u8) -> bool {
+        let falls = self.charge > f64::from(percent);
+        if falls {
+            self.charge = f64::from(percent);
+        }
+        falls
+    }
+
+    /// One tick that brought the robot from one cell to another, or left it where it was.
+    pub(crate) fn tick(&mut self, from: Cell, to: Cell) {
+        if from != to {
+            self.charge = (self.charge - self.drain).max(0.0);
+        } else if self.charger == Some(to) {
+            self.charge = (self.charge + self.charging).min(100.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moves_drain_it_and_standing_on_the_charger_fills_it() {
+        let mut battery = Battery { charge: 1.0, drain: 0.75, charging: 60.0, charger: Some(Cell(2)) };
+        battery.tick(Cell(0), Cell(1));
+        assert_eq!((battery.percent(), battery.is_empty()), (0, false));
+        battery.tick(Cell(1), Cell(1));
+        assert_eq!(battery.charge, 0.25, "this is no charger");
+        battery.tick(Cell(1), Cell(2));
+        assert!(battery.is_empty(), "there is no less than nothing");
+        battery.tick(Cell(2), Cell(2));
+        assert_eq!(battery.percent(), 60);
+        battery.tick(Cell(2), Cell(2));
+        assert_eq!(battery.percent(), 100);
+        assert!(battery.fall_to(15) && !battery.fall_to(40));
+        assert_eq!(battery.percent(), 15);
+    }
+}

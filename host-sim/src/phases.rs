@@ -1,0 +1,95 @@
+//! The phases of a flight: the rounds in which the team decided, or a robot charged.
+
+use crate::news::agreed_round;
+use crate::scenario::Floor;
+use firmware::Report;
+use iibt_core::grid::Cell;
+use iibt_core::iibt::navigation::Cause;
+use iibt_core::team::Status;
+use serde::Serialize;
+
+/// One round: who opened it and why, and what everybody chose.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Phase {
+    /// Its number.
+    pub round: u16,
+    /// Who opened it: a robot by its index.
+    pub opener: usize,
+    /// Why; `None` for the round that the mission begins with.
+    pub cause: Option<Cause>,
+    /// The tick in which it was opened.
+    pub opened: u32,
+    /// The tick in which all robots had agreed; `None` when they never did.
+    pub agreed: Option<u32>,
+    /// The obstacles that had appeared when somebody chose last.
+    pub obstacles: Vec<Cell>,
+    /// What the robots chose, in the order of their numbers; `None` for one that chose nothing.
+    pub choices: Vec<Option<Chosen>>,
+}
+
+/// What a robot chose in a round.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Chosen {
+    /// The tick in which it chose.
+    pub tick: u32,
+    /// The goal; `None` where it could not but stay.
+    pub goal: Option<Cell>,
+    /// The cells of its path, from where it stood.
+    pub path: Vec<Cell>,
+    /// The posterior probability of the joint policy that the choice belongs to.
+    pub probability: f32,
+}
+
+/// Takes the tick's reports into the phases.
+pub(crate) fn note(
+    phases: &mut Vec<Phase>,
+    tick: u32,
+    reports: &[Report],
+    floor: &Floor,
+    obstacles: impl Fn() -> Vec<Cell>,
+) {
+    let size = reports.len();
+    for (robot, report) in reports.iter().enumerate() {
+        let is_opener = report.round.opener(size as u8).index() == robot;
+        let is_known = phases.iter().any(|phase| phase.round == report.round.0);
+        if is_opener && !is_known && (report.cause.is_some() || report.round.0 == 0) {
+            phases.push(Phase::opened(robot, report, tick, size));
+        }
+        let chosen = matches!(report.status, Status::Announced | Status::Agreed | Status::Arrived);
+        let Some(phase) = phases.iter_mut().find(|phase| phase.round == report.round.0) else { continue };
+        if chosen && phase.choices[robot].is_none() {
+            phase.choices[robot] = Some(Chosen::by(report, tick, floor));
+            phase.obstacles = obstacles();
+        }
+    }
+    let agreed = agreed_round(reports);
+    let phase = phases.iter_mut().find(|phase| Some(phase.round) == agreed);
+    if let Some(phase) = phase {
+        phase.agreed.get_or_insert(tick);
+    }
+}
+
+impl Phase {
+    fn opened(opener: usize, report: &Report, tick: u32, size: usize) -> Self {
+        Self {
+            round: report.round.0,
+            opener,
+            cause: report.cause,
+            opened: tick,
+            agreed: None,
+            obstacles: Vec::new(),
+            choices: vec![None; size],
+        }
+    }
+}
+
+impl Chosen {
+    fn by(report: &Report, tick: u32, floor: &Floor) -> Self {
+        Self {
+            tick,
+            goal: report.goal,
+            path: report.path.cells(floor).collect(),
+            probability: report.probability,
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! What happens on the way: the trigger and the effect of an event.
+
+use super::check::named;
+use super::drawing::Drawing;
+use super::error::Fault;
+use super::file::{self, Number};
+use super::values::whole;
+use super::{Effect, Event, MAX_TICKS, Robot, When, reach};
+use iibt_core::grid::Cell;
+use toml::Spanned;
+
+const WHEN: &str = "say when it happens: either tick = N, or robot = \"NAME\" and at = CELL";
+const WHAT: &str = "say what happens: exactly one of block, charge, visit and stop";
+
+impl Drawing {
+    /// An event, checked against the team.
+    pub(super) fn event(&self, event: &Spanned<file::Event>, robots: &[Robot]) -> Result<Event, Fault> {
+        let (written, span) = (event.get_ref(), event.span());
+        let when = self.when(written, robots).map_err(|fault| fault.or_at(&span))?;
+        Ok(Event { when, effect: self.effect(written, when, robots).map_err(|fault| fault.or_at(&span))? })
+    }
+
+    fn when(&self, written: &file::Event, robots: &[Robot]) -> Result<When, Fault> {
+        match (&written.tick, &written.robot, &written.at) {
+            (Some(_), None, None) => Ok(When::Tick(whole("tick", written.tick.as_ref(), 0..=MAX_TICKS, 0)?)),
+            (None, Some(name), Some(at)) => Ok(When::Reached(named(name, robots)?, self.free("at", at)?)),
+            _ => Err(Fault::anywhere(WHEN)),
+        }
+    }
+
+    fn effect(&self, written: &file::Event, when: When, robots: &[Robot]) -> Result<Effect, Fault> {
+        let concerned = || whose(written, when, robots);
+        let effect = match (&written.block, &written.charge, &written.visit, &written.stop) {
+            (Some(cell), None, None, None) => self.obstacle(written, cell, robots)?,
+            (None, Some(charge), None, None) => {
+                Effect::Charge(concerned()?, whole("charge", Some(charge), 0..=100, 0)? as u8)
+            }
+            (None, None, Some(cell), None) => {
+                let robot = concerned()?;
+                Effect::Visit(robot, self.within_reach("way-point", cell, &robots[robot])?)
+            }
+            (None, None, None, Some(stop)) if *stop.get_ref() => {
+                let ticks = whole("for", written.ticks.as_ref(), 1..=MAX_TICKS, MAX_TICKS)?;
+                return Ok(Effect::Stop(concerned()?, written.ticks.as_ref().map(|_| ticks)));
+            }
+            (None, None, None, Some(stop)) => {
+                return Err(Fault::new(
+                    stop.span(),
+                    "stop = false says nothing: write true, or leave it out",
+                ));
+            }
+            _ => return Err(Fault::anywhere(WHAT)),
+        };
+        match &written.ticks {
+            Some(ticks) => Err(Fault::new(ticks.span(), "only stop takes a time: leave `for` out")),
+            None => Ok(effect),
+        }
+    }
+
+    fn obstacle(&self, written: &file::Event, cell: &Number, robots: &[Robot]) -> Result<Effect, Fault> {
+        let (blocked, span) = (self.free("block", cell)?, cell.span());
+        if let Some(robot) = robots.iter().find(|robot| robot.start == blocked) {
+            let reason =
+                format!("{} is where {} starts: no obstacle can appear there", blocked.0, robot.name);
+            return Err(Fault::new(span, reason));
+        }
+        match &written.who {
+            Some(who) => Err(Fault::new(who.span(), "an obstacle is nobody's: leave `who` out")),
+            None => Ok(Effect::Block(blocked)),
+        }
+    }
+
+    /// A free cell to which a way leads a robot by the drawn map.
+    pub(super) fn within_reach(&self, what: &str, number: &Number, robot: &Robot) -> Result<Cell, Fault> {
+        let cell = self.free(what, number)?;
+        if reach::is_near(&self.map, robot.start, cell) {
+            return Ok(cell);
+        }
+        let (name, start) = (&robot.name, robot.start.0);
+        Err(Fault::new(number.span(), format!("{name} on {start} cannot reach the {what} {}", cell.0)))
+    }
+}
+
+/// Whom an event concerns: the robot that is named, else the one that sets it off.
+fn whose(written: &file::Event, when: When, robots: &[Robot]) -> Result<usize, Fault> {
+    match (&written.who, when) {
+        (Some(who), _) => named(who, robots),
+        (None, When::Reached(robot, _)) => Ok(robot),
+        (None, When::Tick(_)) => Err(Fault::anywhere("say whom it concerns: who = \"NAME\"")),
+    }
+}
