@@ -6,9 +6,9 @@ mod tree;
 
 use self::learn::Learn;
 use anstream::{AutoStream, ColorChoice};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, summary};
-use host_sim::{Audience, Conditions, Logbook, Record, Scenario, fly, library};
+use host_sim::{Audience, Conditions, Logbook, Pilot, Record, Scenario, fly, library};
 use std::error::Error;
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Read, Write};
@@ -45,6 +45,7 @@ const RUN_EXAMPLES: &str = "\
 Examples:
   host-sim run factory              watch the default mission
   host-sim run factory --loss 0.3   with a radio that loses three frames in ten
+  host-sim run factory --tree conventional   the same with a tree written by hand
   host-sim run my-warehouse.toml    a scenario of your own
   host-sim run two-goals --json | jq '.robots[].path'
 From a checkout, `host-sim run ...` is `cargo run --release -- run ...`.
@@ -108,6 +109,9 @@ struct Run {
     /// The probability that a frame does not reach a teammate, 0 to 1, in place of the scenario's
     #[arg(long, value_name = "P", value_parser = probability)]
     loss: Option<f64>,
+    /// What flies the robots: the inference node, or a conventional tree of the paper
+    #[arg(long, value_name = "TREE", value_enum, default_value_t)]
+    tree: FlownTree,
     /// Keep a log of every move that a robot was told to make
     #[arg(long, value_name = "FILE.csv")]
     log: Option<PathBuf>,
@@ -117,6 +121,29 @@ struct Run {
     /// Print the outcome in one line, and nothing else
     #[arg(long)]
     quiet: bool,
+}
+
+/// What flies the robots.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum FlownTree {
+    /// The firmware's tree, with one inference node
+    #[default]
+    Inference,
+    /// The conventional tree of figure 8
+    Conventional,
+    /// The conventional tree of figure 5(a), for two goals
+    #[value(name = "figure-5")]
+    Figure5,
+}
+
+impl From<FlownTree> for Pilot {
+    fn from(tree: FlownTree) -> Self {
+        match tree {
+            FlownTree::Inference => Self::Inference,
+            FlownTree::Conventional => Self::Conventional,
+            FlownTree::Figure5 => Self::Figure5,
+        }
+    }
 }
 
 type Failure = Box<dyn Error>;
@@ -160,7 +187,7 @@ fn list() -> Result<ExitCode, Failure> {
 impl Run {
     fn run(&self) -> Result<ExitCode, Failure> {
         let scenario = scenario(&self.scenario)?;
-        let conditions = Conditions { seed: self.seed, loss: self.loss };
+        let conditions = Conditions { seed: self.seed, loss: self.loss, tree: self.tree.into() };
         let mut audience = (self.audience(&scenario), self.logbook()?);
         let record = fly(&scenario, conditions, &mut audience)
             .map_err(|error| format!("{}: {error}", scenario.name))?;

@@ -25,6 +25,7 @@
 mod battery;
 mod body;
 mod chance;
+mod conventional;
 mod flight;
 mod learn;
 pub mod library;
@@ -48,8 +49,9 @@ pub use log::{Attempt, ExecutionLog, LogError, Logbook};
 pub use news::News;
 pub use phases::{Chosen, Phase};
 pub use radio::Traffic;
-pub use record::{Activity, Dated, Outcome, Record, RobotRecord};
+pub use record::{Activity, Dated, Outcome, Record, RobotRecord, TOGETHER};
 pub use referee::Collisions;
+pub use team::Pilot;
 pub use scenario::{
     Effect, Event, Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Radio, Robot, Scenario, ScenarioError,
     Wear, When,

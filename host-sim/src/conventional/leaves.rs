@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn every_leaf_of_the_figures_has_its_skill() {
         let skills = |figure: Figure| figure.bound().skills.len();
-        assert_eq!((skills(Figure::Five), figure_nodes(Figure::Five)), (6, 10));
+        assert_eq!((skills(Figure::Five), figure_nodes(Figure::Five)), (6, 9));
         assert_eq!((skills(Figure::Eight), figure_nodes(Figure::Eight)), (12, 21));
         assert_eq!(skill("MoveTo", "goal3"), None);
     }

@@ -1,6 +1,6 @@
 //! Paths past the teammates: Policy Construct of the paper's figure 8.
 
-use super::teammate::Teammate;
+use super::teammate::{Rank, Teammate};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Map, Move, Path, Planner, TimedPlanner, first_conflict};
 
@@ -14,8 +14,8 @@ pub(super) struct Router<const S: usize, const W: usize> {
 /// What a path is to be constructed for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Errand {
-    /// The robot's index.
-    pub(super) robot: usize,
+    /// The robot's rank.
+    pub(super) rank: Rank,
     /// Where it stands.
     pub(super) from: Cell,
     /// Where it is to go first, if anywhere.
@@ -39,16 +39,16 @@ impl<const S: usize, const W: usize> Router<S, W> {
     /// The best that can be had of: past everybody; past everybody, while those with the right of way wait a little; past those
     /// who do not give way; past those only who will not go away; past the obstacles only.
     pub(super) fn construct(&mut self, map: &Map<W>, team: &[Teammate], errand: Errand) -> Option<Path> {
-        let own = errand.robot;
+        let own = errand.rank;
         let standing = |mate: &Teammate| mate.is_standing(own);
-        let polite = others(team, own, standing, 0);
-        let waited_for = others(team, own, standing, PATIENCE);
-        let firm = others(team, own, |mate| mate.is_stuck(own), 0);
+        let polite = others(map, team, own, standing, 0);
+        let waited_for = others(map, team, own, standing, PATIENCE);
+        let firm = others(map, team, own, |mate| mate.is_stuck(own), 0);
         [polite, waited_for, firm]
             .iter()
             .find_map(|others| self.past(map, others, errand))
             .or_else(|| {
-                let stuck = team.iter().filter(|mate| mate.is_stuck(own)).flat_map(|mate| mate.cells);
+                let stuck = team.iter().filter(|mate| mate.is_stuck(own)).flat_map(|mate| mate.stands_in(map));
                 self.shortest(&map.avoiding(stuck.filter(|&cell| cell != errand.from)), errand)
             })
             .or_else(|| self.shortest(map, errand))
@@ -81,18 +81,24 @@ impl<const S: usize, const W: usize> Router<S, W> {
 }
 
 /// Whether a path gets in the way of a teammate that has the right of way, or leads through one that stands.
-pub(super) fn is_in_the_way<const W: usize>(map: &Map<W>, team: &[Teammate], own: usize, path: &Path) -> bool {
-    let others = others(team, own, |mate| mate.is_standing(own), 0);
+pub(super) fn is_in_the_way<const W: usize>(map: &Map<W>, team: &[Teammate], own: Rank, path: &Path) -> bool {
+    let others = others(map, team, own, |mate| mate.is_standing(own), 0);
     others.iter().any(|other| first_conflict(map, path, other).is_some())
 }
 
 /// The paths to keep clear of: of those with the right of way, after so many waits, and the cells of those that stand.
-fn others(team: &[Teammate], own: usize, stands: impl Fn(&Teammate) -> bool, waits: usize) -> Vec<Path> {
+fn others<const W: usize>(
+    map: &Map<W>,
+    team: &[Teammate],
+    own: Rank,
+    stands: impl Fn(&Teammate) -> bool,
+    waits: usize,
+) -> Vec<Path> {
     let mut paths = Vec::with_capacity(2 * team.len());
     for mate in team {
         if stands(mate) {
-            paths.extend(mate.cells.map(Path::at));
-        } else if mate.robot < own {
+            paths.extend(mate.stands_in(map).map(Path::at));
+        } else if mate.rank() < own {
             paths.push(later(&mate.rest, waits));
         }
     }
@@ -127,7 +133,7 @@ mod tests {
     }
 
     fn errand(from: u16, goal: u16, pace: usize) -> Errand {
-        Errand { robot: 1, from: Cell(from), via: None, goal: Cell(goal), pace }
+        Errand { rank: Rank::new(1, Status::Agreed), from: Cell(from), via: None, goal: Cell(goal), pace }
     }
 
     fn cells(path: Option<Path>) -> Vec<u16> {
@@ -158,11 +164,12 @@ mod tests {
         let clear = |robot, own: &[u16]| {
             let team = [mate(robot, &crossing, Status::Agreed)];
             let path = Path::through(&map(), &own.iter().copied().map(Cell).collect::<Vec<_>>()).unwrap();
-            !is_in_the_way(&map(), &team, 1, &path)
+            !is_in_the_way(&map(), &team, Rank::new(1, Status::Agreed), &path)
         };
         assert!(!clear(0, &[21, 22]) && clear(2, &[21, 22]));
-        let path = Small::new().construct(&map(), &[mate(0, &crossing, Status::Agreed)], errand(21, 23, 0));
-        assert!(!is_in_the_way(&map(), &[mate(0, &crossing, Status::Agreed)], 1, &path.unwrap()));
+        let team = [mate(0, &crossing, Status::Agreed)];
+        let path = Small::new().construct(&map(), &team, errand(21, 23, 0)).unwrap();
+        assert!(!is_in_the_way(&map(), &team, Rank::new(1, Status::Agreed), &path));
     }
 
     #[test]
