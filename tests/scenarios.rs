@@ -11,7 +11,8 @@ fn built_in(name: &str) -> Scenario {
 }
 
 fn flown(scenario: &Scenario, seed: u64, loss: f64) -> Record {
-    fly(scenario, Conditions { seed, loss: Some(loss), ..Conditions::default() }, &mut ()).expect("a sound scenario can be flown")
+    fly(scenario, Conditions { seed, loss: Some(loss), ..Conditions::default() }, &mut ())
+        .expect("a sound scenario can be flown")
 }
 
 mod missions {

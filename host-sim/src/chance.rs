@@ -18,6 +18,8 @@ pub(crate) enum Purpose {
     Wear = 4,
     /// Whether a move fails.
     Slip = 5,
+    /// What trouble a campaign adds to a mission.
+    Disturbance = 6,
 }
 
 /// A stream of draws.

@@ -1,5 +1,6 @@
 //! The verbs, what they read and what they print.
 
+mod campaign;
 mod learn;
 mod notebook;
 mod tree;
@@ -31,6 +32,7 @@ Examples:
   host-sim list               see what else is built in
   host-sim run detour --loss 0.3 --seed 7
   host-sim run my-warehouse.toml --json > flight.json
+  host-sim campaign factory --seeds 100
   host-sim infer model.json   run an active-inference model from a notebook
   host-sim export model.json > src/model.rs
   host-sim tree check my-tree.xml
@@ -85,6 +87,9 @@ enum Verb {
     /// Fly a scenario
     #[command(after_help = RUN_EXAMPLES)]
     Run(Run),
+    /// Fly a scenario many times under disturbances, and compare inference with a conventional tree
+    #[command(after_help = campaign::EXAMPLES)]
+    Campaign(campaign::FlyMany),
     /// Run a model from a notebook: beliefs, expected free energies and a decision, as JSON
     #[command(after_help = notebook::INFER_EXAMPLES)]
     Infer(notebook::Infer),
@@ -164,6 +169,7 @@ impl Cli {
         match self.verb {
             Some(Verb::List) => list(),
             Some(Verb::Run(run)) => run.run(),
+            Some(Verb::Campaign(campaign)) => campaign.run(),
             Some(Verb::Infer(infer)) => infer.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Export(export)) => export.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Learn(learn)) => learn.run(),
@@ -187,6 +193,12 @@ fn list() -> Result<ExitCode, Failure> {
 impl Run {
     fn run(&self) -> Result<ExitCode, Failure> {
         let scenario = scenario(&self.scenario)?;
+        if self.tree == FlownTree::Figure5 && scenario.goals.len() != 2 {
+            let goals = scenario.goals.len();
+            return Err(
+                format!("{}: the tree of figure 5 is for two goals, not {goals}", scenario.name).into()
+            );
+        }
         let conditions = Conditions { seed: self.seed, loss: self.loss, tree: self.tree.into() };
         let mut audience = (self.audience(&scenario), self.logbook()?);
         let record = fly(&scenario, conditions, &mut audience)

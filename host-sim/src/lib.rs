@@ -24,6 +24,7 @@
 
 mod battery;
 mod body;
+pub mod campaign;
 mod chance;
 mod conventional;
 mod flight;
@@ -38,6 +39,7 @@ mod record;
 mod referee;
 mod scenario;
 pub mod show;
+pub mod statistics;
 mod team;
 pub mod tree;
 mod words;
@@ -51,11 +53,11 @@ pub use phases::{Chosen, Phase};
 pub use radio::Traffic;
 pub use record::{Activity, Dated, Outcome, Record, RobotRecord, TOGETHER};
 pub use referee::Collisions;
-pub use team::Pilot;
 pub use scenario::{
     Effect, Event, Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Radio, Robot, Scenario, ScenarioError,
     Wear, When,
 };
+pub use team::Pilot;
 
 /// The code in the README and in the documents is compiled and run with the tests.
 #[cfg(doctest)]

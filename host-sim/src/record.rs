@@ -163,12 +163,7 @@ impl Outcome {
 }
 
 /// How robots at `cells` stand, given what the referee saw and whether they arrived together.
-pub(crate) fn outcome(
-    collisions: &Collisions,
-    goals: &[Cell],
-    cells: &[Cell],
-    is_joint: bool,
-) -> Outcome {
+pub(crate) fn outcome(collisions: &Collisions, goals: &[Cell], cells: &[Cell], is_joint: bool) -> Outcome {
     if collisions.total() > 0 {
         Outcome::Collided
     } else if !at_different_goals(goals, cells) {

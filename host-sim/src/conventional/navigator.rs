@@ -124,7 +124,9 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
     pub(super) fn holds(&mut self, skill: Skill) -> bool {
         match skill {
             Skill::BatteryEnough => self.charge >= self.orders.low_battery,
-            Skill::AllArrived => self.has_arrived() && self.team.iter().all(|mate| mate.status == Doing::Arrived),
+            Skill::AllArrived => {
+                self.has_arrived() && self.team.iter().all(|mate| mate.status == Doing::Arrived)
+            }
             Skill::OneArrived => self.stands_on_a_goal(),
             Skill::ObstacleExists if self.orders.has_fixed_goals => self.is_blocked(&self.rest()),
             Skill::ObstacleExists => self.is_obstructed(),
@@ -189,7 +191,8 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         let Some(here) = self.position.here() else { return false };
         let target = self.orders.map.neighbour(here, step);
         let is_clear = || self.team.iter().all(|mate| mate.lets(&self.orders.map, self.rank(), target));
-        step == Move::Wait || (self.floor.is_free(target) && self.promised.contains(&Some(target)) && is_clear())
+        step == Move::Wait
+            || (self.floor.is_free(target) && self.promised.contains(&Some(target)) && is_clear())
     }
 
     /// The rank that it has announced.
@@ -257,7 +260,8 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         let is_free = |&index: &usize| {
             Some(index) != first && self.team.iter().all(|mate| mate.goal != goals.get(index).copied())
         };
-        let second = (0..goals.len()).filter(is_free).filter_map(|index| Some((moves[own][index]?, index))).min();
+        let second =
+            (0..goals.len()).filter(is_free).filter_map(|index| Some((moves[own][index]?, index))).min();
         self.choices = [first, second.map(|(_, index)| index)].map(|index| goals.get(index?).copied());
     }
 
@@ -285,7 +289,9 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
     fn is_led_to(&self, goal: Cell) -> bool {
         let rest = self.rest();
         let is_due = |&via: &Cell| rest.cells(&self.orders.map).any(|cell| cell == via);
-        let leads = self.goal == Some(goal) && rest.end(&self.orders.map) == goal && self.waypoints.first().is_none_or(is_due);
+        let leads = self.goal == Some(goal)
+            && rest.end(&self.orders.map) == goal
+            && self.waypoints.first().is_none_or(is_due);
         let is_there = rest.is_empty() && self.waypoints.is_empty();
         leads && (self.is_new || (!self.is_obstructed() && (is_there || rest.len() >= self.pace())))
     }
@@ -324,10 +330,12 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
     /// Whether the next move is not the last one, or the whole team is about to make its last one too; or the robot would keep
     /// somebody waiting who can only pass where it stands.
     fn may_arrive(&self) -> bool {
-        let is_last = self.proposal.is_some_and(|step| step != Move::Wait) && self.step + 1 == self.path.len();
+        let is_last =
+            self.proposal.is_some_and(|step| step != Move::Wait) && self.step + 1 == self.path.len();
         let ready = |mate: &Teammate| mate.remaining().is_some_and(|moves| moves <= 1);
         let Some(here) = self.position.here() else { return true };
-        let wants_to_pass = |mate: &Teammate| mate.rest.cells(&self.orders.map).skip(1).any(|cell| cell == here);
+        let wants_to_pass =
+            |mate: &Teammate| mate.rest.cells(&self.orders.map).skip(1).any(|cell| cell == here);
         !is_last || self.team.iter().all(ready) || self.team.iter().any(wants_to_pass)
     }
 

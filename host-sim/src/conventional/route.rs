@@ -48,7 +48,8 @@ impl<const S: usize, const W: usize> Router<S, W> {
             .iter()
             .find_map(|others| self.past(map, others, errand))
             .or_else(|| {
-                let stuck = team.iter().filter(|mate| mate.is_stuck(own)).flat_map(|mate| mate.stands_in(map));
+                let stuck =
+                    team.iter().filter(|mate| mate.is_stuck(own)).flat_map(|mate| mate.stands_in(map));
                 self.shortest(&map.avoiding(stuck.filter(|&cell| cell != errand.from)), errand)
             })
             .or_else(|| self.shortest(map, errand))

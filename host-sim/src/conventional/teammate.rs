@@ -120,7 +120,10 @@ impl Teammate {
     }
 
     /// The cells that it may stand in if it goes no further. One that was lost may have made some moves unheard.
-    pub(super) fn stands_in<'a, const W: usize>(&'a self, map: &'a Map<W>) -> impl Iterator<Item = Cell> + 'a {
+    pub(super) fn stands_in<'a, const W: usize>(
+        &'a self,
+        map: &'a Map<W>,
+    ) -> impl Iterator<Item = Cell> + 'a {
         let unheard = if self.is_lost { UNHEARD_MOVES } else { 0 };
         self.cells.into_iter().chain(self.rest.cells(map).take(unheard))
     }
@@ -210,7 +213,8 @@ mod tests {
 
     #[test]
     fn a_teammate_on_its_way_is_taken_to_go_on() {
-        let remaining = |age, status| Teammate::heard(&corridor(), &saying(&[2, 3, 4, 5], status), age).remaining();
+        let remaining =
+            |age, status| Teammate::heard(&corridor(), &saying(&[2, 3, 4, 5], status), age).remaining();
         assert_eq!([1, 2, 9].map(|age| remaining(age, Status::Agreed)), [2, 1, 0].map(Some));
         assert_eq!(remaining(4, Status::Announced), Some(3));
         assert_eq!(remaining(1, Status::Arrived), Some(0));
