@@ -11,7 +11,8 @@ fn built_in(name: &str) -> Scenario {
 }
 
 fn flown(scenario: &Scenario, seed: u64, loss: f64) -> Record {
-    fly(scenario, Conditions { seed, loss: Some(loss) }, &mut ()).expect("a sound scenario can be flown")
+    fly(scenario, Conditions { seed, loss: Some(loss), ..Conditions::default() }, &mut ())
+        .expect("a sound scenario can be flown")
 }
 
 mod missions {
@@ -461,7 +462,7 @@ mod accepted {
                 }
                 scenario => scenario.unwrap(),
             };
-            let record = fly(&scenario, Conditions { seed, loss: None }, &mut ()).unwrap();
+            let record = fly(&scenario, Conditions { seed, ..Conditions::default() }, &mut ()).unwrap();
             prop_assert_eq!(record.collisions.total(), 0);
             prop_assert!(record.history.len() <= 61);
         }
