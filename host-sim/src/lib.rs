@@ -32,6 +32,7 @@ mod log;
 mod news;
 pub mod notebook;
 mod phases;
+mod progress;
 mod radio;
 mod record;
 mod referee;
