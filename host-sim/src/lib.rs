@@ -35,6 +35,7 @@ pub mod manipulation;
 mod news;
 pub mod notebook;
 mod phases;
+mod progress;
 mod radio;
 mod record;
 mod referee;
