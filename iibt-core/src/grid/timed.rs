@@ -62,17 +62,19 @@ impl<const W: usize> TimedPlanner<W> {
     ///
     /// Cost: linear in `W (HORIZON + 1)`, and one pass over each teammate's path.
     pub fn sweep<'a>(&'a mut self, map: &'a Map<W>, from: Cell, teammates: &'a [Path]) -> Sweep<'a, W> {
-        self.sweep_at(NonZero::<usize>::MIN, map, from, teammates)
+        self.sweep_among(NonZero::<usize>::MIN, map, from, teammates, CellSet::EMPTY)
     }
 
     /// The same for a robot whose every move takes `pace` steps: its paths are made of moves after `pace - 1` waits, and
-    /// of `pace` waits.
-    pub fn sweep_at<'a>(
+    /// of `pace` waits. Its first move leads into none of the cells in `standing`: a teammate that stands there has
+    /// not chosen yet, and could not choose any way if this robot followed on its heels.
+    pub fn sweep_among<'a>(
         &'a mut self,
         pace: NonZero<usize>,
         map: &'a Map<W>,
         from: Cell,
         teammates: &'a [Path],
+        standing: CellSet<W>,
     ) -> Sweep<'a, W> {
         self.place(map, teammates, pace);
         let spread = Spread::over(map);
@@ -81,6 +83,7 @@ impl<const W: usize> TimedPlanner<W> {
         for step in 0..=HORIZON / pace {
             let now = self.layer(step);
             let taken = before.union(&now).union(&self.layer(step + 1));
+            let taken = if step == 1 { taken.union(&standing) } else { taken };
             let reached = candidates.without(&taken);
             candidates = spread.from(&reached);
             before = now;

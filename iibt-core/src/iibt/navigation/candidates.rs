@@ -5,7 +5,7 @@ use super::waypoints::leads_over;
 use super::{MAX_GOALS, MAX_WAYPOINTS, Mission};
 use crate::actions::HORIZON;
 use crate::bounded::up_to;
-use crate::grid::{Cell, Map, Move, Path, Planner, TimedPlanner, Variety, WaitPlace, first_conflict};
+use crate::grid::{Cell, CellSet, Map, Path, Planner, TimedPlanner, Variety, WaitPlace, first_conflict};
 use crate::team::{MAX_TEAM, RobotId};
 use core::num::NonZero;
 use heapless::Vec;
@@ -29,6 +29,8 @@ pub(super) struct Situation<const W: usize> {
     pub(super) map: Map<W>,
     /// The cells to lead over on the way to a goal.
     pub(super) via: Vec<Cell, MAX_WAYPOINTS>,
+    /// Where the robots stand that have not chosen, this one among them.
+    pub(super) undecided: Vec<Cell, MAX_TEAM>,
     /// The paths of the teammates that have announced theirs.
     pub(super) announced: Vec<Runner, MAX_TEAM>,
     /// The numbers of moves after which to arrive, most wanted first.
@@ -52,6 +54,14 @@ pub(super) struct Place<'a> {
     pub(super) from: Cell,
     /// The cells to lead over, in their order.
     pub(super) via: &'a [Cell],
+}
+
+impl<const W: usize> Situation<W> {
+    /// Where others stand that have not chosen, when it matters: at the first move.
+    fn standing_around(&self, lead: &Path) -> CellSet<W> {
+        let others = self.undecided.iter().copied().filter(|&cell| lead.is_empty() && cell != lead.start);
+        others.collect()
+    }
 }
 
 /// The planners, and the room they need.
@@ -115,9 +125,16 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         }
     }
 
-    /// The first move of a shortest way.
-    pub(super) fn first_move(&mut self, map: &Map<W>, from: Cell, to: Cell) -> Option<Move> {
-        self.planner.shortest(map, from, to).ok()?.moves().next()
+    /// A shortest way.
+    pub(super) fn way(&mut self, map: &Map<W>, from: Cell, to: Cell) -> Option<Path> {
+        self.planner.shortest(map, from, to).ok()
+    }
+
+    /// The cell nearest to `from` that is not one of `taken`.
+    pub(super) fn nearest(&mut self, map: &Map<W>, from: Cell, taken: &CellSet<W>) -> Option<Cell> {
+        let distances = self.planner.distances(map, from).ok()?;
+        let free = map.free_cells().without(taken);
+        free.iter().filter_map(|cell| Some((distances.to(cell)?, cell))).min().map(|(_, cell)| cell)
     }
 
     /// The way over the cells that a candidate has to lead over, each reached as soon as the teammates let it; only
@@ -127,7 +144,9 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         let mut lead = Path::at(place.from);
         for &point in place.via {
             let teammates = rest_of(&situation.announced, map, lead.len());
-            let leg = self.timed.sweep_at(pace, map, lead.end(map), &teammates).soonest(point)?;
+            let standing = situation.standing_around(&lead);
+            let sweep = self.timed.sweep_among(pace, map, lead.end(map), &teammates, standing);
+            let leg = sweep.soonest(point)?;
             lead = lead.then(&leg)?;
         }
         Some(lead)
@@ -151,13 +170,15 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         for &arrival in &situation.arrivals {
             let Some(lead) = lead.delayed(arrival) else { continue };
             let announced = rest_of(&situation.announced, map, lead.len());
-            let sweep = self.timed.sweep_at(pace, map, lead.end(map), &announced);
+            let standing = situation.standing_around(&lead);
+            let sweep = self.timed.sweep_among(pace, map, lead.end(map), &announced, standing);
             for &goal in mission.goals {
                 join(&lead, sweep.path_to(goal, arrival - lead.len()));
             }
         }
         let announced = rest_of(&situation.announced, map, lead.path.len());
-        let sweep = self.timed.sweep_at(pace, map, lead.path.end(map), &announced);
+        let standing = situation.standing_around(&lead.path);
+        let sweep = self.timed.sweep_among(pace, map, lead.path.end(map), &announced, standing);
         for &goal in mission.goals {
             join(&lead.path, sweep.earliest(goal).and_then(|arrival| sweep.path_to(goal, arrival)));
         }
