@@ -13,6 +13,11 @@ const RUNS: u64 = 200;
 /// A random map with walls in a tenth of its cells, and a team of two to five robots with as many goals, and chargers for
 /// all but the last robot, all within reach of each other.
 fn fly(seed: u64, hardship: Hardship) -> Outcome {
+    fly_at(seed, hardship, [1; 5], &[])
+}
+
+/// The same with robots whose moves take so many ticks, and what they take for the steps of a plan that those are.
+fn fly_at(seed: u64, hardship: Hardship, ticks: [u32; 5], paces: &[u8]) -> Outcome {
     let mut random = Random::new(seed);
     let mut map = Map::new(7, 7).expect("49 cells fit two words");
     for cell in 0..49 {
@@ -29,8 +34,8 @@ fn fly(seed: u64, hardship: Hardship) -> Outcome {
     let starts: Vec<Cell> = (0..size).map(|_| draw()).collect();
     let goals: Vec<Cell> = (0..size).map(|_| draw()).collect();
     let chargers: Vec<Option<Cell>> = (1..size).map(|_| Some(draw())).collect();
-    let mission = Mission { chargers: &chargers, ..Mission::new(map, &starts, &goals) };
-    Team::new(&mission, hardship, seed).fly(800)
+    let mission = Mission { chargers: &chargers, paces, ..Mission::new(map, &starts, &goals) };
+    Team::new(&mission, hardship, seed).at_paces(ticks).fly(800)
 }
 
 /// Flies many missions; returns in how many all robots arrived.
@@ -122,6 +127,67 @@ fn with_no_radio_at_all_nobody_moves() {
     for seed in 0..20 {
         let outcome = fly(seed, Hardship { loss: 1.1, ..Hardship::default() });
         assert_eq!((outcome.arrived, outcome.collisions), (None, 0));
+    }
+}
+
+mod with_robots_of_different_paces {
+    use super::*;
+
+    /// Robots whose moves take up to six ticks, so three steps, on all kinds of ground; returns in how many missions all arrived.
+    fn campaign(hardship: Hardship, paces: fn([u32; 5]) -> [u8; 5]) -> usize {
+        let outcomes = (0..RUNS).map(|seed| {
+            let ticks = [0, 1, 2, 3, 4].map(|robot| 1 + ((seed / 4 + robot * 5) % 6) as u32);
+            let outcome = fly_at(seed, hardship, ticks, &paces(ticks));
+            assert_eq!(outcome.collisions, 0, "seed {seed}, {ticks:?}: {outcome:?}");
+            outcome
+        });
+        outcomes.filter(|outcome| outcome.arrived.is_some()).count()
+    }
+
+    fn known(ticks: [u32; 5]) -> [u8; 5] {
+        ticks.map(|ticks| ticks.div_ceil(2) as u8)
+    }
+
+    #[test]
+    fn who_know_each_other() {
+        let arrived = campaign(Hardship::default(), known);
+        assert!(arrived >= 195, "{arrived}");
+    }
+
+    #[test]
+    fn who_take_each_other_for_equal() {
+        let arrived = campaign(Hardship::default(), |_| [1; 5]);
+        assert!(arrived >= 195, "{arrived}");
+    }
+
+    #[test]
+    fn who_are_wrong_about_each_other() {
+        let arrived = campaign(Hardship { loss: 0.2, ..Hardship::default() }, |ticks| {
+            let [a, b, c, d, e] = known(ticks);
+            [b, c, d, e, a]
+        });
+        assert!(arrived >= 190, "{arrived}");
+    }
+
+    #[test]
+    fn with_half_of_the_frames_lost_late_or_twice() {
+        let hardship = Hardship { loss: 0.5, delay: 3, duplicates: 0.2, ..Hardship::default() };
+        let arrived = campaign(hardship, known);
+        assert!(arrived >= 180, "{arrived}");
+    }
+
+    #[test]
+    fn with_moves_that_fail_and_obstacles_that_appear() {
+        let hardship = Hardship { loss: 0.2, slip: 0.1, obstacle: 0.05, ..Hardship::default() };
+        let arrived = campaign(hardship, known);
+        assert!(arrived >= 170, "{arrived}");
+    }
+
+    #[test]
+    fn with_robots_that_restart_at_any_moment() {
+        let hardship = Hardship { loss: 0.2, delay: 2, slip: 0.05, restart: 0.005, ..Hardship::default() };
+        let arrived = campaign(hardship, known);
+        assert!(arrived >= 120, "{arrived}");
     }
 }
 

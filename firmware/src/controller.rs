@@ -5,7 +5,7 @@ use crate::pilot;
 use crate::pilot::{NODES, Pilot, TREE};
 use crate::{Report, Settings};
 use iibt_core::grid::Cell;
-use iibt_core::iibt::navigation::{MissionError, Percept, VisitError};
+use iibt_core::iibt::navigation::{MAX_GOALS, MissionError, Percept, VisitError};
 use iibt_core::iibt::{Mission, Navigation, Node};
 use iibt_core::team::{
     Deframer, Intention, Limits, LimitsError, MAX_FRAME, MAX_TEAM, Numbering, RobotId, Roster, RosterError,
@@ -105,6 +105,11 @@ impl<'m, H: Hardware, const S: usize, const W: usize, const P: usize> Controller
     /// [`VisitError`] when it cannot, or has too many to visit already.
     pub fn visit(&mut self, cell: Cell) -> Result<(), VisitError> {
         self.pilot.navigation.visit(cell)
+    }
+
+    /// Has each goal of the mission worth so much from the next decision on; see [`Navigation::prefer`].
+    pub fn prefer(&mut self, values: &[f32; MAX_GOALS]) {
+        self.pilot.navigation.prefer(values);
     }
 
     /// The leaf of the tree that is running since the last tick.

@@ -20,6 +20,10 @@ pub(crate) enum Purpose {
     Slip = 5,
     /// What trouble a campaign adds to a mission.
     Disturbance = 6,
+    /// Where robots start and where they are wanted, in missions that are drawn.
+    Place = 7,
+    /// Whether a robot is served at its goal.
+    Service = 8,
     /// What a robot that handles things reads of its state.
     Reading = 16,
     /// Whether an action of such a robot fails.

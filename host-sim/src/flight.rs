@@ -20,6 +20,7 @@ use crate::team::{Pilot, Robot, Team, with_team};
 use crate::world::World;
 use firmware::{ControllerError, Report};
 use iibt_core::grid::{Cell, Move};
+use iibt_core::iibt::navigation::MAX_GOALS;
 use iibt_core::team::Status;
 
 /// What a flight depends on besides its scenario.
@@ -90,7 +91,20 @@ pub fn fly(
     conditions: Conditions,
     audience: &mut dyn Audience,
 ) -> Result<Record, ControllerError> {
+    fly_preferring(scenario, conditions, &[], audience)
+}
+
+/// The same with robots to whom the goals are worth so much; those without an entry know no difference.
+pub(crate) fn fly_preferring(
+    scenario: &Scenario,
+    conditions: Conditions,
+    preferences: &[[f32; MAX_GOALS]],
+    audience: &mut dyn Audience,
+) -> Result<Record, ControllerError> {
     with_team(scenario, conditions.tree, |team| {
+        for (robot, values) in team.iter_mut().zip(preferences) {
+            robot.prefer(values);
+        }
         let mut flight = Flight::new(scenario, conditions, team);
         flight.show(audience, 0);
         while !flight.is_over() {

@@ -23,6 +23,7 @@
 #![forbid(unsafe_code)]
 
 mod battery;
+pub mod beyond;
 mod body;
 pub mod campaign;
 mod chance;
@@ -41,6 +42,7 @@ mod record;
 mod referee;
 pub mod reproduce;
 mod scenario;
+mod series;
 pub mod show;
 pub mod statistics;
 mod team;
@@ -60,6 +62,7 @@ pub use scenario::{
     Effect, Event, Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Radio, Robot, Scenario, ScenarioError,
     Wear, When,
 };
+pub use series::{Mission, Series, fly_series};
 pub use team::Pilot;
 
 /// The code in the README and in the documents is compiled and run with the tests.

@@ -11,8 +11,7 @@ macro_rules! scenarios {
     };
 }
 
-const TEXTS: [(&str, &str); 9] =
-    scenarios!["factory" "shift" "two-goals" "detour" "obstacle" "warehouse" "courtyard" "worn" "mixed"];
+const TEXTS: [(&str, &str); 10] = scenarios!["factory" "shift" "two-goals" "detour" "obstacle" "warehouse" "courtyard" "worn" "mixed" "deliveries"];
 
 /// The names, in the order they are listed.
 pub fn names() -> impl Iterator<Item = &'static str> {

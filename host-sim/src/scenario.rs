@@ -42,6 +42,10 @@ pub struct Scenario {
     pub map: Floor,
     /// Where robots are wanted, one each.
     pub goals: Vec<Cell>,
+    /// The probability with which each goal serves a robot that stands there at the end of a mission.
+    pub serves: Vec<f64>,
+    /// How often the mission is flown in a row.
+    pub missions: u32,
     /// The team, in the order of the robots' numbers.
     pub robots: Vec<Robot>,
     /// What happens while the mission is flown.

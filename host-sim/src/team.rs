@@ -8,6 +8,7 @@ use crate::scenario::{Floor, MAX_CELLS, MAX_PATHS, Scenario};
 use firmware::{Controller, ControllerError, Report, Settings};
 use iibt_core::grid::{Cell, Map, Path, words};
 use iibt_core::iibt::Mission;
+use iibt_core::iibt::navigation::MAX_GOALS;
 use iibt_core::inference::learning::Rates;
 use iibt_core::team::{Key, RobotId};
 use serde::Serialize;
@@ -22,6 +23,8 @@ pub(crate) trait Robot {
     fn activity(&self) -> Option<&'static str>;
     /// Tells it to visit a cell; returns whether it will.
     fn visit(&mut self, cell: Cell) -> bool;
+    /// Has each goal worth so much to it; to a conventional one it makes no difference.
+    fn prefer(&mut self, _: &[f32; MAX_GOALS]) {}
     /// The way-points that it is still to visit.
     fn waypoints(&self) -> &[Cell];
     /// How likely it takes itself to be in a cell.
@@ -168,6 +171,10 @@ impl<const S: usize, const W: usize, const P: usize> Robot for Controller<'_, Bo
 
     fn visit(&mut self, cell: Cell) -> bool {
         Controller::visit(self, cell).is_ok()
+    }
+
+    fn prefer(&mut self, values: &[f32; MAX_GOALS]) {
+        Controller::prefer(self, values);
     }
 
     fn waypoints(&self) -> &[Cell] {

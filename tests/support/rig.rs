@@ -55,6 +55,10 @@ pub struct Body {
     pub outbox: Vec<Vec<u8>>,
     /// The move that was asked for and not made yet.
     pub asked: Option<Move>,
+    /// The ticks that a move takes.
+    pub pace: u32,
+    /// Where a move leads that is not done yet, and the ticks that it takes from now on.
+    pub under_way: Option<(Cell, u32)>,
     /// Whether the localiser reads nothing.
     pub blind: bool,
     /// Whether moves fail and leave the body where it is.
@@ -74,18 +78,33 @@ impl Body {
             inbox: VecDeque::new(),
             outbox: vec![],
             asked: None,
+            pace: 1,
+            under_way: None,
             blind: false,
             stuck: false,
         }
     }
 
-    /// Makes the move that was asked for; returns the cell it came from.
+    /// The cells that the body is in: two while it is on its way.
+    pub fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
+        [Some(self.cell), self.under_way.map(|(to, _)| to)].into_iter().flatten()
+    }
+
+    /// Makes the move that was asked for, or goes on with the last; returns the cell it came from.
     pub fn carry_out<const W: usize>(&mut self, map: &Map<W>) -> Cell {
         let before = self.cell;
         if let Some(step) = self.asked.take() {
             let next = map.neighbour(self.cell, step);
-            self.cell = if map.is_free(next) && !self.stuck { next } else { self.cell };
+            let goes = next != self.cell && map.is_free(next) && !self.stuck;
+            self.under_way = self.under_way.or(goes.then_some((next, self.pace)));
         }
+        self.under_way = match self.under_way {
+            Some((to, 0 | 1)) => {
+                self.cell = to;
+                None
+            }
+            moving => moving.map(|(to, ticks)| (to, ticks - 1)),
+        };
         before
     }
 }
@@ -105,7 +124,7 @@ impl Drive for Body {
         self.asked = Some(step);
     }
     fn is_moving(&mut self) -> bool {
-        false
+        self.under_way.is_some()
     }
     fn stop(&mut self) {
         self.asked = None;

@@ -201,7 +201,9 @@ impl<'m> Team<'m> {
         for one in 0..after.len() {
             for other in 0..one {
                 let swapped = after[one] == before[other] && after[other] == before[one];
-                self.outcome.collisions += u32::from(after[one] == after[other] || swapped);
+                let (one, other) = (self.robots[one].hardware(), self.robots[other].hardware());
+                let shared = one.cells().any(|cell| other.cells().any(|theirs| theirs == cell));
+                self.outcome.collisions += u32::from(shared || swapped);
             }
         }
     }
@@ -233,7 +235,7 @@ impl<'m> Team<'m> {
     fn change_the_world(&mut self) {
         if self.obstacles < 3 && self.random.chance(self.hardship.obstacle) {
             let cell = Cell(self.random.below(self.map.len() as u32) as u16);
-            let taken = self.robots.iter().any(|robot| robot.hardware().cell == cell);
+            let taken = self.robots.iter().any(|robot| robot.hardware().cells().any(|theirs| theirs == cell));
             if !taken && !self.mission.goals.contains(&cell) {
                 self.map.block(cell);
                 self.obstacles += 1;
@@ -278,8 +280,22 @@ impl<'m> Team<'m> {
     /// Starts a robot again where it stands, without anything it knew.
     pub fn restart(&mut self, robot: usize) {
         self.epochs[robot] += 1;
-        let here = self.robots[robot].hardware().cell;
+        let (here, pace, under_way) = {
+            let body = self.robots[robot].hardware();
+            (body.cell, body.pace, body.under_way)
+        };
         self.robots[robot] = boot(self.mission, robot, here, self.epochs[robot]);
+        let body = self.robots[robot].hardware_mut();
+        (body.pace, body.under_way) = (pace, under_way);
+    }
+
+    /// Has the moves of each robot take so many ticks.
+    #[must_use]
+    pub fn at_paces(mut self, ticks: impl IntoIterator<Item = u32>) -> Self {
+        for (robot, ticks) in self.robots.iter_mut().zip(ticks) {
+            robot.hardware_mut().pace = ticks;
+        }
+        self
     }
 }
 

@@ -13,6 +13,8 @@ use toml::Spanned;
 
 const LONGEST_TITLE: usize = 120;
 
+const MOST_MISSIONS: u32 = 1000;
+
 /// Checks everything; `text` is what `file` was read from.
 pub(super) fn check(name: &str, text: &str, file: &File) -> Result<Scenario, Fault> {
     let drawing = Drawing::read(text, &file.map)?;
@@ -25,16 +27,19 @@ pub(super) fn check(name: &str, text: &str, file: &File) -> Result<Scenario, Fau
     reach::goals_for_all(&drawing.map, &goals, &robots)
         .map_err(|(robot, reason)| Fault::new(start_of(robot, file), reason))?;
     let events = file.events.iter().map(|event| drawing.event(event, &robots));
+    let serves = services(file, &goals)?;
     Ok(Scenario {
         name: name.to_owned(),
         title: line_of_text("title", &file.title, LONGEST_TITLE)?,
         limit: whole("limit", file.limit.as_ref(), 1..=MAX_TICKS, 200)?,
+        missions: whole("missions", file.missions.as_ref(), 1..=MOST_MISSIONS, 1)?,
         radio: radio(&file.radio)?,
         inference: inference(&file.inference)?,
         wear: file.wear.iter().map(|wear| worn(wear, &robots)).collect::<Result<_, _>>()?,
         events: events.collect::<Result<_, _>>()?,
         map: drawing.map,
         goals,
+        serves,
         robots,
     })
 }
@@ -71,6 +76,22 @@ impl Drawing {
         }
         Ok(goals)
     }
+}
+
+/// With which probability each goal serves: one says so at the most once.
+fn services(file: &File, goals: &[Cell]) -> Result<Vec<f64>, Fault> {
+    let mut serves = vec![None; goals.len()];
+    for service in &file.services {
+        let service = service.get_ref();
+        let number = *service.cell.get_ref();
+        let Some(goal) = goals.iter().position(|goal| i64::from(goal.0) == number) else {
+            return Err(Fault::new(service.cell.span(), format!("{number} is no goal")));
+        };
+        if serves[goal].replace(share("serves", Some(&service.serves), 1.0)?).is_some() {
+            return Err(Fault::new(service.cell.span(), format!("goal {number} has a [[goal]] already")));
+        }
+    }
+    Ok(serves.into_iter().map(|serves| serves.unwrap_or(1.0)).collect())
 }
 
 fn enough(goals: usize, robots: usize) -> Result<(), String> {

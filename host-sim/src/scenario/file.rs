@@ -10,6 +10,7 @@ pub(super) struct File {
     pub map: Spanned<String>,
     pub goals: Option<Spanned<Vec<Number>>>,
     pub limit: Option<Number>,
+    pub missions: Option<Number>,
     pub view: Option<Number>,
     pub slip: Option<Real>,
     #[serde(default)]
@@ -18,6 +19,8 @@ pub(super) struct File {
     pub inference: Inference,
     #[serde(default, rename = "robot")]
     pub robots: Vec<Spanned<Robot>>,
+    #[serde(default, rename = "goal")]
+    pub services: Vec<Spanned<Service>>,
     #[serde(default, rename = "event")]
     pub events: Vec<Spanned<Event>>,
     #[serde(default)]
@@ -82,6 +85,13 @@ pub(super) struct Event {
     pub stop: Option<Spanned<bool>>,
     #[serde(rename = "for")]
     pub ticks: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Service {
+    pub cell: Number,
+    pub serves: Real,
 }
 
 #[derive(Deserialize)]

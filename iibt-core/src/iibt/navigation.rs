@@ -15,6 +15,7 @@ mod candidates;
 mod cause;
 mod decision;
 mod deliberation;
+mod experience;
 mod mission;
 mod motion;
 mod plans;
@@ -26,6 +27,7 @@ mod world;
 pub use candidates::Candidate;
 pub use cause::Cause;
 pub use decision::Decision;
+pub use experience::Experience;
 pub use mission::{MAX_GOALS, Mission, MissionError};
 pub use plans::{ARRIVED, OBSTACLE, Plan, REACHABLE, RULES, VISITED};
 pub use waypoints::{MAX_WAYPOINTS, VisitError};
@@ -145,6 +147,13 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             aside: None,
             cause: None,
         })
+    }
+
+    /// Has each goal of the mission, in the order of its list, worth so much from the next decision on, in place of one each: see
+    /// [`Experience::values`]. A value that is not above zero and at most one counts as one.
+    pub fn prefer(&mut self, values: &[f32; MAX_GOALS]) {
+        self.decision.prefer(self.mission.goals, values);
+        self.preference = self.decision.world().preference();
     }
 
     /// Takes in what was sensed since the last tick. Call it once before the node's tick, or before

@@ -34,7 +34,7 @@ pub(super) struct Situation<const W: usize> {
     /// The paths of the teammates that have announced theirs.
     pub(super) announced: Vec<Runner, MAX_TEAM>,
     /// The numbers of moves after which to arrive, most wanted first.
-    pub(super) arrivals: Vec<usize, 2>,
+    pub(super) arrivals: Vec<usize, 3>,
 }
 
 /// A robot on its path.
@@ -84,24 +84,29 @@ impl<const S: usize, const W: usize> Generator<S, W> {
 
     /// When the team could arrive together, for robots where their paths start, the first of which has to lead over
     /// other cells: when the announced paths do,
-    /// or else at the earliest and a little later. The more rounds were in vain, the later.
+    /// or else at the earliest, at the goals that are worth most, and a little later. The more rounds were in vain, the later.
     pub(super) fn arrivals(
         &mut self,
         mission: &Mission<'_, W>,
         map: &Map<W>,
         (team, via): (&[Runner], &[Cell]),
         announced: &[Runner],
+        best: &[Cell],
         vain_rounds: u8,
-    ) -> Vec<usize, 2> {
+    ) -> Vec<usize, 3> {
         let fixed = announced.iter().map(|other| other.path.len()).max().filter(|&moves| moves > 0);
-        let earliest = match fixed {
-            Some(_) => None,
-            None => earliest_together(&self.moves(mission, map, team, via), team.len()).map(usize::from),
-        };
+        if fixed.is_some() {
+            return up_to(fixed.into_iter());
+        }
+        let moves = self.moves(mission, map, team, via);
         // The first round of a new situation is not in vain yet.
-        let earliest = earliest.map(|moves| moves + usize::from(vain_rounds.saturating_sub(1)));
+        let vain = usize::from(vain_rounds.saturating_sub(1));
+        let at = |moves: &Moves| Some(usize::from(earliest_together(moves, team.len())?) + vain);
+        let earliest = at(&moves);
+        let at_best = at(&only(&moves, mission.goals, best)).filter(|_| best.len() < mission.goals.len());
+        let at_best = at_best.filter(|&steps| Some(steps) != earliest);
         let later = earliest.map(|moves| moves + LEEWAY);
-        up_to([fixed, earliest, later].into_iter().flatten().filter(|&moves| moves <= HORIZON))
+        up_to([earliest, at_best, later].into_iter().flatten().filter(|&moves| moves <= HORIZON))
     }
 
     /// Fills `candidates` for a robot that stands at `from`: those listed for it, or planned ones.
@@ -236,6 +241,17 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         }
         Some((here, moves))
     }
+}
+
+/// The moves to those goals alone that are among the best.
+fn only(moves: &Moves, goals: &[Cell], best: &[Cell]) -> Moves {
+    let mut left = *moves;
+    for row in &mut left {
+        for (entry, goal) in row.iter_mut().zip(goals) {
+            *entry = entry.filter(|_| best.contains(goal));
+        }
+    }
+    left
 }
 
 impl Runner {

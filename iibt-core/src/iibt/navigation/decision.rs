@@ -66,6 +66,11 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         &self.world
     }
 
+    /// Has the goals worth so much.
+    pub(super) fn prefer(&mut self, goals: &[Cell], values: &[f32]) {
+        self.world.prefer(goals, values);
+    }
+
     /// Has the next teammate's word right with this probability.
     pub(super) fn trust(&mut self, word: f32) {
         self.world.trust(word);

@@ -3,7 +3,7 @@
 use super::candidates::{Place, Runner, Situation, are_clear};
 use super::decision::{Party, Timing};
 use super::motion::SURE;
-use super::{Candidate, Cause, Navigation, intentions};
+use super::{Candidate, Cause, MAX_GOALS, Navigation, intentions};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Map, Path};
 use crate::inference::Preference;
@@ -49,9 +49,18 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         let starts = self.partners().map(|peer| self.runner(peer.robot, Path::at(peer.path.start)));
         let own = self.runner(self.robot, Path::at(here));
         let team: Vec<Runner, MAX_TEAM> = up_to(core::iter::once(own).chain(starts));
+        let best = self.best_goals();
         let arrivals =
-            self.generator.arrivals(self.mission, &map, (&team, &via), &announced, self.vain_rounds);
+            self.generator.arrivals(self.mission, &map, (&team, &via), &announced, &best, self.vain_rounds);
         Some(Situation { here, map, via, undecided, announced, arrivals })
+    }
+
+    /// The goals worth most, as many as there are robots, and those worth no less than the last of them.
+    fn best_goals(&self) -> Vec<Cell, MAX_GOALS> {
+        let (goals, world) = (self.mission.goals, self.decision.world());
+        let better =
+            |cell: Cell| goals.iter().filter(|&&other| world.worth(other) > world.worth(cell)).count();
+        up_to(goals.iter().copied().filter(|&goal| better(goal) < self.mission.starts.len()))
     }
 
     /// Whether it is this robot's turn to choose, and where it stands.

@@ -28,7 +28,7 @@ pub(super) struct World<const S: usize> {
     next: [[u16; S]; Move::ALL.len()],
     /// D: every free cell is equally likely.
     prior: [f32; S],
-    /// C: every goal is worth one.
+    /// C: every goal is worth one, or what the robot has learned.
     preference: [f32; S],
     /// The number of the goal that a cell is, counted from one.
     labels: [u8; S],
@@ -74,6 +74,20 @@ impl<const S: usize> World<S> {
     /// Has the teammate's word right with this probability from now on.
     pub(super) fn trust(&mut self, word: f32) {
         self.peer_sensor = IdentityNoise::among(word, self.cells);
+    }
+
+    /// Has the goals worth so much, at the most [`GOAL`].
+    pub(super) fn prefer(&mut self, goals: &[Cell], values: &[f32]) {
+        for (goal, &value) in goals.iter().zip(values) {
+            if let Some(preference) = self.preference.get_mut(goal.index()) {
+                *preference = if value > 0.0 && value <= GOAL { value } else { GOAL };
+            }
+        }
+    }
+
+    /// What a cell is worth to begin with.
+    pub(super) fn worth(&self, cell: Cell) -> f32 {
+        self.preference.get(cell.index()).copied().unwrap_or(0.0)
     }
 
     /// C to begin with.

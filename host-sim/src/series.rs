@@ -1,0 +1,69 @@
+//! A series: the same mission flown several times in a row, by robots that keep what they have learned of the goals.
+
+use crate::chance::{Chance, Purpose};
+use crate::flight::{Audience, Conditions, fly_preferring};
+use crate::record::Record;
+use crate::scenario::Scenario;
+use firmware::ControllerError;
+use iibt_core::grid::Cell;
+use iibt_core::iibt::navigation::Experience;
+use serde::Serialize;
+
+/// A series from its first to its last mission.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Series {
+    /// Whether the robots learned.
+    pub learning: bool,
+    /// The missions in order.
+    pub missions: Vec<Mission>,
+}
+
+/// One mission of a series.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Mission {
+    /// The flight.
+    pub record: Record,
+    /// Whether each robot was served where it stood at the end; `None` for one that stood at no goal.
+    pub served: Vec<Option<bool>>,
+}
+
+impl Mission {
+    /// The part of the team that was served.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        let served = self.served.iter().filter(|&&served| served == Some(true)).count();
+        served as f64 / self.served.len().max(1) as f64
+    }
+}
+
+/// Flies a scenario as often as it says, with what the robots learn from where they were served, or without. Every mission
+/// begins at the robots' starts.
+///
+/// # Errors
+/// As [`fly`](crate::fly).
+pub fn fly_series(
+    scenario: &Scenario,
+    conditions: Conditions,
+    learning: bool,
+    audience: &mut dyn Audience,
+) -> Result<Series, ControllerError> {
+    let mut experience = vec![Experience::default(); scenario.robots.len()];
+    let mut chance = Chance::new(conditions.seed, Purpose::Service);
+    let mut missions = Vec::new();
+    for number in 0..u64::from(scenario.missions) {
+        let values: Vec<_> = experience.iter().map(Experience::values).collect();
+        let preferences = if learning { values.as_slice() } else { &[] };
+        let seed = conditions.seed.wrapping_add(number << 32);
+        let record = fly_preferring(scenario, Conditions { seed, ..conditions }, preferences, audience)?;
+        // One draw for every goal, so that it does not matter who stands where.
+        let serves: Vec<bool> = scenario.serves.iter().map(|&chances| chance.strikes(chances)).collect();
+        let goal_of = |cell: Cell| scenario.goals.iter().position(|&goal| goal == cell);
+        let stands: Vec<Option<usize>> = record.robots.iter().map(|robot| goal_of(robot.cell)).collect();
+        for (experience, goal) in experience.iter_mut().zip(&stands) {
+            goal.map(|goal| experience.learn(goal, serves[goal]));
+        }
+        let served = stands.iter().map(|goal| goal.map(|goal| serves[goal])).collect();
+        missions.push(Mission { record, served });
+    }
+    Ok(Series { learning, missions })
+}
