@@ -12,8 +12,8 @@ use self::manipulate::Manipulate;
 use self::reproduce::Reproduce;
 use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use host_sim::show::{Narrator, Palette, Screen, outcome_line, summary};
-use host_sim::{Audience, Conditions, Logbook, Pilot, Record, Scenario, fly, library};
+use host_sim::show::{Narrator, Palette, Screen, outcome_line, series_lines, summary};
+use host_sim::{Audience, Conditions, Logbook, Pilot, Record, Scenario, fly, fly_series, library};
 use std::error::Error;
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Read, Write};
@@ -213,6 +213,9 @@ impl Run {
             );
         }
         let conditions = Conditions { seed: self.seed, loss: self.loss, tree: self.tree.into() };
+        if scenario.missions > 1 {
+            return self.run_series(&scenario, conditions);
+        }
         let mut audience = (self.audience(&scenario), self.logbook()?);
         let record = fly(&scenario, conditions, &mut audience)
             .map_err(|error| format!("{}: {error}", scenario.name))?;
@@ -221,6 +224,22 @@ impl Run {
         }
         print(&self.report(&record)?)?;
         let success = record.outcome.is_success();
+        Ok(if success { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
+    }
+
+    /// Flies the missions of a scenario that has several, a line each.
+    fn run_series(&self, scenario: &Scenario, conditions: Conditions) -> Result<ExitCode, Failure> {
+        let mut logbook = self.logbook()?;
+        let mut audience: (Box<dyn Audience>, _) = (Box::new(()), logbook.take());
+        let series = fly_series(scenario, conditions, true, &mut audience)
+            .map_err(|error| format!("{}: {error}", scenario.name))?;
+        if let Some(logbook) = audience.1 {
+            logbook.finish()?;
+        }
+        let text =
+            if self.json { serde_json::to_string(&series)? } else { series_lines(&series, self.quiet) };
+        print(&(text + "\n"))?;
+        let success = series.missions.iter().all(|mission| mission.record.outcome.is_success());
         Ok(if success { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
     }
 

@@ -7,6 +7,7 @@
 //! Numbers of the paper stand in the file of their section and nowhere else. A [`Section`] says nothing that was not
 //! computed when it was made.
 
+mod beyond;
 mod decision;
 mod figure;
 mod page;
@@ -82,6 +83,7 @@ pub const CHAPTERS: &[Chapter] = &[
     Chapter { id: "5.2", about: "an obstacle on the way", run: section_5::detour_around },
     Chapter { id: "6.1", about: "three robots, obstacles, way-points, batteries", run: section_6_1::mission },
     Chapter { id: "tables", about: "how large the trees are", run: tables::count },
+    Chapter { id: "beyond", about: "unlike robots, learned preferences", run: beyond::measure },
 ];
 
 /// The chapter with a name.

@@ -101,25 +101,3 @@ fn drawn(scenario: &Scenario, seed: u64) -> Scenario {
     drawn.goals.iter_mut().for_each(|goal| *goal = draw());
     drawn
 }
-
-#[cfg(test)]
-mod probe {
-    #[test]
-    fn probe() {
-        use super::super::Learned;
-        let scenario = crate::library::find("deliveries").unwrap().unwrap();
-        let t = std::time::Instant::now();
-        let l = Learned::fly(&scenario, 100);
-        for s in [&l.learning, &l.not] {
-            println!(
-                "{:?} {:?} together {} collided {}",
-                Learned::last_third(s),
-                Learned::ticks(s).mean,
-                s.iter().map(|s| s.together).sum::<usize>(),
-                s.iter().map(|s| s.collided).sum::<usize>()
-            );
-            println!("{:.2?}", Learned::curve(s));
-        }
-        println!("{:?} {:?}", l.gain(), t.elapsed());
-    }
-}

@@ -1,0 +1,159 @@
+//! Beyond the paper: teams of unlike robots, and preferences learned online, which it names as future work.
+
+use super::figure::{Estimate, Figure, IntervalRow, Intervals, Lines, Panel, Series};
+use super::report::{Item, Section, number};
+use super::{Effort, Run};
+use crate::beyond::{Learned, Mixed, Unlike};
+use crate::campaign::Score;
+use crate::library;
+use crate::scenario::Scenario;
+use crate::statistics::{Difference, Distribution};
+
+/// The missions that are drawn, and the series that are flown.
+const SEEDS: u64 = 300;
+
+/// What both come to.
+pub(super) fn measure(run: &mut Run<'_>) -> Section {
+    let mut section = Section::new("beyond", "Beyond the paper: unlike robots, learned preferences");
+    section.say(
+        "Robots that differ in pace and in sensors: the scenario `mixed` with starts and goals drawn for each seed. The teams that \
+         know their paces plan a slow robot's moves as the steps they take, so that the others go on meanwhile, and give it a \
+         near goal; the others take every robot for a fast one and wait for it at each step. Both fly the same missions.",
+    );
+    section.say(
+        "Preferences learned online: the scenario `deliveries`, thirty missions in a row. A robot learns from its own \
+         experience alone where it was served, by Dirichlet counts, and prefers a goal by the logarithm of that probability.",
+    );
+    let seeds = run.seeds(SEEDS) as u32;
+    let steps = Unlike::ALL.len() + 1;
+    let mut mixed = Vec::new();
+    for unlike in Unlike::ALL {
+        (run.progress)(mixed.len(), steps);
+        mixed.push(Mixed::fly(&built_in("mixed"), unlike, seeds));
+    }
+    (run.progress)(mixed.len(), steps);
+    let learned = Learned::fly(&built_in("deliveries"), seeds);
+    let judged = run.effort == Effort::Full;
+    section.items = mixed.iter().flat_map(|mixed| mixed_items(mixed, judged)).collect();
+    section.items.extend(learned_items(&learned, judged));
+    section.figures = vec![ticks(&mixed), curve(&learned)];
+    section
+}
+
+fn built_in(name: &str) -> Scenario {
+    library::find(name).expect("it is built in").expect("it is sound")
+}
+
+/// A gain that is claimed where enough is flown to tell, and measured otherwise.
+fn gain(what: String, difference: &Difference, unit: &str, claimed: bool) -> Item {
+    let [low, high] = difference.interval.map(number);
+    let ours = format!("{}{unit} ({low} to {high})", number(difference.mean));
+    if claimed {
+        Item::claim(what, "> 0 with 95 %", ours, difference.interval[0] > 0.0)
+    } else {
+        Item::measured(what, ours)
+    }
+}
+
+fn mixed_items(mixed: &Mixed, judged: bool) -> [Item; 3] {
+    let what = match mixed.unlike {
+        Unlike::Both => "paces and sensors",
+        Unlike::Paces => "paces alone",
+        Unlike::Sensors => "sensors alone",
+    };
+    let collided = |scores: &[Score]| scores.iter().filter(|score| score.has_collided()).count();
+    let collided = collided(&mixed.known) + collided(&mixed.alike);
+    let done = [&mixed.known, &mixed.alike].map(|scores| Mixed::accomplished(scores));
+    // What knowing the sensors is worth is measured and not claimed: localisers that err anywhere fool nobody for long.
+    let claimed = judged && mixed.unlike != Unlike::Sensors;
+    [
+        gain(format!("unlike {what}: ticks that knowing it saves"), &mixed.saved(), " ticks", claimed),
+        Item::claim(
+            format!("unlike {what}: flights with a collision, of both teams"),
+            "0",
+            collided.to_string(),
+            collided == 0,
+        ),
+        Item::measured(
+            format!("unlike {what}: missions accomplished, known and taken for equal"),
+            format!("{} and {} of {}", done[0].count, done[1].count, done[0].of),
+        ),
+    ]
+}
+
+fn learned_items(learned: &Learned, judged: bool) -> [Item; 4] {
+    let [learning, not] = [&learned.learning, &learned.not];
+    let shares = [learning, not].map(|series| number(Learned::last_third(series).mean));
+    let ticks = [learning, not].map(|series| number(Learned::ticks(series).mean));
+    let collided: usize = learning.iter().chain(not).map(|series| series.collided).sum();
+    [
+        gain(
+            "learned preferences: more robots served in the last third of the missions".to_owned(),
+            &learned.gain(),
+            "",
+            judged,
+        ),
+        Item::measured("the part that was served there, with and without learning", shares.join(" and ")),
+        Item::measured("the ticks of such a mission, with and without learning", ticks.join(" and ")),
+        Item::claim(
+            "learned preferences: missions with a collision, of both teams",
+            "0",
+            collided.to_string(),
+            collided == 0,
+        ),
+    ]
+}
+
+fn ticks(mixed: &[Mixed]) -> Figure {
+    let estimate = |scores: &[Score]| {
+        let Distribution { mean, interval: [low, high], .. } = Mixed::ticks(scores);
+        Some(Estimate { value: mean, low, high })
+    };
+    let row = |mixed: &Mixed| IntervalRow {
+        label: match mixed.unlike {
+            Unlike::Both => "paces and sensors".to_owned(),
+            Unlike::Paces => "paces".to_owned(),
+            Unlike::Sensors => "sensors".to_owned(),
+        },
+        values: vec![
+            ("known".to_owned(), estimate(&mixed.known)),
+            ("taken for equal".to_owned(), estimate(&mixed.alike)),
+        ],
+    };
+    let intervals = Intervals {
+        title: "Until all stand at their goals".to_owned(),
+        unit: "ticks".to_owned(),
+        rows: mixed.iter().map(row).collect(),
+    };
+    Figure::new(
+        "Unlike robots: the ticks of a mission, means and 95 % intervals.",
+        [Panel::Intervals(intervals)],
+    )
+}
+
+fn curve(learned: &Learned) -> Figure {
+    let (on, off) = (Learned::curve(&learned.learning), Learned::curve(&learned.not));
+    let lines = Lines {
+        title: "Robots served".to_owned(),
+        x: "mission".to_owned(),
+        y: "part of the robots that was served".to_owned(),
+        at: (1..=on.len()).map(|mission| mission as f64).collect(),
+        series: vec![Series::new("learning", on), Series::new("not learning", off)],
+    };
+    let row = |label: &str, series: &[crate::beyond::Served]| {
+        let Distribution { mean, interval: [low, high], .. } = Learned::last_third(series);
+        (label.to_owned(), Some(Estimate { value: mean, low, high }))
+    };
+    let intervals = Intervals {
+        title: "In the last third of the missions".to_owned(),
+        unit: "part of the robots that was served".to_owned(),
+        rows: vec![IntervalRow {
+            label: "deliveries".to_owned(),
+            values: vec![row("learning", &learned.learning), row("not learning", &learned.not)],
+        }],
+    };
+    Figure::new(
+        "Preferences learned online: who was served, mission after mission, the mean over all series.",
+        [Panel::Lines(lines), Panel::Intervals(intervals)],
+    )
+}

@@ -1,0 +1,30 @@
+//! A series of missions, a line each.
+
+use super::summary::outcome_line;
+use crate::series::{Mission, Series};
+
+/// A line for every mission: who stood where, who was served, and how it ended; with `brief`, one line for all.
+#[must_use]
+pub fn series_lines(series: &Series, brief: bool) -> String {
+    let missions = series.missions.len();
+    let served: f64 = series.missions.iter().map(Mission::share).sum::<f64>() / missions.max(1) as f64;
+    let done = series.missions.iter().filter(|mission| mission.record.outcome.is_success()).count();
+    let total =
+        format!("{done} of {missions} missions accomplished, {:.0} % of the robots served", 100.0 * served);
+    if brief {
+        return total;
+    }
+    let lines = series.missions.iter().enumerate().map(|(index, mission)| line(index + 1, mission));
+    lines.chain([String::new(), total]).collect::<Vec<_>>().join("\n")
+}
+
+fn line(number: usize, mission: &Mission) -> String {
+    let robots = mission.record.robots.iter().zip(&mission.served);
+    let stood = robots.map(|(robot, served)| match served {
+        Some(true) => format!("{} served at {}", robot.name, robot.cell.0),
+        Some(false) => format!("{} not served at {}", robot.name, robot.cell.0),
+        None => format!("{} at no goal", robot.name),
+    });
+    let stood = stood.collect::<Vec<_>>().join(", ");
+    format!("mission {number:>3}  {stood}; {}", outcome_line(&mission.record))
+}
