@@ -21,9 +21,13 @@ mod missions {
     #[test]
     fn every_built_in_one_is_accomplished() {
         for name in library::names() {
-            let record = flown(&built_in(name), 0, 0.0);
+            let scenario = built_in(name);
+            let record = flown(&scenario, 0, 0.0);
+            // The last move of a slow robot may be done a little before or after the others' last.
+            let slow = scenario.robots.iter().map(|robot| robot.pace / 2).max().unwrap_or(0);
             assert_eq!(record.outcome, Outcome::Together, "{name}");
-            assert_eq!((record.collisions.total(), record.spread(), record.frames.lost), (0, 0, 0), "{name}");
+            assert!(record.spread() <= slow, "{name}: {}", record.spread());
+            assert_eq!((record.collisions.total(), record.frames.lost), (0, 0), "{name}");
         }
     }
 
@@ -352,6 +356,14 @@ precision = 16.0
             ("start = 0", "start = 0\ncharging = 200", "11", "charging = 200 is not between 0 and 100"),
             ("start = 0", "start = 0\nslip = 2", "11", "slip = 2 is not between 0 and 1"),
             ("limit = 100", "slip = 1.5", "2", "slip = 1.5 is not between 0 and 1"),
+            ("start = 0", "start = 0\npace = 0", "11", "pace = 0 is not between 1 and 16"),
+            ("start = 0", "start = 0\nsensor = 2", "11", "sensor = 2 is not between 0 and 1"),
+            ("start = 0", "start = 0\nview = 9", "11", "view = 9 is not between 1 and 8"),
+            ("limit = 100", "missions = 0", "2", "missions = 0 is not between 1 and 1000"),
+            ("[radio]", "[[goal]]\ncell = 4\nserves = 0.5\n[radio]", "17", "4 is no goal"),
+            ("[radio]", "[[goal]]\ncell = 3\nserves = 2\n[radio]", "18", "serves = 2 is not between 0 and 1"),
+            ("[radio]", "[[goal]]\ncell = 3\nserves = 1\n[[goal]]\ncell = 3\nserves = 1\n[radio]", "20", "goal 3 has a [[goal]] already"),
+            ("precision = 16.0", "alike = 1", "23", "expected a boolean"),
             ("precision = 16.0", "precision = -1", "23", "precision = -1 is not between 0 and 1000"),
         ];
         for (right, wrong, line, reason) in cases {
