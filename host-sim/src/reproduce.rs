@@ -36,11 +36,12 @@ pub enum Effort {
 }
 
 /// How a chapter is run.
+#[derive(Clone, Copy)]
 pub struct Run<'p> {
     /// How much is flown.
     pub effort: Effort,
     /// Hears how far it has come: steps done, of how many.
-    pub progress: &'p mut dyn FnMut(usize, usize),
+    pub progress: &'p (dyn Fn(usize, usize) + Sync),
 }
 
 /// A chapter of the report: what makes a section.
@@ -50,12 +51,12 @@ pub struct Chapter {
     pub id: &'static str,
     /// What it is about, in a few words.
     pub about: &'static str,
-    run: fn(&mut Run<'_>) -> Section,
+    run: fn(&Run<'_>) -> Section,
 }
 
 impl<'p> Run<'p> {
     /// With this effort, and whoever wants to hear how far it has come.
-    pub fn new(effort: Effort, progress: &'p mut dyn FnMut(usize, usize)) -> Self {
+    pub fn new(effort: Effort, progress: &'p (dyn Fn(usize, usize) + Sync)) -> Self {
         Self { effort, progress }
     }
 
@@ -71,8 +72,8 @@ impl<'p> Run<'p> {
 
 impl Chapter {
     /// Runs it.
-    pub fn run(&self, mut run: Run<'_>) -> Section {
-        (self.run)(&mut run)
+    pub fn run(&self, run: &Run<'_>) -> Section {
+        (self.run)(run)
     }
 }
 
