@@ -7,12 +7,14 @@
 //! Numbers of the paper stand in the file of their section and nowhere else. A [`Section`] says nothing that was not
 //! computed when it was made.
 
+mod comparison;
 mod decision;
 mod figure;
 mod page;
 mod report;
 mod section_5;
 mod section_6_1;
+mod section_6_2;
 mod table;
 mod tables;
 
@@ -82,7 +84,9 @@ pub const CHAPTERS: &[Chapter] = &[
     Chapter { id: "5.1", about: "two robots, two goals", run: section_5::choose },
     Chapter { id: "5.2", about: "an obstacle on the way", run: section_5::detour_around },
     Chapter { id: "6.1", about: "three robots, obstacles, way-points, batteries", run: section_6_1::mission },
+    Chapter { id: "6.2", about: "a bottle and a plate", run: section_6_2::manipulate },
     Chapter { id: "tables", about: "how large the trees are", run: tables::count },
+    Chapter { id: "comparison", about: "inference and conventional trees", run: comparison::compare },
 ];
 
 /// The chapter with a name.

@@ -23,7 +23,7 @@ pub(super) fn flown(run: &Run<'_>) -> (Vec<Item>, Vec<Figure>) {
     let record = fly(&scenario, Conditions::default(), &mut ()).expect("its mission fits");
     let mut items = phases(&scenario, &record);
     items.extend(seeds(&scenario, run));
-    (items, vec![rounds(&scenario, &record), certainty(&record)])
+    (items, vec![rounds(&scenario, &record), certainty(&scenario)])
 }
 
 /// The five phases of one flight.
@@ -169,8 +169,10 @@ fn rounds(scenario: &Scenario, record: &Record) -> Figure {
     )
 }
 
-/// How sure the robots were of where they stood.
-fn certainty(record: &Record) -> Figure {
+/// How sure robots are of where they stand, when one reading in ten is wrong.
+fn certainty(scenario: &Scenario) -> Figure {
+    let noisy = Disturbance::Noise.applied(scenario, 0);
+    let record = fly(&noisy, Conditions::default(), &mut ()).expect("its mission fits");
     let series = (0..record.robots.len()).map(|robot| {
         let values = record.certainty.iter().map(|tick| f64::from(tick[robot]));
         Series::new(record.robots[robot].name.clone(), values)
@@ -183,7 +185,7 @@ fn certainty(record: &Record) -> Figure {
         series: series.collect(),
     };
     Figure::new(
-        "Beliefs over time: between a command and the reading that confirms it a robot is less sure.",
+        "Beliefs over time, with one reading in ten wrong. A robot that is not sure looks again before it moves.",
         [Panel::Lines(lines)],
     )
 }
