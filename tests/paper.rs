@@ -1,13 +1,15 @@
 //! The paper's results, each section as the report has it, and the claims behind its verdicts.
 
 use firmware::missions::SECTION_5_1;
-use host_sim::reproduce::{self, CHAPTERS, Item, Judged, Mode, Section, Verdict, choice, detour};
+use host_sim::reproduce::{
+    self, CHAPTERS, Effort, Item, Judged, Mode, Run, Section, Verdict, choice, detour,
+};
 use host_sim::{Conditions, News, Outcome, fly, library};
 use iibt_core::grid::{Cell, Path, first_conflict};
 
 /// A chapter as the report has it.
 fn section(id: &str) -> Section {
-    reproduce::chapter(id).expect("there is such a section").run(&mut |_, _| {})
+    reproduce::chapter(id).expect("there is such a section").run(Run::new(Effort::Quick, &mut |_, _| {}))
 }
 
 /// The items whose description begins so.
@@ -140,6 +142,14 @@ fn section_6_1_the_papers_own_plans_arrive_together_and_collide_six_times() {
     let counts: Vec<_> =
         plans("collisions").iter().map(|item| item.ours.clone().unwrap_or_default()).collect();
     assert_eq!(counts, ["0 collisions", "1 collision", "2 collisions", "3 collisions"]);
+}
+
+#[test]
+fn the_lists_that_the_paper_does_not_print_are_reported_as_unknown() {
+    let section = section("6.1");
+    let unknown = section.items.iter().filter(|item| item.verdict == Verdict::Unknown).collect::<Vec<_>>();
+    assert_eq!(unknown.len(), 3);
+    assert!(unknown.iter().all(|item| item.ours.is_none() && item.note.is_some()));
 }
 
 #[test]

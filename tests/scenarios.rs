@@ -11,7 +11,8 @@ fn built_in(name: &str) -> Scenario {
 }
 
 fn flown(scenario: &Scenario, seed: u64, loss: f64) -> Record {
-    fly(scenario, Conditions { seed, loss: Some(loss) }, &mut ()).expect("a sound scenario can be flown")
+    fly(scenario, Conditions { seed, loss: Some(loss), ..Conditions::default() }, &mut ())
+        .expect("a sound scenario can be flown")
 }
 
 mod missions {
@@ -239,7 +240,7 @@ mod readme {
                 .map(String::from),
         );
         names.extend(
-            ["obstacle", "way_point", "battery", "charged", "position", "outdated", "misfit"]
+            ["obstacle", "way_point", "battery", "room", "charged", "position", "outdated", "misfit"]
                 .map(String::from),
         );
         names.extend(["deciding", "announced", "away", "together", "apart", "unfinished"].map(String::from));
@@ -330,6 +331,10 @@ precision = 16.0
             ("tick = 4", "at = 4", "19", "say when it happens"),
             ("tick = 4", "robot = 'Al'\nat = 4", "20", "no robot is called \"Al\": there are R1, Bo"),
             ("tick = 4\nblock = 7", "tick = 4", "19", "say what happens: exactly one of block, charge, visit and stop"),
+            ("tick = 4", "tick = 4\nplan = 2", "19", "say when it happens"),
+            ("tick = 4", "plan = 0", "20", "plan = 0 is not between 1 and 1000"),
+            ("tick = 4", "plan = 1\nmoves = 65", "21", "moves = 65 is not between 0 and 64"),
+            ("tick = 4", "tick = 4\nmoves = 1", "21", "moves are those of a plan: write plan = N with it"),
             ("block = 7", "block = 7\nstop = true", "19", "say what happens: exactly one"),
             ("block = 7", "block = 7\nwho = 'Bo'", "22", "an obstacle is nobody's: leave `who` out"),
             ("block = 7", "block = 7\nfor = 3", "22", "only stop takes a time: leave `for` out"),
@@ -461,7 +466,7 @@ mod accepted {
                 }
                 scenario => scenario.unwrap(),
             };
-            let record = fly(&scenario, Conditions { seed, loss: None }, &mut ()).unwrap();
+            let record = fly(&scenario, Conditions { seed, ..Conditions::default() }, &mut ()).unwrap();
             prop_assert_eq!(record.collisions.total(), 0);
             prop_assert!(record.history.len() <= 61);
         }

@@ -26,8 +26,22 @@ pub use report::{Item, Section, Tolerance, Verdict, number};
 pub use section_5::{choice, detour};
 pub use table::{table, tally};
 
-/// Hears how far a chapter has come: steps done, of how many.
-pub type Progress<'p> = dyn FnMut(usize, usize) + 'p;
+/// How much is flown where chance has a say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// All that the report is about.
+    Full,
+    /// A few seeds, to see that it works.
+    Quick,
+}
+
+/// How a chapter is run.
+pub struct Run<'p> {
+    /// How much is flown.
+    pub effort: Effort,
+    /// Hears how far it has come: steps done, of how many.
+    pub progress: &'p mut dyn FnMut(usize, usize),
+}
 
 /// A chapter of the report: what makes a section.
 #[derive(Clone, Copy, Debug)]
@@ -36,13 +50,29 @@ pub struct Chapter {
     pub id: &'static str,
     /// What it is about, in a few words.
     pub about: &'static str,
-    run: fn(&mut Progress<'_>) -> Section,
+    run: fn(&mut Run<'_>) -> Section,
+}
+
+impl<'p> Run<'p> {
+    /// With this effort, and whoever wants to hear how far it has come.
+    pub fn new(effort: Effort, progress: &'p mut dyn FnMut(usize, usize)) -> Self {
+        Self { effort, progress }
+    }
+
+    /// The seeds of a campaign that has `full` of them in the report.
+    #[must_use]
+    pub fn seeds(&self, full: u64) -> u64 {
+        match self.effort {
+            Effort::Full => full,
+            Effort::Quick => full.min(8),
+        }
+    }
 }
 
 impl Chapter {
     /// Runs it.
-    pub fn run(&self, progress: &mut Progress<'_>) -> Section {
-        (self.run)(progress)
+    pub fn run(&self, mut run: Run<'_>) -> Section {
+        (self.run)(&mut run)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Failure, NOT_ACCOMPLISHED, print, size_of_screen};
 use clap::Args;
-use host_sim::reproduce::{self, CHAPTERS, Chapter, Section};
+use host_sim::reproduce::{self, CHAPTERS, Chapter, Effort, Run, Section};
 use std::fs;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -26,6 +26,9 @@ pub(super) struct Reproduce {
     /// Only this section; may be given several times
     #[arg(long, value_name = "SECTION", value_parser = chapter)]
     only: Vec<&'static Chapter>,
+    /// Fly only a few seeds where chance has a say
+    #[arg(long)]
+    quick: bool,
     /// Print everything as JSON, and nothing else
     #[arg(long)]
     json: bool,
@@ -36,8 +39,9 @@ pub(super) struct Reproduce {
 
 impl Reproduce {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+        let effort = if self.quick { Effort::Quick } else { Effort::Full };
         let chapters = CHAPTERS.iter().filter(|chapter| self.wants(chapter));
-        let sections: Vec<Section> = chapters.map(run).collect();
+        let sections: Vec<Section> = chapters.map(|chapter| run(chapter, effort)).collect();
         let page = self.out.join("index.html");
         write(&self.out, &page, &reproduce::page(&sections))?;
         let text = if self.json {
@@ -57,7 +61,7 @@ impl Reproduce {
 }
 
 /// Runs a chapter and says on standard error how far it has come.
-fn run(chapter: &Chapter) -> Section {
+fn run(chapter: &Chapter, effort: Effort) -> Section {
     let terminal = io::stderr().is_terminal();
     let title = format!("{}: {}", chapter.id, chapter.about);
     // What cannot be shown is no reason to stop.
@@ -65,11 +69,11 @@ fn run(chapter: &Chapter) -> Section {
     if !terminal {
         say(format!("{title}\n"));
     }
-    let section = chapter.run(&mut |done, all| {
+    let section = chapter.run(Run::new(effort, &mut |done, all| {
         if terminal {
             say(format!("\r\x1b[K{title}, {done} of {all}"));
         }
-    });
+    }));
     if terminal {
         say(format!("\r\x1b[K{title}\n"));
     }

@@ -1,6 +1,6 @@
 //! Section 6.1: three robots, obstacles, way-points, batteries.
 
-use super::Progress;
+use super::Run;
 use super::decision::{Decision, Mode, WIDTH, map, path};
 use super::figure::{Bars, Figure, Grid, Panel, Scale, Series, Track};
 use super::report::{Item, Section, Tolerance, number};
@@ -95,7 +95,7 @@ const PLANS: [Plan; 4] = [
 ];
 
 /// What section 6.1 comes to.
-pub(super) fn mission(_: &mut Progress<'_>) -> Section {
+pub(super) fn mission(_: &mut Run<'_>) -> Section {
     let mut section = Section::new("6.1", "Three robots: obstacles, way-points, batteries");
     section.say(
         "The paper gives the chosen paths of all phases and, in bar charts, probabilities of ten strategies per robot whose \

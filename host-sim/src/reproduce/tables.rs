@@ -1,6 +1,6 @@
 //! Tables 3, 6 and 7 and figure 5: how large the trees are, counted from the trees themselves.
 
-use super::Progress;
+use super::Run;
 use super::figure::{Figure, Panel, TreeNode, TreeNodeKind, TreePicture};
 use super::report::{Item, Section};
 use crate::tree::{Class, Instance, Line, library};
@@ -47,7 +47,7 @@ const PAIRS: [(&str, &str, &str); 2] = [
 ];
 
 /// What the tables come to.
-pub(super) fn count(_: &mut Progress<'_>) -> Section {
+pub(super) fn count(_: &mut Run<'_>) -> Section {
     let mut section = Section::new("tables", "Tables 3, 6 and 7: how large the trees are");
     section.say("Counted from the trees that fly the missions, by code; a level more for every parent, the root being the first.");
     section.items = TREES.iter().flat_map(Counted::items).collect();
