@@ -1,17 +1,17 @@
 //! Whatever the radio, the drive and the world do: no two robots ever share or swap a cell.
 
+use host_sim::reproduce;
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Map, Move, Path, Planner};
 use iibt_core::iibt::Mission;
 use iibt_core::team::{Intention, RobotId, Round, Status};
 use iibt_core::time::Instant;
-use tests::paper;
 use tests::team::{Hardship, Outcome, Random, Team};
 
 const RUNS: u64 = 200;
 
-/// A random map with walls in a tenth of its cells, and a team of two to five robots with as many goals, all
-/// within reach of each other.
+/// A random map with walls in a tenth of its cells, and a team of two to five robots with as many goals, and chargers for
+/// all but the last robot, all within reach of each other.
 fn fly(seed: u64, hardship: Hardship) -> Outcome {
     let mut random = Random::new(seed);
     let mut map = Map::new(7, 7).expect("49 cells fit two words");
@@ -28,8 +28,9 @@ fn fly(seed: u64, hardship: Hardship) -> Outcome {
     let size = 2 + (seed % 4) as usize;
     let starts: Vec<Cell> = (0..size).map(|_| draw()).collect();
     let goals: Vec<Cell> = (0..size).map(|_| draw()).collect();
-    let mission = Mission::new(map, &starts, &goals);
-    Team::new(&mission, hardship, seed).fly(400)
+    let chargers: Vec<Option<Cell>> = (1..size).map(|_| Some(draw())).collect();
+    let mission = Mission { chargers: &chargers, ..Mission::new(map, &starts, &goals) };
+    Team::new(&mission, hardship, seed).fly(800)
 }
 
 /// Flies many missions; returns in how many all robots arrived.
@@ -71,6 +72,42 @@ fn with_moves_that_fail_and_obstacles_that_appear() {
 fn with_localisers_that_err_as_often_as_the_model_says() {
     let hardship = Hardship { loss: 0.2, misreading: 0.0048, ..Hardship::default() };
     assert!(campaign("misread", hardship) >= 190);
+}
+
+#[test]
+fn with_low_batteries_and_way_points() {
+    let hardship = Hardship { low_battery: 0.02, errand: 0.02, ..Hardship::default() };
+    assert!(campaign("errands", hardship) >= 195);
+}
+
+#[test]
+fn with_low_batteries_and_way_points_and_everything_else_that_goes_wrong() {
+    let hardship = Hardship {
+        loss: 0.3,
+        delay: 3,
+        duplicates: 0.2,
+        slip: 0.05,
+        misreading: 0.0048,
+        obstacle: 0.01,
+        low_battery: 0.02,
+        errand: 0.02,
+        ..Hardship::default()
+    };
+    assert!(campaign("hard day", hardship) >= 150);
+}
+
+#[test]
+fn with_low_batteries_and_robots_that_restart() {
+    let hardship = Hardship {
+        loss: 0.2,
+        delay: 3,
+        slip: 0.05,
+        restart: 0.01,
+        low_battery: 0.02,
+        errand: 0.02,
+        ..Hardship::default()
+    };
+    assert!(campaign("restarts away", hardship) >= 100);
 }
 
 #[test]
@@ -118,7 +155,7 @@ fn nonsense(random: &mut Random, sequence: u32) -> Intention {
 #[test]
 fn with_a_teammate_that_talks_nonsense_nobody_breaks() {
     let (starts, goals) = ([Cell(28), Cell(2), Cell(45)], [Cell(24), Cell(26), Cell(32)]);
-    let mission = Mission::new(paper::map(), &starts, &goals);
+    let mission = Mission::new(reproduce::map(), &starts, &goals);
     for seed in 0..20 {
         let mut random = Random::new(seed);
         let mut team = Team::new(&mission, Hardship::default(), seed);
@@ -130,6 +167,66 @@ fn with_a_teammate_that_talks_nonsense_nobody_breaks() {
                 let report = robot.report();
                 assert!(report.path.is_open(&mission.map) && (0.0..=1.0).contains(&report.probability));
             }
+        }
+    }
+}
+
+#[test]
+fn zzz_diagnose() {
+    let hardship = Hardship { low_battery: 0.02, errand: 0.02, ..Hardship::default() };
+    for seed in 0..60 {
+        let mut random = Random::new(seed);
+        let mut map = Map::<2>::new(7, 7).unwrap();
+        for cell in 0..49 {
+            if random.chance(0.1) {
+                map.block(Cell(cell));
+            }
+        }
+        let mut free: Vec<Cell> = (0..49).map(Cell).filter(|&cell| map.is_free(cell)).collect();
+        let mut planner = Planner::<49>::new();
+        let anchor = free[0];
+        free.retain(|&cell| planner.shortest(&map, anchor, cell).is_ok());
+        let mut draw = || free.swap_remove(random.below(free.len() as u32) as usize);
+        let size = 2 + (seed % 4) as usize;
+        let starts: Vec<Cell> = (0..size).map(|_| draw()).collect();
+        let goals: Vec<Cell> = (0..size).map(|_| draw()).collect();
+        let chargers: Vec<Option<Cell>> = (1..size).map(|_| Some(draw())).collect();
+        let mission = Mission { chargers: &chargers, ..Mission::new(map, &starts, &goals) };
+        let mut team = Team::new(&mission, hardship, seed);
+        let mut done = false;
+        for _ in 0..600 {
+            team.tick();
+            if team.last_statuses().iter().all(|s| *s == iibt_core::tree::Status::Success) {
+                done = true;
+                break;
+            }
+        }
+        if done {
+            continue;
+        }
+        println!("seed {seed} goals {goals:?} chargers {chargers:?}");
+        for r in 0..7 {
+            println!(
+                "{}",
+                (0..7).map(|c| if map.is_free(Cell(r * 7 + c)) { '.' } else { '#' }).collect::<String>()
+            );
+        }
+        for robot in &team.robots {
+            let rep = robot.report();
+            println!(
+                "  at {:?} {:?} round {:?} cause {:?} goal {:?} step {} of {} way {:?} charge {} {:?} conf {}",
+                robot.hardware().cell,
+                rep.status,
+                rep.round,
+                rep.cause,
+                rep.goal,
+                rep.step,
+                rep.path.len(),
+                robot.navigation().waypoints(),
+                robot.hardware().charge,
+                robot.activity(),
+                rep.confidence
+            );
         }
     }
 }

@@ -240,7 +240,7 @@ mod readme {
                 .map(String::from),
         );
         names.extend(
-            ["obstacle", "way_point", "battery", "charged", "position", "outdated", "misfit"]
+            ["obstacle", "way_point", "battery", "room", "charged", "position", "outdated", "misfit"]
                 .map(String::from),
         );
         names.extend(["deciding", "announced", "away", "together", "apart", "unfinished"].map(String::from));
@@ -316,7 +316,7 @@ precision = 16.0
             ("'Bo'", r#""B\no""#, "13", "name is not one line of 1 to 12 characters"),
             ("[[0, 1, 2, 3]]", "[[0, 1, 2]]", "11", "the path ends at 2, which is no goal"),
             ("[[0, 1, 2, 3]]", "[[0, 2, 3]]", "11", "0 and 2 on the path are no neighbours"),
-            ("[[0, 1, 2, 3]]", "[[1, 2, 3]]", "11", "the path begins at 1, but the robot at 0"),
+            ("[[0, 1, 2, 3]]", "[[1, 2, 3]]", "11", "no path begins at 0, where the robot starts"),
             ("[[0, 1, 2, 3]]", "[[0, 1, 5]]", "11", "path cell 5 is blocked on the map"),
             ("[[0, 1, 2, 3]]", "[[0, 1, 99]]", "11", "path cell 99 is outside the map"),
             ("[[0, 1, 2, 3]]", "[[]]", "11", "the path has no cells"),
@@ -331,6 +331,10 @@ precision = 16.0
             ("tick = 4", "at = 4", "19", "say when it happens"),
             ("tick = 4", "robot = 'Al'\nat = 4", "20", "no robot is called \"Al\": there are R1, Bo"),
             ("tick = 4\nblock = 7", "tick = 4", "19", "say what happens: exactly one of block, charge, visit and stop"),
+            ("tick = 4", "tick = 4\nplan = 2", "19", "say when it happens"),
+            ("tick = 4", "plan = 0", "20", "plan = 0 is not between 1 and 1000"),
+            ("tick = 4", "plan = 1\nmoves = 65", "21", "moves = 65 is not between 0 and 64"),
+            ("tick = 4", "tick = 4\nmoves = 1", "21", "moves are those of a plan: write plan = N with it"),
             ("block = 7", "block = 7\nstop = true", "19", "say what happens: exactly one"),
             ("block = 7", "block = 7\nwho = 'Bo'", "22", "an obstacle is nobody's: leave `who` out"),
             ("block = 7", "block = 7\nfor = 3", "22", "only stop takes a time: leave `for` out"),

@@ -69,6 +69,7 @@ impl<const S: usize, const W: usize, const P: usize> Leaves<Skill> for Pilot<'_,
 
     fn on_running(&mut self, leaf: &Skill, now: Instant) -> Status {
         match leaf {
+            Skill::MoveToGoal if self.navigation.step_aside() => Status::Running,
             Skill::MoveToGoal => self.node.tick(&mut self.navigation, now),
             Skill::Recharge => self.recharge(),
             Skill::BatteryEnough => Status::Failure,

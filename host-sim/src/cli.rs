@@ -2,10 +2,14 @@
 
 mod campaign;
 mod learn;
+mod manipulate;
 mod notebook;
+mod reproduce;
 mod tree;
 
 use self::learn::Learn;
+use self::manipulate::Manipulate;
+use self::reproduce::Reproduce;
 use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, summary};
@@ -32,6 +36,7 @@ Examples:
   host-sim list               see what else is built in
   host-sim run detour --loss 0.3 --seed 7
   host-sim run my-warehouse.toml --json > flight.json
+  host-sim reproduce          the paper's results beside ours, as a table and a page
   host-sim campaign factory --seeds 100
   host-sim infer model.json   run an active-inference model from a notebook
   host-sim export model.json > src/model.rs
@@ -87,6 +92,9 @@ enum Verb {
     /// Fly a scenario
     #[command(after_help = RUN_EXAMPLES)]
     Run(Run),
+    /// Put the paper's results beside ours: a table, and a page to look at
+    #[command(after_help = reproduce::EXAMPLES)]
+    Reproduce(Reproduce),
     /// Fly a scenario many times under disturbances, and compare inference with a conventional tree
     #[command(after_help = campaign::EXAMPLES)]
     Campaign(campaign::FlyMany),
@@ -99,6 +107,9 @@ enum Verb {
     /// Learn from a log how often each robot's moves succeed
     #[command(after_help = learn::EXAMPLES)]
     Learn(Learn),
+    /// Let two robots bring a bottle and a plate together
+    #[command(after_help = manipulate::EXAMPLES)]
+    Manipulate(Manipulate),
     /// Check, show, translate and try behavior trees
     Tree(tree::Tree),
 }
@@ -169,10 +180,12 @@ impl Cli {
         match self.verb {
             Some(Verb::List) => list(),
             Some(Verb::Run(run)) => run.run(),
+            Some(Verb::Reproduce(reproduce)) => reproduce.run(),
             Some(Verb::Campaign(campaign)) => campaign.run(),
             Some(Verb::Infer(infer)) => infer.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Export(export)) => export.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Learn(learn)) => learn.run(),
+            Some(Verb::Manipulate(manipulate)) => manipulate.run(),
             Some(Verb::Tree(tree)) => tree.run(),
             None => self.run.run(),
         }

@@ -11,6 +11,7 @@
 use crate::chance::{Chance, Purpose};
 use crate::news::{self, News};
 use crate::phases::{self, Phase};
+use crate::progress::Progress;
 use crate::radio::{Radio, Traffic};
 use crate::record::{self, Activity, Dated, Outcome, Record, RobotRecord};
 use crate::referee::Collisions;
@@ -115,6 +116,7 @@ struct Flight<'f, 'm> {
     reports: Vec<Report>,
     activities: Vec<Option<&'static str>>,
     tree: Vec<Vec<Activity>>,
+    progress: Progress,
     found: Vec<Cell>,
     waypoints: Vec<Vec<Cell>>,
     visited: Vec<Vec<Cell>>,
@@ -143,6 +145,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             reports: team.iter().map(|robot| robot.report()).collect(),
             activities: vec![None; team.len()],
             tree: vec![Vec::new(); team.len()],
+            progress: Progress::default(),
             found: Vec::new(),
             waypoints: vec![Vec::new(); team.len()],
             visited: vec![Vec::new(); team.len()],
@@ -183,7 +186,7 @@ impl<'f, 'm> Flight<'f, 'm> {
     }
 
     fn tick(&mut self) {
-        let mut news = self.world.begin(self.tick);
+        let mut news = self.world.begin(self.tick, self.progress);
         self.instruct(&mut news);
         news.extend(self.sense());
         for (index, robot) in self.team.iter_mut().enumerate() {
@@ -294,6 +297,7 @@ impl<'f, 'm> Flight<'f, 'm> {
                 tree.push(Activity { tick: self.tick, running });
             }
         }
+        self.progress.note(&self.reports);
         let obstacles = || self.world.obstacles().collect();
         phases::note(&mut self.phases, self.tick, &self.reports, self.world.floor(), obstacles);
         let mut news = self.ticked_off();
@@ -372,7 +376,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             frames: self.radio.traffic()[index],
             battery: self.world.battery(index).percent(),
             visited: self.visited[index].clone(),
-            charged: self.news.iter().filter(|dated| dated.news.is_return_of(index)).count() as u32,
+            charged: record::times_charged(&self.news, index),
             stopped: self.world.is_stopped(index),
             tree: self.tree[index].clone(),
             accepted: report.received.accepted,

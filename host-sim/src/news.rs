@@ -77,14 +77,14 @@ pub enum News {
         /// To how many percent.
         charge: u8,
     },
-    /// A robot left the team because its battery is low.
+    /// A robot left the team, to charge or to step out of a teammate's way.
     Left {
         /// Who.
         robot: usize,
         /// Its charge in percent.
         charge: u8,
     },
-    /// A robot is charged and takes part again.
+    /// A robot is back and takes part again.
     Returned {
         /// Who.
         robot: usize,
@@ -151,11 +151,6 @@ pub(crate) fn agreed_round(reports: &[Report]) -> Option<u16> {
 }
 
 impl News {
-    /// Whether this robot is charged and back.
-    pub(crate) fn is_return_of(&self, index: usize) -> bool {
-        matches!(self, Self::Returned { robot, .. } if *robot == index)
-    }
-
     /// This in one line.
     #[must_use]
     pub fn line(&self, scenario: &Scenario) -> String {

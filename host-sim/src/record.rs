@@ -175,6 +175,19 @@ pub(crate) fn outcome(collisions: &Collisions, goals: &[Cell], cells: &[Cell], i
     }
 }
 
+/// How often a robot came back with more charge than it left with.
+pub(crate) fn times_charged(news: &[Dated], index: usize) -> u32 {
+    let (mut left_with, mut times) = (100, 0);
+    for dated in news {
+        match dated.news {
+            News::Left { robot, charge } if robot == index => left_with = charge,
+            News::Returned { robot, charge } if robot == index => times += u32::from(charge > left_with),
+            _ => {}
+        }
+    }
+    times
+}
+
 /// Whether every robot stands at a goal, and no two at the same.
 pub(crate) fn at_different_goals(goals: &[Cell], cells: &[Cell]) -> bool {
     let alone = |cell| cells.iter().filter(|&other| other == cell).count() == 1;

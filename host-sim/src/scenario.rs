@@ -108,6 +108,8 @@ pub enum When {
     Tick(u32),
     /// Once this robot, by its index, stands in this cell.
     Reached(usize, Cell),
+    /// Once all robots have agreed to a joint plan so many times, and made so many moves of the last, waits included.
+    Planned(u32, u32),
 }
 
 /// A robot's drive that fails to make one kind of move.

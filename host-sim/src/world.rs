@@ -2,6 +2,7 @@
 
 use crate::battery::Battery;
 use crate::news::News;
+use crate::progress::Progress;
 use crate::scenario::{Effect, Event, Floor, Scenario, When};
 use iibt_core::grid::{Cell, Move};
 
@@ -53,12 +54,13 @@ impl World {
 
     /// Lets the events of this tick happen; what a robot is told is left to the flight. An obstacle does not appear on a
     /// robot, but when that has gone.
-    pub(crate) fn begin(&mut self, tick: u32) -> Vec<News> {
+    pub(crate) fn begin(&mut self, tick: u32, progress: Progress) -> Vec<News> {
         let mut news = self.resume(tick);
         let cells = &self.cells;
         let is_due = |event: &mut Event| match event.when {
             When::Tick(at) => at <= tick,
             When::Reached(robot, at) => cells.get(robot) == Some(&at),
+            When::Planned(plans, moves) => progress.has_come_to(plans, moves),
         };
         let events: Vec<_> = self.to_come.extract_if(.., is_due).collect();
         news.extend(events.into_iter().filter_map(|event| self.happen(event.effect, tick)));
@@ -147,21 +149,24 @@ mod tests {
     #[test]
     fn an_obstacle_waits_for_its_tick_and_for_a_free_cell() {
         let mut world = world("[[event]]\ntick = 1\nblock = 1\n[[event]]\ntick = 2\nblock = 3");
-        assert_eq!(world.begin(0), []);
+        assert_eq!(world.begin(0, Progress::default()), []);
         world.carry_out(&[Move::Right, Move::Wait]);
-        assert_eq!(world.begin(1), [], "a robot stands there");
+        assert_eq!(world.begin(1, Progress::default()), [], "a robot stands there");
         world.carry_out(&[Move::Left, Move::Wait]);
-        assert_eq!(world.begin(2), [1, 3].map(|cell| News::Appeared { cell: Cell(cell) }));
+        assert_eq!(
+            world.begin(2, Progress::default()),
+            [1, 3].map(|cell| News::Appeared { cell: Cell(cell) })
+        );
         assert!(!world.floor().is_free(Cell(1)));
-        assert_eq!(world.begin(3), []);
+        assert_eq!(world.begin(3, Progress::default()), []);
     }
 
     #[test]
     fn an_obstacle_waits_for_a_robot() {
         let mut world = world("[[event]]\nrobot = 'R2'\nat = 5\nblock = 1");
-        assert_eq!(world.begin(0), []);
+        assert_eq!(world.begin(0, Progress::default()), []);
         world.carry_out(&[Move::Wait, Move::Up]);
-        assert_eq!(world.begin(1), [News::Appeared { cell: Cell(1) }]);
+        assert_eq!(world.begin(1, Progress::default()), [News::Appeared { cell: Cell(1) }]);
     }
 
     #[test]
@@ -170,21 +175,27 @@ mod tests {
             "[[event]]\ntick = 1\nwho = 'R1'\ncharge = 12\n[[event]]\nrobot = 'R2'\nat = 7\nvisit = 0\n\
              [[event]]\ntick = 2\nwho = 'R2'\nstop = true\nfor = 3",
         );
-        assert_eq!(world.begin(0), []);
-        assert_eq!(world.begin(1), [News::Drained { robot: 0, charge: 12 }]);
+        assert_eq!(world.begin(0, Progress::default()), []);
+        assert_eq!(world.begin(1, Progress::default()), [News::Drained { robot: 0, charge: 12 }]);
         assert_eq!((world.battery(0).percent(), world.battery(1).percent()), (12, 100));
         world.carry_out(&[Move::Wait, Move::Left]);
-        assert_eq!(world.begin(2), [News::Asked { robot: 1, cell: Cell(0) }, News::Stopped { robot: 1 }]);
+        assert_eq!(
+            world.begin(2, Progress::default()),
+            [News::Asked { robot: 1, cell: Cell(0) }, News::Stopped { robot: 1 }]
+        );
         assert!(world.is_stopped(1) && !world.is_stopped(0));
-        assert_eq!((world.begin(3), world.begin(4)), (vec![], vec![]));
-        assert_eq!(world.begin(5), [News::Resumed { robot: 1 }]);
+        assert_eq!(
+            (world.begin(3, Progress::default()), world.begin(4, Progress::default())),
+            (vec![], vec![])
+        );
+        assert_eq!(world.begin(5, Progress::default()), [News::Resumed { robot: 1 }]);
         assert!(!world.is_stopped(1));
     }
 
     #[test]
     fn only_what_the_map_does_not_show_is_in_view() {
         let mut world = world("[[event]]\ntick = 0\nblock = 1\n[[event]]\ntick = 0\nblock = 7");
-        world.begin(0);
+        world.begin(0, Progress::default());
         let seen = |robot, view| world.in_view(robot, view).collect::<Vec<_>>();
         assert_eq!(seen(0, 1), [Cell(1)]);
         assert_eq!(seen(1, 1), [Cell(7)]);

@@ -55,6 +55,10 @@ pub struct Hardship {
     pub misreading: f64,
     /// The probability per tick that a free cell becomes an obstacle, up to three times.
     pub obstacle: f64,
+    /// The probability per robot and tick that its battery falls to a tenth, up to twice a robot.
+    pub low_battery: f64,
+    /// The probability per robot and tick that it is told to visit some free cell, up to twice a robot.
+    pub errand: f64,
 }
 
 /// How a flight ended.
@@ -84,6 +88,8 @@ pub struct Team<'m> {
     hardship: Hardship,
     now: u32,
     obstacles: u32,
+    low_batteries: Vec<u32>,
+    errands: Vec<u32>,
     statuses: Vec<Status>,
     silent: Vec<bool>,
     misreadings: Vec<Option<Cell>>,
@@ -109,6 +115,8 @@ impl<'m> Team<'m> {
             hardship,
             now: 0,
             obstacles: 0,
+            low_batteries: vec![0; mission.starts.len()],
+            errands: vec![0; mission.starts.len()],
             statuses: vec![Status::Running; mission.starts.len()],
             silent: vec![false; mission.starts.len()],
             misreadings: vec![None; mission.starts.len()],
@@ -142,6 +150,7 @@ impl<'m> Team<'m> {
         }
         self.send();
         self.move_all();
+        self.charge_all();
         self.change_the_world();
         self.now += 1;
     }
@@ -197,6 +206,30 @@ impl<'m> Team<'m> {
         }
     }
 
+    /// Whoever is on its charger is charged quickly; a robot that has none, slowly wherever it is.
+    fn charge_all(&mut self) {
+        for robot in &mut self.robots {
+            let charger = robot.navigation().charger();
+            let body = robot.hardware_mut();
+            let gain = if charger == Some(body.cell) { 20 } else { u8::from(charger.is_none()) * 4 };
+            body.charge = (body.charge + gain).min(100);
+        }
+    }
+
+    /// Lets a battery fall, or sends a robot to a way-point.
+    fn trouble(&mut self, robot: usize) {
+        if self.low_batteries[robot] < 2 && self.random.chance(self.hardship.low_battery) {
+            self.low_batteries[robot] += 1;
+            self.robots[robot].hardware_mut().charge = 10;
+        }
+        if self.errands[robot] < 2 && self.random.chance(self.hardship.errand) {
+            self.errands[robot] += 1;
+            let cell = Cell(self.random.below(self.map.len() as u32) as u16);
+            // What it refuses it need not visit.
+            let _ = self.robots[robot].visit(cell);
+        }
+    }
+
     fn change_the_world(&mut self) {
         if self.obstacles < 3 && self.random.chance(self.hardship.obstacle) {
             let cell = Cell(self.random.below(self.map.len() as u32) as u16);
@@ -207,6 +240,7 @@ impl<'m> Team<'m> {
             }
         }
         for robot in 0..self.robots.len() {
+            self.trouble(robot);
             if self.random.chance(self.hardship.restart) {
                 self.restart(robot);
             }

@@ -6,10 +6,11 @@ use super::error::Fault;
 use super::file::{self, Number};
 use super::values::whole;
 use super::{Effect, Event, MAX_TICKS, Robot, When, reach};
+use iibt_core::actions::HORIZON;
 use iibt_core::grid::Cell;
 use toml::Spanned;
 
-const WHEN: &str = "say when it happens: either tick = N, or robot = \"NAME\" and at = CELL";
+const WHEN: &str = "say when it happens: tick = N, or robot = \"NAME\" and at = CELL, or plan = N";
 const WHAT: &str = "say what happens: exactly one of block, charge, visit and stop";
 
 impl Drawing {
@@ -21,10 +22,18 @@ impl Drawing {
     }
 
     fn when(&self, written: &file::Event, robots: &[Robot]) -> Result<When, Fault> {
-        match (&written.tick, &written.robot, &written.at) {
-            (Some(_), None, None) => Ok(When::Tick(whole("tick", written.tick.as_ref(), 0..=MAX_TICKS, 0)?)),
-            (None, Some(name), Some(at)) => Ok(When::Reached(named(name, robots)?, self.free("at", at)?)),
-            _ => Err(Fault::anywhere(WHEN)),
+        let moves = whole("moves", written.moves.as_ref(), 0..=HORIZON as u32, 0)?;
+        let when = match (&written.tick, &written.robot, &written.at, &written.plan) {
+            (tick @ Some(_), None, None, None) => When::Tick(whole("tick", tick.as_ref(), 0..=MAX_TICKS, 0)?),
+            (None, Some(name), Some(at), None) => When::Reached(named(name, robots)?, self.free("at", at)?),
+            (None, None, None, plan @ Some(_)) => {
+                return Ok(When::Planned(whole("plan", plan.as_ref(), 1..=1000, 1)?, moves));
+            }
+            _ => return Err(Fault::anywhere(WHEN)),
+        };
+        match &written.moves {
+            Some(moves) => Err(Fault::new(moves.span(), "moves are those of a plan: write plan = N with it")),
+            None => Ok(when),
         }
     }
 
@@ -86,6 +95,8 @@ fn whose(written: &file::Event, when: When, robots: &[Robot]) -> Result<usize, F
     match (&written.who, when) {
         (Some(who), _) => named(who, robots),
         (None, When::Reached(robot, _)) => Ok(robot),
-        (None, When::Tick(_)) => Err(Fault::anywhere("say whom it concerns: who = \"NAME\"")),
+        (None, When::Tick(_) | When::Planned(..)) => {
+            Err(Fault::anywhere("say whom it concerns: who = \"NAME\""))
+        }
     }
 }

@@ -69,6 +69,8 @@ pub(super) struct Event {
     pub tick: Option<Number>,
     pub robot: Option<Spanned<String>>,
     pub at: Option<Number>,
+    pub plan: Option<Number>,
+    pub moves: Option<Number>,
     pub who: Option<Spanned<String>>,
     pub block: Option<Number>,
     pub charge: Option<Number>,

@@ -57,6 +57,18 @@ impl<const W: usize> TimedPlanner<W> {
     ///
     /// Cost: linear in `W (HORIZON + 1)`, and one pass over each teammate's path.
     pub fn sweep<'a>(&'a mut self, map: &'a Map<W>, from: Cell, teammates: &'a [Path]) -> Sweep<'a, W> {
+        self.sweep_among(map, from, teammates, CellSet::EMPTY)
+    }
+
+    /// The same, where the first move leads into none of the cells in `standing`: a teammate that stands there has
+    /// not chosen yet, and could not choose any way if this robot followed on its heels.
+    pub fn sweep_among<'a>(
+        &'a mut self,
+        map: &'a Map<W>,
+        from: Cell,
+        teammates: &'a [Path],
+        standing: CellSet<W>,
+    ) -> Sweep<'a, W> {
         self.place(map, teammates);
         let spread = Spread::over(map);
         let mut candidates = map.free_cells().intersection(&[from].into_iter().collect());
@@ -64,6 +76,7 @@ impl<const W: usize> TimedPlanner<W> {
         for step in 0..=HORIZON {
             let now = self.layer(step);
             let taken = before.union(&now).union(&self.layer(step + 1));
+            let taken = if step == 1 { taken.union(&standing) } else { taken };
             let reached = candidates.without(&taken);
             candidates = spread.from(&reached);
             before = now;

@@ -9,6 +9,7 @@
 //! in the team's [`Agreement`]; until then its one candidate is to wait, and afterwards to follow what it
 //! announced.
 
+mod alone;
 mod assignment;
 mod candidates;
 mod cause;
@@ -17,7 +18,6 @@ mod deliberation;
 mod mission;
 mod motion;
 mod plans;
-mod recharging;
 mod task;
 mod tracking;
 mod waypoints;
@@ -83,8 +83,10 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     /// How many rounds the team has begun since this robot last moved.
     vain_rounds: u8,
     stopping: bool,
-    /// Whether this is a tick of charging.
-    recharging: bool,
+    /// Whether the robot looks after itself in this tick.
+    alone: bool,
+    /// Where it steps aside to.
+    aside: Option<Cell>,
     /// Why this robot opened the round it is in, if it did.
     cause: Option<Cause>,
 }
@@ -139,7 +141,8 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             waited: false,
             vain_rounds: 0,
             stopping: false,
-            recharging: false,
+            alone: false,
+            aside: None,
             cause: None,
         })
     }
@@ -149,7 +152,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
     pub fn perceive(&mut self, percept: Percept) {
         self.percept = percept;
         self.command = None;
-        self.recharging = false;
+        self.alone = false;
     }
 
     /// The teammates.

@@ -175,16 +175,25 @@ impl Agreement {
         }
     }
 
-    /// Whether a teammate has opened this round as one that is away.
-    pub fn is_floor_taken<'a>(&self, peers: impl Iterator<Item = &'a Intention>) -> bool {
-        self.leave_of(peers).is_some()
+    /// Says where it means to go, if it is away; `None` when no way leads there.
+    pub const fn aim(&mut self, goal: Option<Cell>) {
+        if self.is_away() {
+            self.goal = goal;
+        }
+    }
+
+    /// The teammate that has opened this round as one that is away.
+    pub fn teammate_away<'a>(&self, mut peers: impl Iterator<Item = &'a Intention>) -> Option<&'a Intention> {
+        let opener = self.round.opener(self.size);
+        peers.find(|peer| peer.robot == opener && peer.round == self.round && peer.status == Status::Away)
     }
 
     /// Acknowledges that the teammate that opened this round is away, or takes that back; returns whether it is.
     ///
     /// Call it only while the robot stands still.
     pub fn give_way<'a>(&mut self, peers: impl Iterator<Item = &'a Intention>) -> bool {
-        let leave = self.leave_of(peers).filter(|_| self.status == Status::Deciding);
+        let away = self.teammate_away(peers).filter(|_| self.status == Status::Deciding);
+        let leave = away.map(|peer| digest_of_leave(peer.round, peer.epoch));
         if self.status == Status::Deciding {
             self.plan = leave.unwrap_or(0);
         }
@@ -196,15 +205,6 @@ impl Agreement {
     pub fn has_floor<'a>(&self, mut peers: impl Iterator<Item = &'a Intention>) -> bool {
         let leave = digest_of_leave(self.round, self.epoch);
         self.is_away() && self.all_of(&mut peers, |peer| peer.round == self.round && peer.plan == leave)
-    }
-
-    /// The digest of the leave that the opener of this round has taken.
-    fn leave_of<'a>(&self, mut peers: impl Iterator<Item = &'a Intention>) -> Option<u32> {
-        let opener = self.round.opener(self.size);
-        let is_away = |peer: &&Intention| {
-            peer.robot == opener && peer.round == self.round && peer.status == Status::Away
-        };
-        peers.find(is_away).map(|peer| digest_of_leave(peer.round, peer.epoch))
     }
 
     /// Whether this robot is the one to choose now: all teammates are in this round, and those that decide

@@ -5,7 +5,7 @@ use super::waypoints::leads_over;
 use super::{MAX_GOALS, MAX_WAYPOINTS, Mission};
 use crate::actions::HORIZON;
 use crate::bounded::up_to;
-use crate::grid::{Cell, Map, Move, Path, Planner, TimedPlanner, Variety, WaitPlace, first_conflict};
+use crate::grid::{Cell, CellSet, Map, Path, Planner, TimedPlanner, Variety, WaitPlace, first_conflict};
 use crate::team::MAX_TEAM;
 use heapless::Vec;
 
@@ -28,6 +28,8 @@ pub(super) struct Situation<const W: usize> {
     pub(super) map: Map<W>,
     /// The cells to lead over on the way to a goal.
     pub(super) via: Vec<Cell, MAX_WAYPOINTS>,
+    /// Where the robots stand that have not chosen, this one among them.
+    pub(super) undecided: Vec<Cell, MAX_TEAM>,
     /// The paths of the teammates that have announced theirs.
     pub(super) announced: Vec<Path, MAX_TEAM>,
     /// The numbers of moves after which to arrive, most wanted first.
@@ -43,6 +45,14 @@ pub(super) struct Place<'a> {
     pub(super) from: Cell,
     /// The cells to lead over, in their order.
     pub(super) via: &'a [Cell],
+}
+
+impl<const W: usize> Situation<W> {
+    /// Where others stand that have not chosen, when it matters: at the first move.
+    fn standing_around(&self, lead: &Path) -> CellSet<W> {
+        let others = self.undecided.iter().copied().filter(|&cell| lead.is_empty() && cell != lead.start);
+        others.collect()
+    }
 }
 
 /// The planners, and the room they need.
@@ -105,9 +115,16 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         }
     }
 
-    /// The first move of a shortest way.
-    pub(super) fn first_move(&mut self, map: &Map<W>, from: Cell, to: Cell) -> Option<Move> {
-        self.planner.shortest(map, from, to).ok()?.moves().next()
+    /// A shortest way.
+    pub(super) fn way(&mut self, map: &Map<W>, from: Cell, to: Cell) -> Option<Path> {
+        self.planner.shortest(map, from, to).ok()
+    }
+
+    /// The cell nearest to `from` that is not one of `taken`.
+    pub(super) fn nearest(&mut self, map: &Map<W>, from: Cell, taken: &CellSet<W>) -> Option<Cell> {
+        let distances = self.planner.distances(map, from).ok()?;
+        let free = map.free_cells().without(taken);
+        free.iter().filter_map(|cell| Some((distances.to(cell)?, cell))).min().map(|(_, cell)| cell)
     }
 
     /// The way over the cells that a candidate has to lead over, each reached as soon as the teammates let it; only
@@ -117,7 +134,8 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         let mut lead = Path::at(place.from);
         for &point in place.via {
             let teammates = rest_of(&situation.announced, map, lead.len());
-            let leg = self.timed.sweep(map, lead.end(map), &teammates).soonest(point)?;
+            let standing = situation.standing_around(&lead);
+            let leg = self.timed.sweep_among(map, lead.end(map), &teammates, standing).soonest(point)?;
             lead = lead.then(&leg)?;
         }
         Some(lead)
@@ -134,7 +152,7 @@ impl<const S: usize, const W: usize> Generator<S, W> {
     ) {
         let map = &situation.map;
         let (from, announced) = (lead.end(map), rest_of(&situation.announced, map, lead.len()));
-        let sweep = self.timed.sweep(map, from, &announced);
+        let sweep = self.timed.sweep_among(map, from, &announced, situation.standing_around(lead));
         let mut join = |path: Option<Path>| {
             if let Some(whole) = path.and_then(|path| lead.then(&path)) {
                 add(mission, candidates, whole);

@@ -11,7 +11,9 @@ pub enum Cause {
     WayPoint,
     /// Its battery is low.
     Battery,
-    /// It comes back from charging.
+    /// It stands in the way of a teammate that cannot get to its charger, and steps aside.
+    Room,
+    /// It comes back from charging, or from stepping aside.
     Charged,
     /// It finds itself elsewhere than its path says.
     Position,

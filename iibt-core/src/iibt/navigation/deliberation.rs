@@ -39,11 +39,13 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     pub(super) fn find_situation(&mut self) -> Option<Situation<W>> {
         let here = self.turn()?;
         let (map, announced, via) = (self.passable(), self.announced(), self.via());
+        let waiting = self.partners().filter(|peer| peer.status == Status::Deciding);
+        let undecided = up_to(core::iter::once(here).chain(waiting.map(|peer| peer.path.start)));
         let starts = self.partners().map(|peer| peer.path.start);
         let cells: Vec<Cell, MAX_TEAM> = up_to(core::iter::once(here).chain(starts));
         let arrivals =
             self.generator.arrivals(self.mission, &map, (&cells, &via), &announced, self.vain_rounds);
-        Some(Situation { here, map, via, announced, arrivals })
+        Some(Situation { here, map, via, undecided, announced, arrivals })
     }
 
     /// Whether it is this robot's turn to choose, and where it stands.
@@ -110,19 +112,22 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// Announces the chosen path, or opens another round when it does not go with those announced before. A
-    /// robot that has tried often enough takes what it can get, which may be to stay where it is.
+    /// robot that has tried often enough takes what it can get, which may be to stay where it is. Where it is in the way of
+    /// a teammate it tries on, at most 255 times in a row.
     pub(super) fn commit(&mut self, candidate: Candidate) {
         let announced = self.announced();
         let fits =
             candidate.goal.is_some() && announced.iter().all(|other| self.goes_with(&candidate.path, other));
-        let clear = announced.iter().all(|other| self.is_clear(&candidate.path, other));
-        if !fits && self.vain_rounds < ROUNDS_PER_ROBOT * self.mission.team() {
+        let is_clear = |path: &Path| announced.iter().all(|other| self.is_clear(path, other));
+        let (clear, stay) = (is_clear(&candidate.path), Path::at(candidate.path.start));
+        let tries = if clear || is_clear(&stay) { ROUNDS_PER_ROBOT * self.mission.team() } else { u8::MAX };
+        if !fits && self.vain_rounds < tries {
             self.open_round(candidate.path.start, Cause::Misfit);
         } else if clear {
             let probability = self.choice.map_or(0.0, |choice| choice.joint);
             self.agreement.announce(candidate.path, candidate.goal, probability);
         } else {
-            self.agreement.announce(Path::at(candidate.path.start), None, 1.0);
+            self.agreement.announce(stay, None, 1.0);
         }
     }
 

@@ -107,7 +107,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             Some(Cause::Position)
         } else if self.agreement.is_contradicted(intentions(&self.roster)) {
             Some(Cause::Outdated)
-        } else if self.agreement.is_away() && !self.recharging {
+        } else if self.agreement.is_away() && !self.alone {
             Some(Cause::Charged)
         } else {
             None
@@ -122,11 +122,11 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// Opens a round in which nobody decides, to drive alone.
-    pub(super) fn leave(&mut self, here: Cell) {
+    pub(super) fn leave(&mut self, here: Cell, cause: Cause) {
         self.agreement.leave(here);
         self.count_round();
         self.vain_rounds = 0;
-        self.cause = Some(Cause::Battery);
+        self.cause = Some(cause);
     }
 
     fn count_round(&mut self) {

@@ -1,0 +1,108 @@
+//! A robot that drives alone: to its charger, or out of the way of a teammate that is on its way there.
+//!
+//! A robot that leaves the team opens a round and says that it is away. Nobody can choose in that round before its opener
+//! has, and that one does not choose; so once every teammate has acknowledged the round, all of them stand where they
+//! joined it until there is a newer one, and the robot alone may move, around the cells they stand in. It stops and
+//! joins when a teammate opens a newer round, and then leaves anew. Others that are low wait until it is back.
+//!
+//! A robot that has no way to its charger says so by naming no goal. Then teammates may leave in its place: one that is low
+//! and has a way, or one that stands on the shortest way there is, which steps aside. When a robot is charged, or has
+//! stepped aside, it opens the next round, and the team decides from where everybody stands. Where nobody can make
+//! room, all wait.
+
+use super::{Cause, Navigation, intentions};
+use crate::grid::{Cell, CellSet, Path};
+use crate::iibt::Task;
+use crate::team::Status;
+
+impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
+    /// Where this robot charges, if there is such a place.
+    #[must_use]
+    pub fn charger(&self) -> Option<Cell> {
+        self.mission.chargers.get(self.robot.index()).copied().flatten()
+    }
+
+    /// What the robot does, as its teammates are told.
+    #[must_use]
+    pub const fn status(&self) -> Status {
+        if self.alone { Status::Away } else { self.agreement.status() }
+    }
+
+    /// One tick of a robot whose battery is low, in the place of the inference node's. Without a charger it stands
+    /// still; so it does while no way leads to its charger past the obstacles it knows and the teammates.
+    pub fn recharge(&mut self) {
+        self.alone = true;
+        self.observe();
+        self.update();
+        let (Some(here), Some(charger)) = (self.here(), self.charger()) else { return };
+        if !self.agreement.is_away() {
+            self.aside = if self.way_to(here, charger).is_none() { self.room_to_make(here) } else { None };
+        }
+        self.aside = self.aside.filter(|&aside| aside != here);
+        self.drive(here, self.aside.unwrap_or(charger), Cause::Battery);
+    }
+
+    /// One tick of a robot that steps out of the way of a teammate that cannot get to its charger, in the place of the
+    /// inference node's; returns whether it does.
+    pub fn step_aside(&mut self) -> bool {
+        if !self.agreement.is_away() {
+            self.aside = self.here().and_then(|here| self.room_to_make(here));
+        }
+        let Some(aside) = self.aside else { return false };
+        self.alone = true;
+        self.observe();
+        self.update();
+        if let Some(here) = self.here() {
+            if here == aside {
+                // The next tick finds the robot away for no reason, and has it come back.
+                self.aside = None;
+            } else {
+                self.drive(here, aside, Cause::Room);
+            }
+        }
+        true
+    }
+
+    /// Drives on if all teammates have acknowledged that this robot is away, or else leaves if it may.
+    fn drive(&mut self, here: Cell, to: Cell, cause: Cause) {
+        if self.agreement.has_floor(intentions(&self.roster)) {
+            let way = self.way_to(here, to);
+            self.agreement.aim(way.map(|_| to));
+            self.command = way.and_then(|way| way.moves().next());
+            self.commanded = self.command;
+        } else if self.may_leave(here, to) {
+            self.leave(here, cause);
+            self.agreement.aim(Some(to));
+        }
+    }
+
+    /// Whether it is not away yet, and no teammate is that has a way; past one that has none, it needs a way itself.
+    fn may_leave(&mut self, here: Cell, to: Cell) -> bool {
+        let away = self.agreement.teammate_away(intentions(&self.roster)).map(|peer| peer.goal);
+        match away {
+            _ if self.agreement.is_away() => false,
+            None => true,
+            Some(goal) => goal.is_none() && self.way_to(here, to).is_some(),
+        }
+    }
+
+    /// A shortest way past the obstacles in mind and the teammates that stand still.
+    fn way_to(&mut self, here: Cell, to: Cell) -> Option<Path> {
+        let teammates = intentions(&self.roster).map(|peer| peer.path.start);
+        let map = self.mission.map.avoiding(self.hazards.iter().copied().chain(teammates));
+        self.generator.way(&map, here, to)
+    }
+
+    /// The nearest cell off the shortest way of a teammate that cannot get to its charger, if this robot is on it.
+    fn room_to_make(&mut self, here: Cell) -> Option<Cell> {
+        let away = self.agreement.teammate_away(intentions(&self.roster))?;
+        let stuck = (away.path.start, away.robot.index(), away.goal);
+        let (start, robot, None) = stuck else { return None };
+        let charger = self.mission.chargers.get(robot).copied().flatten()?;
+        let open = self.mission.map.avoiding(self.hazards.iter().copied());
+        let way: CellSet<W> = self.generator.way(&open, start, charger)?.cells(&open).collect();
+        let teammates = intentions(&self.roster).map(|peer| peer.path.start);
+        let map = open.avoiding(teammates);
+        if way.contains(here) { self.generator.nearest(&map, here, &way) } else { None }
+    }
+}
