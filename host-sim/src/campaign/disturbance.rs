@@ -17,7 +17,8 @@ pub enum Disturbance {
     Slips,
     /// The radio loses 30 % of all frames.
     Loss,
-    /// Three obstacles appear where ways around them are left.
+    /// Three obstacles appear where ways around them are left. Robots that have lists of paths plan by themselves: an obstacle
+    /// may block all that are listed.
     Obstacles,
     /// One robot's battery falls to 15 %. Where the scenario has no chargers, robots charge where they started.
     Battery,
@@ -140,6 +141,7 @@ fn some_tick(scenario: &Scenario, chance: &mut Chance) -> u32 {
 
 /// Lets obstacles appear in cells that nobody needs and without which the rest of the floor still hangs together.
 fn block(scenario: &mut Scenario, chance: &mut Chance) {
+    scenario.robots.iter_mut().for_each(|robot| robot.paths.clear());
     let mut floor = scenario.map;
     let blocks = |event: &Event| if let Effect::Block(cell) = event.effect { Some(cell) } else { None };
     scenario.events.iter().filter_map(blocks).for_each(|cell| _ = floor.block(cell));
