@@ -29,7 +29,9 @@ pub(super) fn compare(run: &Run<'_>) -> Section {
         section.items.extend(report.rows.iter().flat_map(|row| items(mission, row)));
         section.figures.push(figure(mission, &report));
     }
-    section.items.extend(MISSIONS.into_iter().flat_map(|mission| PILOTS.map(|pilot| instructions(mission, pilot))));
+    section
+        .items
+        .extend(MISSIONS.into_iter().flat_map(|mission| PILOTS.map(|pilot| instructions(mission, pilot))));
     section
 }
 
@@ -44,15 +46,17 @@ fn fly(mission: &str, run: &Run<'_>) -> Report {
 fn items(mission: &str, row: &Row) -> Vec<Item> {
     let name = row.disturbance.name();
     let seeds = row.summaries.first().map_or(0, |summary| summary.accomplished.of);
-    let side_by_side = |text: fn(&Summary) -> String| {
-        row.summaries.iter().map(text).collect::<Vec<_>>().join(" against ")
-    };
+    let side_by_side =
+        |text: fn(&Summary) -> String| row.summaries.iter().map(text).collect::<Vec<_>>().join(" against ");
     let inference = &row.summaries[0];
     let mut items = vec![
-        Item::measured(format!("{mission}, {name}: accomplished, of {seeds}"), side_by_side(|summary| {
-            let share = summary.accomplished;
-            format!("{} ({:.3} to {:.3})", share.count, share.interval[0], share.interval[1])
-        })),
+        Item::measured(
+            format!("{mission}, {name}: accomplished, of {seeds}"),
+            side_by_side(|summary| {
+                let share = summary.accomplished;
+                format!("{} ({:.3} to {:.3})", share.count, share.interval[0], share.interval[1])
+            }),
+        ),
         Item::claim(
             format!("{mission}, {name}: flights with a collision"),
             "inference: none",
@@ -60,8 +64,14 @@ fn items(mission: &str, row: &Row) -> Vec<Item> {
             inference.collided.count == 0,
         ),
         Item::measured(format!("{mission}, {name}: ticks"), side_by_side(|summary| ticks(summary))),
-        Item::measured(format!("{mission}, {name}: frames sent"), side_by_side(|summary| number(summary.messages.mean))),
-        Item::measured(format!("{mission}, {name}: robots at a goal at the end"), side_by_side(|summary| number(summary.in_place.mean))),
+        Item::measured(
+            format!("{mission}, {name}: frames sent"),
+            side_by_side(|summary| number(summary.messages.mean)),
+        ),
+        Item::measured(
+            format!("{mission}, {name}: robots at a goal at the end"),
+            side_by_side(|summary| number(summary.in_place.mean)),
+        ),
     ];
     if let Some(comparison) = &row.comparison {
         let what = format!("{mission}, {name}: who wins");
@@ -104,7 +114,8 @@ fn winner(accomplished: &Difference, ticks: &Difference) -> String {
 fn instructions(mission: &str, pilot: Pilot) -> Item {
     let what = format!("{mission}, {}: instructions a tick, ordinary; mean; at most", pilot.name());
     let program = env::current_exe().map_err(|error| error.to_string());
-    let cost = program.and_then(|program| cost(&program, mission, pilot, 0).map_err(|error| error.to_string()));
+    let cost =
+        program.and_then(|program| cost(&program, mission, pilot, 0).map_err(|error| error.to_string()));
     match cost {
         Ok(cost) => Item::measured(what, format!("{}; {:.0}; {}", cost.median, cost.mean, cost.most)),
         Err(reason) => Item::unknown(what, "-", reason),
@@ -115,9 +126,17 @@ fn figure(mission: &str, report: &Report) -> Figure {
     let panel = |title: &str, unit: &str, estimate: &dyn Fn(&Summary) -> Option<Estimate>| {
         let row = |row: &Row| IntervalRow {
             label: row.disturbance.name().to_owned(),
-            values: row.summaries.iter().map(|summary| (summary.pilot.name().to_owned(), estimate(summary))).collect(),
+            values: row
+                .summaries
+                .iter()
+                .map(|summary| (summary.pilot.name().to_owned(), estimate(summary)))
+                .collect(),
         };
-        Panel::Intervals(Intervals { title: title.to_owned(), unit: unit.to_owned(), rows: report.rows.iter().map(row).collect() })
+        Panel::Intervals(Intervals {
+            title: title.to_owned(),
+            unit: unit.to_owned(),
+            rows: report.rows.iter().map(row).collect(),
+        })
     };
     let share = |share: &crate::statistics::Share| {
         Some(Estimate { value: share.ratio, low: share.interval[0], high: share.interval[1] })

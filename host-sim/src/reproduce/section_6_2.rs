@@ -68,27 +68,41 @@ fn probabilities(preset: &str, mission: &Mission, tolerance: Tolerance) -> Vec<I
 /// What is claimed of a mission in which nothing goes wrong.
 fn mission(mission: &Mission) -> [Item; 4] {
     let sequence = mission.sequence().iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
-    let thoughts = || mission.history.iter().flat_map(|tick| &tick.robots).filter_map(|robot| robot.thought.as_ref());
-    let raised = thoughts().filter(|thought| thought.raised.is_some_and(|raised| raised != thought.preferences)).count();
+    let thoughts =
+        || mission.history.iter().flat_map(|tick| &tick.robots).filter_map(|robot| robot.thought.as_ref());
+    let raised = thoughts()
+        .filter(|thought| thought.raised.is_some_and(|raised| raised != thought.preferences))
+        .count();
     // C after a tick is one of the tasks' own, entry by entry zero or one: nothing of a raise is left.
     let bases = |rows: &[[f32; 4]; 2]| rows.as_flattened().iter().all(|&entry| entry == 0.0 || entry == 1.0);
     let exact = thoughts().all(|thought| bases(&thought.preferences));
-    let raises = format!("{}, {}", counted(raised as u32, "raise"), if exact { "no trace" } else { "traces left" });
+    let raises =
+        format!("{}, {}", counted(raised as u32, "raise"), if exact { "no trace" } else { "traces left" });
     [
         Item::same("the policies acted on, in order", SEQUENCE, sequence),
-        Item::claim("sixteen joint policies", "16", joint_policies(mission).to_string(), joint_policies(mission) == 16),
+        Item::claim(
+            "sixteen joint policies",
+            "16",
+            joint_policies(mission).to_string(),
+            joint_policies(mission) == 16,
+        ),
         Item::claim("C raised by table 5, and taken back", "to the last bit", raises, raised > 0 && exact),
         Item::claim(
             "from idle to the bottle on the plate",
             "in truth",
-            format!("{} after {}", if mission.success { "yes" } else { "no" }, counted(mission.ticks, "tick")),
+            format!(
+                "{} after {}",
+                if mission.success { "yes" } else { "no" },
+                counted(mission.ticks, "tick")
+            ),
             mission.success,
         ),
     ]
 }
 
 fn joint_policies(mission: &Mission) -> usize {
-    let thoughts = mission.history.iter().flat_map(|tick| &tick.robots).filter_map(|robot| robot.thought.as_ref());
+    let thoughts =
+        mission.history.iter().flat_map(|tick| &tick.robots).filter_map(|robot| robot.thought.as_ref());
     thoughts.filter_map(|thought| thought.posterior.as_ref()).map(Vec::len).max().unwrap_or(0)
 }
 
@@ -101,7 +115,10 @@ fn campaign(run: &Run<'_>) -> [Item; 4] {
     let success = findings.success;
     [
         Item::measured(format!("{under}: success"), share(success.ratio, success.interval)),
-        Item::measured(format!("{under}: said to be done, and was not"), share(findings.mistaken.ratio, findings.mistaken.interval)),
+        Item::measured(
+            format!("{under}: said to be done, and was not"),
+            share(findings.mistaken.ratio, findings.mistaken.interval),
+        ),
         Item::measured(format!("{under}: ticks"), mean(findings.ticks.mean, findings.ticks.interval)),
         Item::measured(format!("{under}: retries"), mean(findings.retries.mean, findings.retries.interval)),
     ]
@@ -125,9 +142,16 @@ fn compared(run: &Run<'_>) -> Vec<Compared> {
 
 fn contenders(compared: &[Compared]) -> Vec<Item> {
     let item = |part: &Compared| {
-        let what = format!("{:.0} % of grasps and readings wrong, {}: success; ticks", 100.0 * part.level, part.contender);
+        let what = format!(
+            "{:.0} % of grasps and readings wrong, {}: success; ticks",
+            100.0 * part.level,
+            part.contender
+        );
         let (success, ticks) = (part.findings.success, part.findings.ticks);
-        Item::measured(what, format!("{}; {}", share(success.ratio, success.interval), mean(ticks.mean, ticks.interval)))
+        Item::measured(
+            what,
+            format!("{}; {}", share(success.ratio, success.interval), mean(ticks.mean, ticks.interval)),
+        )
     };
     compared.iter().map(item).collect()
 }
@@ -145,7 +169,10 @@ fn reported(ours: &Mission, calibrated: &Mission) -> Figure {
         ],
         scale: Scale::Linear,
     };
-    Figure::new("π3: R1 goes to the bottle. π7: it picks it up. π12, π13: the same of R2 and the plate.", [Panel::Bars(bars)])
+    Figure::new(
+        "π3: R1 goes to the bottle. π7: it picks it up. π12, π13: the same of R2 and the plate.",
+        [Panel::Bars(bars)],
+    )
 }
 
 /// The robots' beliefs in a mission with wrong readings.
@@ -158,7 +185,10 @@ fn beliefs() -> Figure {
             })
         };
         let names = ["loc", "hold", "place", "free"];
-        let series = names.iter().enumerate().map(|(state, name)| Series { name: (*name).to_owned(), values: thought(state).collect() });
+        let series = names
+            .iter()
+            .enumerate()
+            .map(|(state, name)| Series { name: (*name).to_owned(), values: thought(state).collect() });
         Panel::Lines(Lines {
             title: format!("Robot {}: q(s)", robot + 1),
             x: "tick".to_owned(),
@@ -167,7 +197,10 @@ fn beliefs() -> Figure {
             series: series.collect(),
         })
     };
-    Figure::new("Beliefs over time, with one failed grasp and one wrong reading in ten.", [panel(0), panel(1)])
+    Figure::new(
+        "Beliefs over time, with one failed grasp and one wrong reading in ten.",
+        [panel(0), panel(1)],
+    )
 }
 
 /// Success and time of all contenders.
