@@ -89,3 +89,18 @@ fn tests_that_are_named_exist() {
     }
     assert!(named >= 8, "only {named} tests are named: are they still found?");
 }
+
+/// Beyond the head of a table, its rule, and its rows in other documents: every row is a statement about the paper.
+#[test]
+fn every_statement_about_the_paper_names_its_test() {
+    let document = read(&root().join("docs/paper.md"));
+    let rows: Vec<_> = document.lines().filter(|line| line.starts_with('|')).collect();
+    let is_head = |row: usize| {
+        rows.get(row + 1).is_some_and(|next| next.starts_with("|---")) || rows[row].starts_with("|---")
+    };
+    for (index, row) in rows.iter().enumerate().filter(|&(index, _)| !is_head(index)) {
+        let last = row.trim_end_matches('|').rsplit('|').next().unwrap_or_default();
+        assert!(quoted(last).iter().any(|word| is_sentence(word)), "row {index} names no test: {row}");
+    }
+    assert!(rows.len() > 50, "only {} rows: are they still found?", rows.len());
+}

@@ -14,7 +14,8 @@ fn worn() -> Scenario {
 
 fn flown(scenario: &Scenario, seed: u64) -> (Record, Vec<u8>) {
     let mut logbook = Logbook::new(Vec::new());
-    let record = fly(scenario, Conditions { seed, loss: None }, &mut logbook).expect("it can be flown");
+    let record =
+        fly(scenario, Conditions { seed, ..Conditions::default() }, &mut logbook).expect("it can be flown");
     (record, logbook.finish().expect("memory takes any log"))
 }
 

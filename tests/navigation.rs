@@ -1,17 +1,17 @@
 //! The lines of Algorithm 1 on real robots: what makes a team decide, wait, decide again, stop and fail.
 
+use host_sim::reproduce;
 use iibt_core::grid::{Cell, Map};
 use iibt_core::iibt::Mission;
 use iibt_core::iibt::navigation::{Cause, OBSTACLE, Plan};
 use iibt_core::team::{Round, Status};
-use tests::paper;
 use tests::team::{Hardship, Team};
 
 static STARTS: [Cell; 3] = [Cell(28), Cell(2), Cell(45)];
 static GOALS: [Cell; 3] = [Cell(24), Cell(26), Cell(32)];
 
 fn factory() -> Mission<'static, 2> {
-    Mission::new(paper::map(), &STARTS, &GOALS)
+    Mission::new(reproduce::map(), &STARTS, &GOALS)
 }
 
 fn team<'m>(mission: &'m Mission<'m, 2>) -> Team<'m> {
@@ -219,7 +219,7 @@ fn a_robot_put_elsewhere_finds_out_and_the_team_decides_again() {
 #[test]
 fn robots_that_stand_on_their_goals_stop_at_once() {
     for count in 1..=3 {
-        let mission = Mission::new(paper::map(), &GOALS[..count], &GOALS);
+        let mission = Mission::new(reproduce::map(), &GOALS[..count], &GOALS);
         let mut team = team(&mission);
         fly_until(&mut team, "all stop", |team| stopped(team, count));
         for _ in 0..5 {
@@ -250,7 +250,7 @@ fn a_robot_that_restarts_on_its_goal_finds_out_that_it_has_arrived() {
 fn any_number_of_goals_serves_a_team() {
     static FAR: [Cell; 4] = [Cell(24), Cell(26), Cell(32), Cell(0)];
     for (robots, goals) in [(1, 1), (1, 4), (2, 4), (3, 4)] {
-        let mission = Mission::new(paper::map(), &STARTS[..robots], &FAR[..goals]);
+        let mission = Mission::new(reproduce::map(), &STARTS[..robots], &FAR[..goals]);
         let outcome = team(&mission).fly(200);
         assert!(outcome.arrived.is_some() && outcome.collisions == 0, "{robots}, {goals}: {outcome:?}");
     }
@@ -258,7 +258,7 @@ fn any_number_of_goals_serves_a_team() {
 
 #[test]
 fn the_robot_that_is_left_without_a_goal_fails_and_the_others_arrive() {
-    let mission = Mission::new(paper::map(), &STARTS, &GOALS[..2]);
+    let mission = Mission::new(reproduce::map(), &STARTS, &GOALS[..2]);
     let mut team = team(&mission);
     fly_until(&mut team, "two arrive", |team| {
         statuses(team).iter().filter(|&&status| status == Status::Arrived).count() == 2

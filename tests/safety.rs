@@ -1,11 +1,11 @@
 //! Whatever the radio, the drive and the world do: no two robots ever share or swap a cell.
 
+use host_sim::reproduce;
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Map, Move, Path, Planner};
 use iibt_core::iibt::Mission;
 use iibt_core::team::{Intention, RobotId, Round, Status};
 use iibt_core::time::Instant;
-use tests::paper;
 use tests::team::{Hardship, Outcome, Random, Team};
 
 const RUNS: u64 = 200;
@@ -162,7 +162,7 @@ fn nonsense(random: &mut Random, sequence: u32) -> Intention {
 #[test]
 fn with_a_teammate_that_talks_nonsense_nobody_breaks() {
     let (starts, goals) = ([Cell(28), Cell(2), Cell(45)], [Cell(24), Cell(26), Cell(32)]);
-    let mission = Mission::new(paper::map(), &starts, &goals);
+    let mission = Mission::new(reproduce::map(), &starts, &goals);
     for seed in 0..20 {
         let mut random = Random::new(seed);
         let mut team = Team::new(&mission, Hardship::default(), seed);

@@ -11,7 +11,8 @@ fn built_in(name: &str) -> Scenario {
 }
 
 fn flown(scenario: &Scenario, seed: u64, loss: f64) -> Record {
-    fly(scenario, Conditions { seed, loss: Some(loss) }, &mut ()).expect("a sound scenario can be flown")
+    fly(scenario, Conditions { seed, loss: Some(loss), ..Conditions::default() }, &mut ())
+        .expect("a sound scenario can be flown")
 }
 
 mod missions {
@@ -528,7 +529,7 @@ precision = 16.0
             ("'Bo'", r#""B\no""#, "13", "name is not one line of 1 to 12 characters"),
             ("[[0, 1, 2, 3]]", "[[0, 1, 2]]", "11", "the path ends at 2, which is no goal"),
             ("[[0, 1, 2, 3]]", "[[0, 2, 3]]", "11", "0 and 2 on the path are no neighbours"),
-            ("[[0, 1, 2, 3]]", "[[1, 2, 3]]", "11", "the path begins at 1, but the robot at 0"),
+            ("[[0, 1, 2, 3]]", "[[1, 2, 3]]", "11", "no path begins at 0, where the robot starts"),
             ("[[0, 1, 2, 3]]", "[[0, 1, 5]]", "11", "path cell 5 is blocked on the map"),
             ("[[0, 1, 2, 3]]", "[[0, 1, 99]]", "11", "path cell 99 is outside the map"),
             ("[[0, 1, 2, 3]]", "[[]]", "11", "the path has no cells"),
@@ -678,7 +679,7 @@ mod accepted {
                 }
                 scenario => scenario.unwrap(),
             };
-            let record = fly(&scenario, Conditions { seed, loss: None }, &mut ()).unwrap();
+            let record = fly(&scenario, Conditions { seed, ..Conditions::default() }, &mut ()).unwrap();
             prop_assert_eq!(record.collisions.total(), 0);
             prop_assert!(record.history.len() <= 61);
         }

@@ -18,6 +18,12 @@ pub(crate) enum Purpose {
     Wear = 4,
     /// Whether a move fails.
     Slip = 5,
+    /// What trouble a campaign adds to a mission.
+    Disturbance = 6,
+    /// What a robot that handles things reads of its state.
+    Reading = 16,
+    /// Whether an action of such a robot fails.
+    Deed = 17,
 }
 
 /// A stream of draws.

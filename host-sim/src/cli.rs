@@ -1,14 +1,19 @@
 //! The verbs, what they read and what they print.
 
+mod campaign;
 mod learn;
+mod manipulate;
 mod notebook;
+mod reproduce;
 mod tree;
 
 use self::learn::Learn;
+use self::manipulate::Manipulate;
+use self::reproduce::Reproduce;
 use anstream::{AutoStream, ColorChoice};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, summary};
-use host_sim::{Audience, Conditions, Logbook, Record, Scenario, fly, library};
+use host_sim::{Audience, Conditions, Logbook, Pilot, Record, Scenario, fly, library};
 use std::error::Error;
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Read, Write};
@@ -31,6 +36,8 @@ Examples:
   host-sim list               see what else is built in
   host-sim run detour --loss 0.3 --seed 7
   host-sim run my-warehouse.toml --json > flight.json
+  host-sim reproduce          the paper's results beside ours, as a table and a page
+  host-sim campaign factory --seeds 100
   host-sim infer model.json   run an active-inference model from a notebook
   host-sim export model.json > src/model.rs
   host-sim tree check my-tree.xml
@@ -45,6 +52,7 @@ const RUN_EXAMPLES: &str = "\
 Examples:
   host-sim run factory              watch the default mission
   host-sim run factory --loss 0.3   with a radio that loses three frames in ten
+  host-sim run factory --tree conventional   the same with a tree written by hand
   host-sim run my-warehouse.toml    a scenario of your own
   host-sim run two-goals --json | jq '.robots[].path'
 From a checkout, `host-sim run ...` is `cargo run --release -- run ...`.
@@ -84,6 +92,12 @@ enum Verb {
     /// Fly a scenario
     #[command(after_help = RUN_EXAMPLES)]
     Run(Run),
+    /// Put the paper's results beside ours: a table, and a page to look at
+    #[command(after_help = reproduce::EXAMPLES)]
+    Reproduce(Reproduce),
+    /// Fly a scenario many times under disturbances, and compare inference with a conventional tree
+    #[command(after_help = campaign::EXAMPLES)]
+    Campaign(campaign::FlyMany),
     /// Run a model from a notebook: beliefs, expected free energies and a decision, as JSON
     #[command(after_help = notebook::INFER_EXAMPLES)]
     Infer(notebook::Infer),
@@ -93,6 +107,9 @@ enum Verb {
     /// Learn from a log how often each robot's moves succeed
     #[command(after_help = learn::EXAMPLES)]
     Learn(Learn),
+    /// Let two robots bring a bottle and a plate together
+    #[command(after_help = manipulate::EXAMPLES)]
+    Manipulate(Manipulate),
     /// Check, show, translate and try behavior trees
     Tree(tree::Tree),
 }
@@ -108,6 +125,9 @@ struct Run {
     /// The probability that a frame does not reach a teammate, 0 to 1, in place of the scenario's
     #[arg(long, value_name = "P", value_parser = probability)]
     loss: Option<f64>,
+    /// What flies the robots: the inference node, or a conventional tree of the paper
+    #[arg(long, value_name = "TREE", value_enum, default_value_t)]
+    tree: FlownTree,
     /// Keep a log of every move that a robot was told to make
     #[arg(long, value_name = "FILE.csv")]
     log: Option<PathBuf>,
@@ -117,6 +137,29 @@ struct Run {
     /// Print the outcome in one line, and nothing else
     #[arg(long)]
     quiet: bool,
+}
+
+/// What flies the robots.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum FlownTree {
+    /// The firmware's tree, with one inference node
+    #[default]
+    Inference,
+    /// The conventional tree of figure 8
+    Conventional,
+    /// The conventional tree of figure 5(a), for two goals
+    #[value(name = "figure-5")]
+    Figure5,
+}
+
+impl From<FlownTree> for Pilot {
+    fn from(tree: FlownTree) -> Self {
+        match tree {
+            FlownTree::Inference => Self::Inference,
+            FlownTree::Conventional => Self::Conventional,
+            FlownTree::Figure5 => Self::Figure5,
+        }
+    }
 }
 
 type Failure = Box<dyn Error>;
@@ -137,9 +180,12 @@ impl Cli {
         match self.verb {
             Some(Verb::List) => list(),
             Some(Verb::Run(run)) => run.run(),
+            Some(Verb::Reproduce(reproduce)) => reproduce.run(),
+            Some(Verb::Campaign(campaign)) => campaign.run(),
             Some(Verb::Infer(infer)) => infer.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Export(export)) => export.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Learn(learn)) => learn.run(),
+            Some(Verb::Manipulate(manipulate)) => manipulate.run(),
             Some(Verb::Tree(tree)) => tree.run(),
             None => self.run.run(),
         }
@@ -160,7 +206,13 @@ fn list() -> Result<ExitCode, Failure> {
 impl Run {
     fn run(&self) -> Result<ExitCode, Failure> {
         let scenario = scenario(&self.scenario)?;
-        let conditions = Conditions { seed: self.seed, loss: self.loss };
+        if self.tree == FlownTree::Figure5 && scenario.goals.len() != 2 {
+            let goals = scenario.goals.len();
+            return Err(
+                format!("{}: the tree of figure 5 is for two goals, not {goals}", scenario.name).into()
+            );
+        }
+        let conditions = Conditions { seed: self.seed, loss: self.loss, tree: self.tree.into() };
         let mut audience = (self.audience(&scenario), self.logbook()?);
         let record = fly(&scenario, conditions, &mut audience)
             .map_err(|error| format!("{}: {error}", scenario.name))?;

@@ -16,7 +16,7 @@ use crate::radio::{Radio, Traffic};
 use crate::record::{self, Activity, Dated, Outcome, Record, RobotRecord};
 use crate::referee::Collisions;
 use crate::scenario::{self, Floor, Scenario, Wear};
-use crate::team::{Team, with_team};
+use crate::team::{Pilot, Robot, Team, with_team};
 use crate::world::World;
 use firmware::{ControllerError, Report};
 use iibt_core::grid::{Cell, Move};
@@ -29,6 +29,8 @@ pub struct Conditions {
     pub seed: u64,
     /// The radio's loss, 0 to 1, in place of the scenario's.
     pub loss: Option<f64>,
+    /// What flies the robots.
+    pub tree: Pilot,
 }
 
 /// A flight as it stands after a tick, for those who look on.
@@ -86,7 +88,7 @@ pub fn fly(
     conditions: Conditions,
     audience: &mut dyn Audience,
 ) -> Result<Record, ControllerError> {
-    with_team(scenario, |team| {
+    with_team(scenario, conditions.tree, |team| {
         let mut flight = Flight::new(scenario, conditions, team);
         flight.show(audience, 0);
         while !flight.is_over() {
@@ -101,6 +103,7 @@ pub fn fly(
 struct Flight<'f, 'm> {
     scenario: &'f Scenario,
     seed: u64,
+    pilot: Pilot,
     terms: scenario::Radio,
     team: &'f mut Team<'m>,
     world: World,
@@ -131,6 +134,7 @@ impl<'f, 'm> Flight<'f, 'm> {
         let world = World::new(scenario);
         Self {
             seed: conditions.seed,
+            pilot: conditions.tree,
             terms,
             radio: Radio::new(terms, team.len(), conditions.seed),
             localisers: Chance::new(conditions.seed, Purpose::Localiser),
@@ -187,7 +191,7 @@ impl<'f, 'm> Flight<'f, 'm> {
         news.extend(self.sense());
         for (index, robot) in self.team.iter_mut().enumerate() {
             if !self.world.is_stopped(index) {
-                robot.tick();
+                act_in_turn(robot.as_mut());
             }
         }
         self.certainty.push(self.certainties());
@@ -262,7 +266,7 @@ impl<'f, 'm> Flight<'f, 'm> {
 
     /// Makes the moves that the robots have commanded, as far as their drives let them.
     fn drive(&mut self) -> Option<News> {
-        let command = |robot: &mut Box<dyn crate::team::Robot + 'm>| robot.body().wheels.command.take();
+        let command = |robot: &mut Box<dyn Robot + 'm>| robot.body().wheels.command.take();
         self.commands = self.team.iter_mut().map(command).collect();
         let commands: Vec<_> = (0..self.team.len()).map(|robot| self.made(robot)).collect();
         let (before, faults) = (self.world.cells().to_vec(), self.collisions.total());
@@ -328,6 +332,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             scenario: self.scenario.name.clone(),
             title: self.scenario.title.clone(),
             seed: self.seed,
+            pilot: self.pilot,
             loss: self.terms.loss,
             ticks: self.tick.saturating_sub(1),
             outcome,
@@ -345,8 +350,13 @@ impl<'f, 'm> Flight<'f, 'm> {
     }
 
     fn outcome(&self, robots: &[RobotRecord]) -> Outcome {
-        let paths: Vec<_> = robots.iter().map(|robot| robot.path.clone()).collect();
-        record::outcome(&self.collisions, &self.scenario.goals, self.world.cells(), &paths)
+        let is_joint = match self.pilot {
+            Pilot::Inference => record::is_joint(robots.iter().map(|robot| robot.path.as_slice())),
+            Pilot::Conventional | Pilot::Figure5 => {
+                record::is_close(robots.iter().map(|robot| robot.arrived))
+            }
+        };
+        record::outcome(&self.collisions, &self.scenario.goals, self.world.cells(), is_joint)
     }
 
     fn robot(&self, index: usize) -> RobotRecord {
@@ -373,6 +383,12 @@ impl<'f, 'm> Flight<'f, 'm> {
             rejected: report.received.refused(),
         }
     }
+}
+
+/// One tick of one robot: the function whose instructions [`campaign::cost`](crate::campaign::cost) counts.
+#[inline(never)]
+fn act_in_turn(robot: &mut (dyn Robot + '_)) {
+    robot.tick();
 }
 
 fn total(traffic: &[Traffic]) -> Traffic {

@@ -2,6 +2,7 @@
 
 use crate::log::ExecutionLog;
 use crate::scenario::Floor;
+use crate::statistics::wilson;
 use crate::words::move_name;
 use iibt_core::grid::{Cell, Move};
 use serde::Serialize;
@@ -125,7 +126,7 @@ impl MoveRatio {
             successes,
             failures,
             ratio: tried.then(|| made / tries),
-            interval: tried.then(|| interval(made / tries, tries)),
+            interval: tried.then(|| wilson(made / tries, tries)),
         }
     }
 
@@ -138,27 +139,9 @@ impl MoveRatio {
     }
 }
 
-/// The score interval of a ratio, 95 %.
-fn interval(ratio: f64, tries: f64) -> [f64; 2] {
-    const Z: f64 = 1.959_963_984_540_054;
-    let z2 = Z * Z / tries;
-    let middle = ratio + z2 / 2.0;
-    let spread = Z * (ratio * (1.0 - ratio) / tries + z2 / (4.0 * tries)).sqrt();
-    [(middle - spread) / (1.0 + z2), (middle + spread) / (1.0 + z2)].map(|bound| bound.clamp(0.0, 1.0))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_interval_is_wilson_s() {
-        // 81 of 263: Newcombe 1998, "Two-sided confidence intervals for the single proportion", table I.
-        let [low, high] = interval(81.0 / 263.0, 263.0);
-        assert!((low - 0.2553).abs() < 5e-5 && (high - 0.3662).abs() < 5e-5, "{low} {high}");
-        assert_eq!(interval(0.0, 20.0)[0], 0.0);
-        assert!((interval(0.0, 20.0)[1] - 0.1611).abs() < 5e-5);
-    }
 
     #[test]
     fn b_has_a_column_for_every_cell_and_action() {

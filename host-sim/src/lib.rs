@@ -24,11 +24,14 @@
 
 mod battery;
 mod body;
+pub mod campaign;
 mod chance;
+mod conventional;
 mod flight;
 mod learn;
 pub mod library;
 mod log;
+pub mod manipulation;
 mod news;
 pub mod notebook;
 mod phases;
@@ -36,8 +39,10 @@ mod progress;
 mod radio;
 mod record;
 mod referee;
+pub mod reproduce;
 mod scenario;
 pub mod show;
+pub mod statistics;
 mod team;
 pub mod tree;
 mod words;
@@ -49,12 +54,13 @@ pub use log::{Attempt, ExecutionLog, LogError, Logbook};
 pub use news::News;
 pub use phases::{Chosen, Phase};
 pub use radio::Traffic;
-pub use record::{Activity, Dated, Outcome, Record, RobotRecord};
+pub use record::{Activity, Dated, Outcome, Record, RobotRecord, TOGETHER};
 pub use referee::Collisions;
 pub use scenario::{
     Effect, Event, Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Radio, Robot, Scenario, ScenarioError,
     Wear, When,
 };
+pub use team::Pilot;
 
 /// The code in the README and in the documents is compiled and run with the tests.
 #[cfg(doctest)]

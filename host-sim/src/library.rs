@@ -11,8 +11,8 @@ macro_rules! scenarios {
     };
 }
 
-const TEXTS: [(&str, &str); 7] =
-    scenarios!["factory" "two-goals" "shift" "detour" "warehouse" "courtyard" "worn"];
+const TEXTS: [(&str, &str); 8] =
+    scenarios!["factory" "shift" "two-goals" "detour" "obstacle" "warehouse" "courtyard" "worn"];
 
 /// The names, in the order they are listed.
 pub fn names() -> impl Iterator<Item = &'static str> {

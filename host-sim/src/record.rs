@@ -5,6 +5,7 @@ use crate::phases::Phase;
 use crate::radio::Traffic;
 use crate::referee::Collisions;
 use crate::scenario::Scenario;
+use crate::team::Pilot;
 use firmware::Report;
 use iibt_core::grid::Cell;
 use iibt_core::team::Status;
@@ -19,6 +20,8 @@ pub struct Record {
     pub title: String,
     /// The seed of all chance.
     pub seed: u64,
+    /// What flew the robots.
+    pub pilot: Pilot,
     /// The probability that a frame does not reach a teammate.
     pub loss: f64,
     /// How it ended.
@@ -52,9 +55,10 @@ pub struct Record {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// All robots stand at different goals, reached with the same step of one joint plan.
+    /// All robots stand at different goals, reached with the same step of one joint plan; robots with a conventional tree,
+    /// which have none, at most [`TOGETHER`] ticks apart.
     Together,
-    /// All robots stand at different goals, but their plan did not bring them there together.
+    /// All robots stand at different goals, but did not come there together.
     Apart,
     /// The limit was reached first, without a collision.
     Unfinished,
@@ -158,18 +162,13 @@ impl Outcome {
     }
 }
 
-/// How robots at `cells` stand, given what they report and what the referee saw.
-pub(crate) fn outcome(
-    collisions: &Collisions,
-    goals: &[Cell],
-    cells: &[Cell],
-    paths: &[Vec<Cell>],
-) -> Outcome {
+/// How robots at `cells` stand, given what the referee saw and whether they arrived together.
+pub(crate) fn outcome(collisions: &Collisions, goals: &[Cell], cells: &[Cell], is_joint: bool) -> Outcome {
     if collisions.total() > 0 {
         Outcome::Collided
     } else if !at_different_goals(goals, cells) {
         Outcome::Unfinished
-    } else if is_joint(paths) {
+    } else if is_joint {
         Outcome::Together
     } else {
         Outcome::Apart
@@ -197,11 +196,20 @@ pub(crate) fn at_different_goals(goals: &[Cell], cells: &[Cell]) -> bool {
 
 /// Whether the paths reach their ends with the same step; one that stays at its end from the first agrees
 /// with any.
-fn is_joint(paths: &[Vec<Cell>]) -> bool {
-    let last_step = |path: &Vec<Cell>| path.iter().rposition(|cell| Some(cell) != path.last());
-    let mut steps = paths.iter().filter_map(last_step);
+pub(crate) fn is_joint<'p>(paths: impl Iterator<Item = &'p [Cell]>) -> bool {
+    let last_step = |path: &[Cell]| path.iter().rposition(|cell| Some(cell) != path.last());
+    let mut steps = paths.filter_map(last_step);
     let first = steps.next();
     steps.all(|step| Some(step) == first)
+}
+
+/// How many ticks apart robots without a joint plan may arrive to have arrived together.
+pub const TOGETHER: u32 = 2;
+
+/// Whether these arrivals, in ticks, are at most [`TOGETHER`] apart.
+pub(crate) fn is_close(arrivals: impl Iterator<Item = u32> + Clone) -> bool {
+    let last = arrivals.clone().max().unwrap_or(0);
+    arrivals.min().is_none_or(|first| last - first <= TOGETHER)
 }
 
 /// A status in one word.
@@ -220,8 +228,9 @@ mod tests {
     use super::*;
 
     fn ends(cells: [u16; 2], paths: [&[u16]; 2]) -> Outcome {
-        let paths = paths.map(|path| path.iter().copied().map(Cell).collect());
-        outcome(&Collisions::default(), &[Cell(3), Cell(8)], &cells.map(Cell), &paths)
+        let paths = paths.map(|path| path.iter().copied().map(Cell).collect::<Vec<_>>());
+        let joint = is_joint(paths.iter().map(Vec::as_slice));
+        outcome(&Collisions::default(), &[Cell(3), Cell(8)], &cells.map(Cell), joint)
     }
 
     #[test]
@@ -237,6 +246,6 @@ mod tests {
     #[test]
     fn a_collision_spoils_everything() {
         let collisions = Collisions { swapped: 1, ..Collisions::default() };
-        assert_eq!(outcome(&collisions, &[Cell(0)], &[Cell(0)], &[vec![Cell(0)]]), Outcome::Collided);
+        assert_eq!(outcome(&collisions, &[Cell(0)], &[Cell(0)], true), Outcome::Collided);
     }
 }

@@ -1,14 +1,16 @@
-//! The team: one of the firmware's controllers for every robot, each in a body of its own.
+//! The team: a controller for every robot, each in a body of its own: the firmware's own, or one with a conventional tree.
 //!
 //! A controller is compiled for a size of map. The sizes are chosen from here; nobody else sees them.
 
 use crate::body::Body;
+use crate::conventional::{Conventional, Figure};
 use crate::scenario::{Floor, MAX_CELLS, MAX_PATHS, Scenario};
 use firmware::{Controller, ControllerError, Report, Settings};
 use iibt_core::grid::{Cell, Map, Path, words};
 use iibt_core::iibt::Mission;
 use iibt_core::inference::learning::Rates;
 use iibt_core::team::{Key, RobotId};
+use serde::Serialize;
 
 /// A robot that flies, whatever the size its controller is compiled for.
 pub(crate) trait Robot {
@@ -36,25 +38,70 @@ const MEDIUM: usize = 256;
 const KEY: Key = Key::new(*b"simulated robots");
 const EPOCH: u32 = 1;
 
+/// What flies the robots.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Pilot {
+    /// The firmware's tree with its inference node.
+    #[default]
+    Inference,
+    /// The conventional tree of figure 8.
+    Conventional,
+    /// The conventional tree of figure 5(a), for missions with two goals.
+    #[serde(rename = "figure-5")]
+    Figure5,
+}
+
+impl Pilot {
+    /// What it is called on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Inference => "inference",
+            Self::Conventional => "conventional",
+            Self::Figure5 => "figure-5",
+        }
+    }
+
+    /// The conventional tree, if it is one.
+    const fn figure(self) -> Option<Figure> {
+        match self {
+            Self::Inference => None,
+            Self::Conventional => Some(Figure::Eight),
+            Self::Figure5 => Some(Figure::Five),
+        }
+    }
+}
+
 /// Builds the team of a scenario for as long as `fly` lasts.
 pub(crate) fn with_team<R>(
     scenario: &Scenario,
+    pilot: Pilot,
     fly: impl FnOnce(&mut Team<'_>) -> R,
 ) -> Result<R, ControllerError> {
     let cells = scenario.map.len();
     if cells <= SMALL {
-        sized::<SMALL, { words(SMALL, 1) }, R>(scenario, fly)
+        sized::<SMALL, { words(SMALL, 1) }, R>(scenario, pilot, fly)
     } else if cells <= MEDIUM {
-        sized::<MEDIUM, { words(MEDIUM, 1) }, R>(scenario, fly)
+        sized::<MEDIUM, { words(MEDIUM, 1) }, R>(scenario, pilot, fly)
     } else {
-        sized::<MAX_CELLS, { words(MAX_CELLS, 1) }, R>(scenario, fly)
+        sized::<MAX_CELLS, { words(MAX_CELLS, 1) }, R>(scenario, pilot, fly)
     }
 }
 
 fn sized<const S: usize, const W: usize, R>(
     scenario: &Scenario,
+    pilot: Pilot,
     fly: impl FnOnce(&mut Team<'_>) -> R,
 ) -> Result<R, ControllerError> {
+    if let Some(figure) = pilot.figure() {
+        let mut team: Team<'_> = Vec::new();
+        for robot in 0..scenario.robots.len() as u8 {
+            let settings = Settings::new(KEY, EPOCH);
+            team.push(Box::new(Conventional::<S, W>::new(scenario, figure, robot, settings)?));
+        }
+        return Ok(fly(&mut team));
+    }
     let starts: Vec<Cell> = scenario.robots.iter().map(|robot| robot.start).collect();
     let paths: Vec<&[Path]> = scenario.robots.iter().map(|robot| robot.paths.as_slice()).collect();
     let chargers: Vec<Option<Cell>> = scenario.robots.iter().map(|robot| robot.charger).collect();
@@ -92,7 +139,7 @@ fn tune<const W: usize>(mission: &mut Mission<'_, W>, scenario: &Scenario) {
 }
 
 /// The same map in fewer words.
-fn shrunk<const W: usize>(floor: &Floor) -> Map<W> {
+pub(crate) fn shrunk<const W: usize>(floor: &Floor) -> Map<W> {
     let mut map = Map::new(floor.width(), floor.height()).unwrap_or_else(|_| unreachable!("W fits the map"));
     for cell in (0..floor.len() as u16).map(Cell).filter(|&cell| !floor.is_free(cell)) {
         map.block(cell);

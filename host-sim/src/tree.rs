@@ -46,6 +46,7 @@
 
 mod alarm;
 mod blackboard;
+mod bound;
 mod census;
 mod check;
 mod codegen;
@@ -53,6 +54,7 @@ mod diagnostic;
 mod document;
 mod dry_run;
 mod export;
+mod hooked;
 mod instance;
 pub mod library;
 mod log;
@@ -70,12 +72,15 @@ mod timeline;
 mod value;
 mod xml;
 
+pub use bound::Bound;
 pub use census::Census;
 pub use check::check;
 pub use diagnostic::{Diagnostic, Place, Remarks, Severity};
 pub use document::{Document, Extras, Files, LoadError};
 pub use dry_run::{DryRecord, DryRun, Mode};
+pub use hooked::{Hooked, Leaf as HookedLeaf};
 pub use instance::Instance;
 pub use model::{Class, Direction, Model, Port};
+pub(crate) use show::Line;
 pub use statuses::Statuses;
 pub use value::ValueType;

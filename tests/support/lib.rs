@@ -1,10 +1,9 @@
-//! What several tests share: references to compare with, the paper's data, and an emulated board.
+//! What several tests share: references to compare with, and an emulated board.
 
 pub mod budgets;
 pub mod dense;
 pub mod elf;
 pub mod oracle;
-pub mod paper;
 pub mod peers;
 pub mod qemu;
 pub mod rig;

@@ -107,10 +107,16 @@ impl Drawing {
             let reason = format!("{count} paths listed: give 1 to {MAX_PATHS}, or leave `paths` out");
             return Err(Fault::new(listed.span(), reason));
         }
-        listed.get_ref().iter().map(|path| self.path(start, path, goals)).collect()
+        let paths = listed.get_ref().iter().map(|path| self.path(path, goals));
+        let paths = paths.collect::<Result<Vec<_>, _>>()?;
+        if paths.iter().all(|path| path.start != start) {
+            let reason = format!("no path begins at {}, where the robot starts", start.0);
+            return Err(Fault::new(listed.span(), reason));
+        }
+        Ok(paths)
     }
 
-    fn path(&self, start: Cell, listed: &Spanned<Vec<Number>>, goals: &[Cell]) -> Result<Path, Fault> {
+    fn path(&self, listed: &Spanned<Vec<Number>>, goals: &[Cell]) -> Result<Path, Fault> {
         let numbers = listed.get_ref();
         let cells = numbers.iter().map(|number| self.free("path cell", number));
         let cells = cells.collect::<Result<Vec<_>, _>>()?;
@@ -120,7 +126,7 @@ impl Drawing {
                 return Err(Fault::new(number.span(), reason));
             }
         }
-        ends_well(start, &cells, goals).map_err(|reason| Fault::new(listed.span(), reason))?;
+        ends_well(&cells, goals).map_err(|reason| Fault::new(listed.span(), reason))?;
         Path::through(&self.map, &cells).ok_or_else(|| {
             let moves = cells.len().saturating_sub(1);
             Fault::new(listed.span(), format!("the path has {moves} moves, but at most {HORIZON} fit"))
@@ -128,11 +134,8 @@ impl Drawing {
     }
 }
 
-fn ends_well(start: Cell, cells: &[Cell], goals: &[Cell]) -> Result<(), String> {
+fn ends_well(cells: &[Cell], goals: &[Cell]) -> Result<(), String> {
     match cells {
-        [first, ..] if *first != start => {
-            Err(format!("the path begins at {}, but the robot at {}", first.0, start.0))
-        }
         [.., last] if !goals.contains(last) => Err(format!("the path ends at {}, which is no goal", last.0)),
         [] => Err("the path has no cells".to_owned()),
         _ => Ok(()),

@@ -125,7 +125,7 @@ mod tests {
 
     fn flown(loss: f64) -> Record {
         let scenario = library::find("two-goals").unwrap().unwrap();
-        fly(&scenario, Conditions { seed: 1, loss: Some(loss) }, &mut ()).unwrap()
+        fly(&scenario, Conditions { seed: 1, loss: Some(loss), ..Conditions::default() }, &mut ()).unwrap()
     }
 
     #[test]

@@ -9,7 +9,7 @@ macro_rules! trees {
     };
 }
 
-const TEXTS: [(&str, &str); 12] = trees![
+const TEXTS: [(&str, &str); 17] = trees![
     "pilot"
     "figure-5-classical"
     "figure-5-inference"
@@ -17,9 +17,14 @@ const TEXTS: [(&str, &str); 12] = trees![
     "figure-8-inference"
     "figure-14-left"
     "figure-14-right"
+    "figure-14-left-classical"
+    "figure-14-right-classical"
     "figure-15a"
     "figure-15b"
     "figure-16a"
+    "table-6-conventional"
+    "bottle-conventional"
+    "plate-conventional"
     "t21"
     "t33"
 ];

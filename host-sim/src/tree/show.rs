@@ -5,6 +5,15 @@ use super::model::Class;
 use crate::words::counted;
 use std::fmt::Write;
 
+/// A node of a tree as it is drawn.
+pub(crate) struct Line {
+    pub(crate) level: usize,
+    pub(crate) class: Class,
+    pub(crate) infers: bool,
+    pub(crate) kind: String,
+    pub(crate) label: String,
+}
+
 impl Instance {
     /// The tree as indented text, one node a line, and below it how many nodes of which kind there are.
     #[must_use]
@@ -33,6 +42,25 @@ impl Instance {
             let (corner, bar) = if place == last { ("└─ ", "   ") } else { ("├─ ", "│  ") };
             self.branch(child, &format!("{below}{corner}"), &format!("{below}{bar}"), text);
         }
+    }
+
+    /// The nodes in preorder, SubTrees left out: level, class, whether it infers, kind, and name with ports.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = Line> + '_ {
+        let mut left_out = Vec::new();
+        self.nodes.iter().filter_map(move |node| {
+            left_out.retain(|&level| level < node.level);
+            if node.model.class == Class::SubTree {
+                left_out.push(node.level);
+                return None;
+            }
+            Some(Line {
+                level: node.level - left_out.len(),
+                class: node.model.class,
+                infers: node.is_inference,
+                kind: node.id().to_owned(),
+                label: label(node),
+            })
+        })
     }
 
     /// The tree in Graphviz's language.

@@ -1,0 +1,135 @@
+//! What a tick of a robot costs, in instructions on this machine's processor.
+//!
+//! Counted by callgrind, tick by tick, so a busy machine changes nothing. A tick is all that a robot does in it: it takes in the
+//! frames, finds out where it is, ticks its tree, and writes its frame.
+
+use crate::team::Pilot;
+use serde::Serialize;
+use std::fmt;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The instructions of the ticks of one flight, of all robots together.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Cost {
+    /// The ticks counted.
+    pub ticks: usize,
+    /// The mean of a tick.
+    pub mean: f64,
+    /// The median: an ordinary tick.
+    pub median: u64,
+    /// The most: the tick of the costliest decision.
+    pub most: u64,
+    /// All ticks of the flight together.
+    pub flight: u64,
+}
+
+/// Why nothing was measured.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NotMeasured {
+    /// There is no valgrind on this machine.
+    NoValgrind,
+    /// The program did not fly under valgrind; what it said last.
+    Failed(String),
+    /// What valgrind left cannot be read.
+    Unreadable(String),
+}
+
+/// The function whose calls are counted: see `flight.rs`.
+const TICK: &str = "*host_sim*flight*act_in_turn*";
+
+/// Flies a scenario once with `program`, which is the simulator itself, under valgrind.
+///
+/// `program` has to be built with symbols, as every profile of the workspace is. Takes some seconds.
+///
+/// # Errors
+/// [`NotMeasured`]; without valgrind that is what is to be shown instead of figures.
+pub fn cost(program: &Path, scenario: &str, pilot: Pilot, seed: u64) -> Result<Cost, NotMeasured> {
+    let folder = Folder::new().map_err(|error| NotMeasured::Unreadable(error.to_string()))?;
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--combine-dumps=yes", "--compress-strings=yes"])
+        .args([format!("--toggle-collect={TICK}"), format!("--dump-after={TICK}")])
+        .arg(format!("--callgrind-out-file={}", folder.dumps().display()))
+        .arg(program)
+        .args(["run", scenario, "--quiet", "--tree", pilot.name(), "--seed", &seed.to_string()])
+        .output()
+        .map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound => NotMeasured::NoValgrind,
+            _ => NotMeasured::Failed(error.to_string()),
+        })?;
+    // One that does not accomplish the mission flies just as well: its exit status is 1.
+    if !matches!(output.status.code(), Some(0 | 1)) {
+        let last = String::from_utf8_lossy(&output.stderr).lines().last().unwrap_or_default().to_owned();
+        return Err(NotMeasured::Failed(last));
+    }
+    let dumps = fs::read(folder.dumps()).map_err(|error| NotMeasured::Unreadable(error.to_string()))?;
+    Cost::read(&String::from_utf8_lossy(&dumps))
+}
+
+impl Cost {
+    /// From callgrind's dumps, one after every tick.
+    fn read(dumps: &str) -> Result<Self, NotMeasured> {
+        let counts = dumps.lines().filter_map(|line| line.strip_prefix("totals: ")?.trim().parse().ok());
+        let mut ticks: Vec<u64> = counts.filter(|&count| count > 0).collect();
+        ticks.sort_unstable();
+        let (Some(&most), flight) = (ticks.last(), ticks.iter().sum::<u64>()) else {
+            return Err(NotMeasured::Unreadable(
+                "valgrind saw no tick: is the program built with symbols?".to_owned(),
+            ));
+        };
+        let mean = flight as f64 / ticks.len() as f64;
+        Ok(Self { ticks: ticks.len(), mean, median: ticks[ticks.len() / 2], most, flight })
+    }
+}
+
+/// A folder for valgrind's files, which goes with this value.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new() -> io::Result<Self> {
+        use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let name = format!("host-sim-cost-{}-{}", std::process::id(), NUMBER.fetch_add(1, Relaxed));
+        let folder = std::env::temp_dir().join(name);
+        fs::create_dir(&folder)?;
+        Ok(Self(folder))
+    }
+
+    fn dumps(&self) -> PathBuf {
+        self.0.join("callgrind.out")
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // What cannot be removed stays in the folder for temporary files.
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+impl fmt::Display for NotMeasured {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoValgrind => f.write_str("not measured: valgrind is not installed"),
+            Self::Failed(reason) => write!(f, "not measured: under valgrind the flight failed: {reason}"),
+            Self::Unreadable(reason) => write!(f, "not measured: {reason}"),
+        }
+    }
+}
+
+impl std::error::Error for NotMeasured {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_dumps_of_all_ticks_are_read() {
+        let dumps = "events: Ir\ntotals: 10\n\ntotals: 30\nfn=(1)\ntotals: 0\ntotals: 20\ntotals: 40\n";
+        let cost = Cost::read(dumps).unwrap();
+        assert_eq!(cost, Cost { ticks: 4, mean: 25.0, median: 30, most: 40, flight: 100 });
+        assert!(Cost::read("").unwrap_err().to_string().starts_with("not measured: valgrind saw no tick"));
+    }
+}

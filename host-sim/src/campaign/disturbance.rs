@@ -1,0 +1,245 @@
+//! What can go wrong on a mission, drawn from the flight's seed: the same for whoever flies it.
+
+use crate::chance::{Chance, Purpose};
+use crate::scenario::{Effect, Event, Floor, Scenario, When};
+use iibt_core::grid::{Cell, Move};
+use serde::Serialize;
+
+/// A kind of trouble, added to what a scenario has of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Disturbance {
+    /// None.
+    None,
+    /// Every localiser is wrong in 10 % of all readings.
+    Noise,
+    /// Every move fails with 10 %.
+    Slips,
+    /// The radio loses 30 % of all frames.
+    Loss,
+    /// Three obstacles appear where ways around them are left. Robots that have lists of paths plan by themselves: an obstacle
+    /// may block all that are listed.
+    Obstacles,
+    /// One robot's battery falls to 15 %. Where the scenario has no chargers, robots charge where they started.
+    Battery,
+    /// One robot stops for 20 to 39 ticks.
+    Pause,
+    /// One robot stops for good: what can be asked of the others is to hurt nobody.
+    Stop,
+    /// All of them together but the last.
+    All,
+}
+
+/// The probability that a localiser is right under [`Disturbance::Noise`].
+const RIGHT: f64 = 0.9;
+
+/// The probability that a move fails under [`Disturbance::Slips`].
+const SLIP: f64 = 0.1;
+
+/// The probability that a frame is lost under [`Disturbance::Loss`].
+const LOSS: f64 = 0.3;
+
+/// How many obstacles appear under [`Disturbance::Obstacles`].
+const OBSTACLES: usize = 3;
+
+/// The charge in percent to which a battery falls: below what robots leave their team with.
+const LOW: u8 = 15;
+
+impl Disturbance {
+    /// All of them.
+    pub const ALL: [Self; 9] = [
+        Self::None,
+        Self::Noise,
+        Self::Slips,
+        Self::Loss,
+        Self::Obstacles,
+        Self::Battery,
+        Self::Pause,
+        Self::Stop,
+        Self::All,
+    ];
+
+    /// What it is called on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Noise => "noise",
+            Self::Slips => "slips",
+            Self::Loss => "loss",
+            Self::Obstacles => "obstacles",
+            Self::Battery => "battery",
+            Self::Pause => "pause",
+            Self::Stop => "stop",
+            Self::All => "all",
+        }
+    }
+
+    /// The disturbance with a name, or `None`.
+    #[must_use]
+    pub fn find(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|disturbance| disturbance.name() == name)
+    }
+
+    /// The scenario with this trouble as the seed draws it.
+    #[must_use]
+    pub fn applied(self, scenario: &Scenario, seed: u64) -> Scenario {
+        let mut disturbed = scenario.clone();
+        let mut chance = Chance::new(seed, Purpose::Disturbance);
+        let parts: &[Self] = match self {
+            Self::All => &[Self::Noise, Self::Slips, Self::Loss, Self::Obstacles, Self::Battery, Self::Pause],
+            ref one => std::slice::from_ref(one),
+        };
+        for part in parts {
+            part.apply(&mut disturbed, &mut chance);
+        }
+        disturbed
+    }
+
+    fn apply(self, scenario: &mut Scenario, chance: &mut Chance) {
+        match self {
+            Self::None | Self::All => {}
+            Self::Noise => {
+                scenario.robots.iter_mut().for_each(|robot| robot.localiser = robot.localiser.min(RIGHT))
+            }
+            Self::Slips => scenario.robots.iter_mut().for_each(|robot| robot.slip = robot.slip.max(SLIP)),
+            Self::Loss => scenario.radio.loss = scenario.radio.loss.max(LOSS),
+            Self::Obstacles => block(scenario, chance),
+            Self::Battery => {
+                for robot in &mut scenario.robots {
+                    robot.charger.get_or_insert(robot.start);
+                }
+                happen(scenario, chance, |robot, _| Effect::Charge(robot, LOW));
+            }
+            Self::Pause => {
+                happen(scenario, chance, |robot, chance| {
+                    Effect::Stop(robot, Some(20 + u32::from(chance.below(20))))
+                });
+            }
+            Self::Stop => happen(scenario, chance, |robot, _| Effect::Stop(robot, None)),
+        }
+    }
+}
+
+/// Lets something happen to one robot at a time when the fastest team would be on its way.
+fn happen(scenario: &mut Scenario, chance: &mut Chance, effect: impl Fn(usize, &mut Chance) -> Effect) {
+    let tick = some_tick(scenario, chance);
+    let robot = usize::from(chance.below(scenario.robots.len() as u16));
+    let effect = effect(robot, chance);
+    scenario.events.push(Event { when: When::Tick(tick), effect });
+}
+
+/// A tick at which the fastest team would be on its way.
+fn some_tick(scenario: &Scenario, chance: &mut Chance) -> u32 {
+    let (map, goals) = (&scenario.map, &scenario.goals);
+    let nearest = scenario
+        .robots
+        .iter()
+        .filter_map(|robot| goals.iter().map(|&goal| map.manhattan(robot.start, goal)).min());
+    1 + u32::from(chance.below(nearest.max().unwrap_or(1).max(1)))
+}
+
+/// Lets obstacles appear in cells that nobody needs and without which the rest of the floor still hangs together.
+fn block(scenario: &mut Scenario, chance: &mut Chance) {
+    scenario.robots.iter_mut().for_each(|robot| robot.paths.clear());
+    let mut floor = scenario.map;
+    let blocks = |event: &Event| if let Effect::Block(cell) = event.effect { Some(cell) } else { None };
+    scenario.events.iter().filter_map(blocks).for_each(|cell| _ = floor.block(cell));
+    let mut left = OBSTACLES;
+    // A floor on which no cell can be spared keeps fewer obstacles.
+    for _ in 0..64 * OBSTACLES {
+        let cell = Cell(chance.below(floor.len() as u16));
+        if left == 0 || !floor.is_free(cell) || is_needed(scenario, cell) {
+            continue;
+        }
+        let blocked = floor.avoiding([cell]);
+        if parts(&blocked) <= parts(&floor) {
+            let tick = some_tick(scenario, chance);
+            scenario.events.push(Event { when: When::Tick(tick), effect: Effect::Block(cell) });
+            (floor, left) = (blocked, left - 1);
+        }
+    }
+}
+
+fn is_needed(scenario: &Scenario, cell: Cell) -> bool {
+    let visits = |event: &Event| matches!(event.effect, Effect::Visit(_, at) if at == cell);
+    scenario.goals.contains(&cell)
+        || scenario.robots.iter().any(|robot| robot.start == cell || robot.charger == Some(cell))
+        || scenario.events.iter().any(visits)
+}
+
+/// How many parts the free cells fall into between which no way leads.
+fn parts(floor: &Floor) -> usize {
+    let mut seen: Vec<bool> = (0..floor.len() as u16).map(|cell| !floor.is_free(Cell(cell))).collect();
+    let mut parts = 0;
+    while let Some(first) = seen.iter().position(|seen| !seen) {
+        parts += 1;
+        let mut open = vec![Cell(first as u16)];
+        seen[first] = true;
+        while let Some(cell) = open.pop() {
+            for next in Move::ALL.map(|step| floor.neighbour(cell, step)) {
+                if !std::mem::replace(&mut seen[next.index()], true) {
+                    open.push(next);
+                }
+            }
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::library;
+
+    fn scenario(name: &str) -> Scenario {
+        library::find(name).unwrap().unwrap()
+    }
+
+    #[test]
+    fn a_seed_draws_the_same_trouble_again_and_another_draws_another() {
+        let base = scenario("factory");
+        for disturbance in Disturbance::ALL {
+            assert_eq!(disturbance.applied(&base, 3), disturbance.applied(&base, 3));
+            assert_eq!(Disturbance::find(disturbance.name()), Some(disturbance));
+        }
+        assert_eq!(Disturbance::None.applied(&base, 3), base);
+        assert_ne!(Disturbance::Obstacles.applied(&base, 3), Disturbance::Obstacles.applied(&base, 4));
+    }
+
+    #[test]
+    fn obstacles_leave_ways_and_what_robots_need() {
+        for name in ["two-goals", "factory", "warehouse"] {
+            let base = scenario(name);
+            for seed in 0..50 {
+                let disturbed = Disturbance::Obstacles.applied(&base, seed);
+                let cells: Vec<_> = disturbed
+                    .events
+                    .iter()
+                    .filter_map(
+                        |event| if let Effect::Block(cell) = event.effect { Some(cell) } else { None },
+                    )
+                    .collect();
+                assert_eq!(disturbed.events.len(), base.events.len() + OBSTACLES, "{name} {seed}");
+                assert_eq!(parts(&base.map.avoiding(cells.iter().copied())), 1, "{name} {seed}: {cells:?}");
+                assert!(base.goals.iter().all(|goal| !cells.contains(goal)), "{name} {seed}");
+                assert!(base.robots.iter().all(|robot| !cells.contains(&robot.start)), "{name} {seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn all_is_everything_but_a_robot_that_stops_for_good() {
+        let all = Disturbance::All.applied(&scenario("factory"), 1);
+        assert_eq!((all.radio.loss, all.robots[0].slip, all.robots[2].localiser), (LOSS, SLIP, RIGHT));
+        let has = |wanted: fn(&Effect) -> bool| all.events.iter().any(|event| wanted(&event.effect));
+        assert!(
+            has(|effect| matches!(effect, Effect::Charge(..)))
+                && has(|effect| matches!(effect, Effect::Block(_)))
+        );
+        assert!(
+            has(|effect| matches!(effect, Effect::Stop(_, Some(_))))
+                && !has(|effect| matches!(effect, Effect::Stop(_, None)))
+        );
+    }
+}

@@ -1,0 +1,162 @@
+//! What a campaign keeps of one flight, and of all flights of one kind.
+
+use super::validator::{Faults, Trace};
+use crate::record::{Outcome, Record, TOGETHER};
+use crate::scenario::Scenario;
+use crate::statistics::{Difference, Distribution, Share};
+use crate::team::Pilot;
+use serde::Serialize;
+
+/// One flight.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Score {
+    /// Its seed.
+    pub seed: u64,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Whether all robots stood at different goals at the end, all way-points visited, without a collision.
+    pub accomplished: bool,
+    /// Whether they also came there at most [`TOGETHER`] ticks apart.
+    pub together: bool,
+    /// After how many ticks the last of them stood where it stayed.
+    pub ticks: u32,
+    /// The ticks between the first and the last arrival.
+    pub spread: u32,
+    /// What the validator found.
+    pub faults: Faults,
+    /// Moves into an obstacle or the border: they leave no trace but on the robot, so the referee counts them.
+    pub bumps: u32,
+    /// The frames sent by all robots.
+    pub messages: u32,
+    /// The moves made by all robots, waits not counted.
+    pub moves: u32,
+    /// The robots that stood alone at a goal at the end.
+    pub in_place: u32,
+}
+
+impl Score {
+    /// What is kept of a flight of this scenario.
+    #[must_use]
+    pub fn of(scenario: &Scenario, record: &Record) -> Self {
+        let faults = Trace::of(scenario, record).validate();
+        let bumps = record.collisions.bumps;
+        let is_safe = faults.total() + bumps == 0;
+        let accomplished = is_safe && matches!(record.outcome, Outcome::Together | Outcome::Apart);
+        let spread = record.spread();
+        Self {
+            seed: record.seed,
+            outcome: record.outcome,
+            accomplished,
+            together: accomplished && spread <= TOGETHER,
+            ticks: record.last_arrival(),
+            spread,
+            faults,
+            bumps,
+            messages: record.frames.sent,
+            moves: record.robots.iter().map(|robot| robot.moves).sum(),
+            in_place: in_place(record),
+        }
+    }
+
+    /// Whether robots shared, exchanged or entered what they must not, or ran into something.
+    #[must_use]
+    pub const fn has_collided(&self) -> bool {
+        self.faults.total() + self.bumps > 0
+    }
+}
+
+fn in_place(record: &Record) -> u32 {
+    let cells = || record.robots.iter().map(|robot| robot.cell);
+    let alone = |cell| cells().filter(|&other| other == cell).count() == 1;
+    cells().filter(|&cell| record.goals.contains(&cell) && alone(cell)).count() as u32
+}
+
+/// All flights of one pilot under one disturbance.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// What flew.
+    pub pilot: Pilot,
+    /// How many flights accomplished the mission.
+    pub accomplished: Share,
+    /// How many of them brought the robots there together.
+    pub together: Share,
+    /// How many flights had a collision of any kind.
+    pub collided: Share,
+    /// What the validator found, in all flights together.
+    pub faults: Faults,
+    /// The moves into an obstacle or the border, in all flights together.
+    pub bumps: u32,
+    /// The ticks that it took, in flights that accomplished the mission.
+    pub ticks: Distribution,
+    /// The ticks between the first and the last arrival, in the same flights.
+    pub spread: Distribution,
+    /// The frames sent, in the same flights.
+    pub messages: Distribution,
+    /// The moves made, in the same flights.
+    pub moves: Distribution,
+    /// The robots that stood alone at a goal at the end, in all flights.
+    pub in_place: Distribution,
+}
+
+impl Summary {
+    /// Of these flights.
+    #[must_use]
+    pub fn of(pilot: Pilot, scores: &[Score]) -> Self {
+        let done = || scores.iter().filter(|score| score.accomplished);
+        let over = |value: fn(&Score) -> u32| Distribution::of(done().map(|score| f64::from(value(score))));
+        let faults = scores.iter().fold(Faults::default(), |sum, score| Faults {
+            shared: sum.shared + score.faults.shared,
+            swapped: sum.swapped + score.faults.swapped,
+            blocked: sum.blocked + score.faults.blocked,
+            jumps: sum.jumps + score.faults.jumps,
+        });
+        Self {
+            pilot,
+            accomplished: Share::of(scores, |score| score.accomplished),
+            together: Share::of(done(), |score| score.together),
+            collided: Share::of(scores, Score::has_collided),
+            faults,
+            bumps: scores.iter().map(|score| score.bumps).sum(),
+            ticks: over(|score| score.ticks),
+            spread: over(|score| score.spread),
+            messages: over(|score| score.messages),
+            moves: over(|score| score.moves),
+            in_place: Distribution::of(scores.iter().map(|score| f64::from(score.in_place))),
+        }
+    }
+}
+
+/// Two pilots on the same seeds: how much more the first has than the second.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// The first and the second.
+    pub pilots: [Pilot; 2],
+    /// Missions accomplished, per flight.
+    pub accomplished: Difference,
+    /// Ticks, in pairs of which both accomplished the mission.
+    pub ticks: Difference,
+    /// Frames sent, in the same pairs.
+    pub messages: Difference,
+    /// Moves made, in the same pairs.
+    pub moves: Difference,
+}
+
+impl Comparison {
+    /// Of flights with the same seeds in the same order.
+    #[must_use]
+    pub fn of(pilots: [Pilot; 2], first: &[Score], second: &[Score]) -> Self {
+        let pairs = || first.iter().zip(second);
+        let done = || pairs().filter(|(one, other)| one.accomplished && other.accomplished);
+        let over = |value: fn(&Score) -> u32| {
+            Difference::of(done().map(|(one, other)| f64::from(value(one)) - f64::from(value(other))))
+        };
+        let success = |score: &Score| f64::from(u8::from(score.accomplished));
+        Self {
+            pilots,
+            accomplished: Difference::of(pairs().map(|(one, other)| success(one) - success(other))),
+            ticks: over(|score| score.ticks),
+            messages: over(|score| score.messages),
+            moves: over(|score| score.moves),
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! A campaign's report as a table for people.
+
+use super::{Comparison, Report, Row, Summary};
+use crate::statistics::{Difference, Distribution, Share};
+use crate::words::counted;
+
+const HEADER: &str = "disturbance  tree           accomplished           together  collided  ticks: mean, median, 95 %      messages  moves\n";
+
+impl Report {
+    /// This as a table: a line for each disturbance and pilot, and one that compares the first two.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let mut text = format!("{}, {} each\n\n{HEADER}", self.scenario, counted(self.seeds, "seed"));
+        for row in &self.rows {
+            text += &row.lines();
+        }
+        text += "\nIntervals are 95 %: Wilson's of a ratio, Student's of a mean. Ticks, messages and moves are means over flights\n\
+                 that accomplished the mission; differences are of pairs with the same seed, both of which did.\n";
+        text
+    }
+}
+
+impl Row {
+    fn lines(&self) -> String {
+        let mut text = String::new();
+        for (index, summary) in self.summaries.iter().enumerate() {
+            let name = if index == 0 { self.disturbance.name() } else { "" };
+            text += &format!("{name:<11}  {}\n", summary.line());
+        }
+        if let Some(comparison) = &self.comparison {
+            text += &format!("{:<11}  {}\n", "", comparison.line());
+        }
+        text
+    }
+}
+
+impl Summary {
+    fn line(&self) -> String {
+        format!(
+            "{:<12}  {}  {:>7.1} %  {:>8}  {}  {:>8.1}  {:>5.1}",
+            self.pilot.name(),
+            share(&self.accomplished),
+            100.0 * self.together.ratio,
+            self.collided.count,
+            distribution(&self.ticks),
+            self.messages.mean,
+            self.moves.mean
+        )
+    }
+}
+
+impl Comparison {
+    fn line(&self) -> String {
+        let percent = |difference: &Difference| Difference {
+            mean: 100.0 * difference.mean,
+            interval: difference.interval.map(|bound| 100.0 * bound),
+            ..*difference
+        };
+        format!(
+            "{} minus {}: accomplished {} points, ticks {}, messages {}",
+            self.pilots[0].name(),
+            self.pilots[1].name(),
+            difference(&percent(&self.accomplished)),
+            difference(&self.ticks),
+            difference(&self.messages)
+        )
+    }
+}
+
+fn share(share: &Share) -> String {
+    let [low, high] = share.interval.map(|bound| 100.0 * bound);
+    format!("{:>5.1} % ({low:>5.1} to {high:>5.1})", 100.0 * share.ratio)
+}
+
+fn distribution(of: &Distribution) -> String {
+    if of.count == 0 {
+        return format!("{:>30}", "-");
+    }
+    let [low, high] = of.interval;
+    format!("{:>5.1} ({low:>5.1} to {high:>5.1}) {:>4.0} {:>4.0}", of.mean, of.median, of.p95)
+}
+
+fn difference(of: &Difference) -> String {
+    if of.pairs == 0 {
+        return "-".to_owned();
+    }
+    let [low, high] = of.interval;
+    let mark = if of.is_significant() { "" } else { ", none to speak of" };
+    format!("{:+.1} ({low:+.1} to {high:+.1}{mark})", of.mean)
+}

@@ -1,0 +1,232 @@
+//! What a robot makes of its teammates' frames: where they can be, what they are about to do, and who has the right of way.
+//!
+//! A conventional robot says [`Status::Agreed`] when it makes the next step of its path in this tick, and
+//! [`Status::Announced`] when it stands and will make it later. It enters no cell that it has not announced a tick before.
+
+use iibt_core::grid::{Cell, Map, Path};
+use iibt_core::team::{Intention, Status};
+
+/// Who goes first where two robots want the same cell: the lesser of the two. Robots on their way to a charger go before all
+/// others, then the lower number. A robot counts as what it has announced, so that both judge alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Rank {
+    is_here: bool,
+    robot: usize,
+}
+
+impl Rank {
+    pub(super) const fn new(robot: usize, status: Status) -> Self {
+        Self { is_here: !matches!(status, Status::Away), robot }
+    }
+}
+
+/// One teammate as it stands now, by what it said last.
+#[derive(Clone, Debug)]
+pub(super) struct Teammate {
+    /// Its index.
+    pub(super) robot: usize,
+    /// The cells it can be in when this tick begins, if it was heard in time.
+    pub(super) cells: [Cell; 2],
+    /// The cells it may enter in this tick.
+    pub(super) next: [Cell; 2],
+    /// Its path from here on.
+    pub(super) rest: Path,
+    /// The goal it has announced.
+    pub(super) goal: Option<Cell>,
+    /// What it was doing.
+    pub(super) status: Status,
+    /// The ticks since it said so, at least one; `None` when it is lost or was never heard.
+    pub(super) age: Option<u32>,
+    /// Whether it is lost: it counts as standing where it was.
+    pub(super) is_lost: bool,
+    /// For how many ticks it has been in the same cell.
+    pub(super) still: u32,
+}
+
+/// After so many ticks in one cell, a robot that gives way is taken to stand there.
+const STANDING: u32 = 4;
+
+/// After so many, one that has the right of way is, too.
+const STUCK: u32 = 8;
+
+/// For so many ticks a robot that is not heard is taken to go on as it said.
+const TRUSTED: u32 = 4;
+
+/// How many cells further a robot that is lost may stand: the frames that told of its last moves may be lost as well.
+const UNHEARD_MOVES: usize = 4;
+
+impl Teammate {
+    /// A robot that nobody has heard yet.
+    pub(super) const fn unheard(robot: usize, start: Cell) -> Self {
+        Self {
+            robot,
+            cells: [start; 2],
+            next: [start; 2],
+            rest: Path::at(start),
+            goal: None,
+            status: Status::Deciding,
+            age: None,
+            is_lost: false,
+            still: 0,
+        }
+    }
+
+    /// What it said, `age` ticks ago.
+    pub(super) fn heard<const W: usize>(map: &Map<W>, said: &Intention, age: u32) -> Self {
+        let (step, moves) = (usize::from(said.step), usize::from(said.status == Status::Agreed));
+        let [at, first, second] = [0, 1, 2].map(|more| said.path.cell_at(map, step + more));
+        let is_standing = said.status == Status::Announced;
+        Self {
+            robot: said.robot.index(),
+            cells: if is_standing { [at; 2] } else { [at, first] },
+            next: if is_standing { [first; 2] } else { [first, second] },
+            rest: said.path.rest(map, step + moves),
+            goal: said.goal,
+            status: said.status,
+            age: Some(age.max(1)),
+            is_lost: false,
+            still: 0,
+        }
+    }
+
+    /// How many moves it has to go, if it went on as it said; `None` when it is not on its way to a goal, or was not heard
+    /// for too long to say.
+    pub(super) fn remaining(&self) -> Option<usize> {
+        let age = self.age.filter(|&age| age <= TRUSTED)?;
+        let since = if self.status == Status::Agreed { age as usize - 1 } else { 0 };
+        self.announced().map(|moves| moves.saturating_sub(since))
+    }
+
+    /// How many moves it had to go by its own word, the one it was making not counted; `None` when it is not on its way to
+    /// a goal.
+    pub(super) fn announced(&self) -> Option<usize> {
+        match self.status {
+            Status::Agreed | Status::Announced if self.goal.is_some() => Some(self.rest.len()),
+            Status::Arrived => Some(0),
+            _ => None,
+        }
+    }
+
+    /// Whether a robot of this rank may enter `target` now, as far as this teammate is concerned.
+    ///
+    /// The teammate was heard in the last tick: then not where it can be, nor where it goes next if it has the right of
+    /// way. It was not: then nowhere that it can have come to.
+    pub(super) fn lets<const W: usize>(&self, map: &Map<W>, own: Rank, target: Cell) -> bool {
+        match self.age {
+            _ if self.is_lost => !self.stands_in(map).any(|cell| cell == target),
+            None => false,
+            Some(1) => {
+                let goes_first = self.rank() < own;
+                !self.cells.contains(&target) && !(goes_first && self.next.contains(&target))
+            }
+            Some(age) => u32::from(map.manhattan(self.cells[0], target)) > age + 1,
+        }
+    }
+
+    /// Its rank, as it has announced it.
+    pub(super) const fn rank(&self) -> Rank {
+        Rank::new(self.robot, self.status)
+    }
+
+    /// The cells that it may stand in if it goes no further. One that was lost may have made some moves unheard.
+    pub(super) fn stands_in<'a, const W: usize>(
+        &'a self,
+        map: &'a Map<W>,
+    ) -> impl Iterator<Item = Cell> + 'a {
+        let unheard = if self.is_lost { UNHEARD_MOVES } else { 0 };
+        self.cells.into_iter().chain(self.rest.cells(map).take(unheard))
+    }
+
+    /// Whether it will not go away by itself.
+    pub(super) fn is_stuck(&self, own: Rank) -> bool {
+        let patience = if self.rank() < own { STUCK } else { STANDING };
+        let waits = self.still >= patience && self.status != Status::Arrived;
+        self.is_lost || waits || (self.status == Status::Away && self.rest.is_empty())
+    }
+
+    /// Whether it stands, for whatever reason.
+    pub(super) fn is_standing(&self, own: Rank) -> bool {
+        self.is_stuck(own) || matches!(self.status, Status::Arrived | Status::Deciding)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use iibt_core::team::{RobotId, Round};
+    use iibt_core::time::Instant;
+
+    fn corridor() -> Map<1> {
+        Map::new(8, 1).unwrap()
+    }
+
+    fn saying(cells: &[u16], status: Status) -> Intention {
+        let cells: Vec<Cell> = cells.iter().copied().map(Cell).collect();
+        Intention {
+            robot: RobotId(1),
+            epoch: 1,
+            sequence: 1,
+            tick: Instant(0),
+            round: Round(0),
+            status,
+            plan: 0,
+            goal: cells.last().copied(),
+            path: Path::through(&corridor(), &cells).unwrap(),
+            step: 0,
+            probability: 1.0,
+            hazards: Default::default(),
+        }
+    }
+
+    fn lets(own: usize, age: u32, status: Status, target: u16) -> bool {
+        let mate = Teammate::heard(&corridor(), &saying(&[2, 3, 4], status), age);
+        mate.lets(&corridor(), Rank::new(own, Status::Agreed), Cell(target))
+    }
+
+    #[test]
+    fn nobody_enters_where_a_teammate_can_be() {
+        for own in [0, 2] {
+            assert!(!lets(own, 1, Status::Announced, 2) && !lets(own, 1, Status::Agreed, 2));
+            assert!(!lets(own, 1, Status::Agreed, 3), "it may be there by now");
+            assert!(lets(own, 1, Status::Announced, 4) && lets(own, 1, Status::Agreed, 5));
+        }
+    }
+
+    #[test]
+    fn the_lower_number_has_the_right_of_way() {
+        assert!(lets(0, 1, Status::Announced, 3) && !lets(2, 1, Status::Announced, 3));
+        assert!(lets(0, 1, Status::Agreed, 4) && !lets(2, 1, Status::Agreed, 4));
+    }
+
+    #[test]
+    fn who_was_not_heard_may_have_come_further() {
+        assert!(!lets(0, 2, Status::Announced, 5) && lets(0, 2, Status::Announced, 6));
+        assert!(!lets(0, 3, Status::Announced, 6) && lets(0, 3, Status::Announced, 7));
+        let unheard = Teammate::unheard(1, Cell(0));
+        assert!(!unheard.lets(&corridor(), Rank::new(0, Status::Agreed), Cell(7)), "it can be anywhere");
+        let lost = Teammate { is_lost: true, ..unheard };
+        let lets = |mate: &Teammate, cell| mate.lets(&corridor(), Rank::new(0, Status::Agreed), Cell(cell));
+        assert!(lets(&lost, 1) && !lets(&lost, 0));
+        let mut lost = Teammate::heard(&corridor(), &saying(&[0, 1, 2, 3, 4, 5], Status::Announced), 20);
+        lost.is_lost = true;
+        assert!(!lets(&lost, 3) && lets(&lost, 4), "it may have made some moves unheard");
+    }
+
+    #[test]
+    fn who_drives_to_a_charger_goes_first() {
+        let away = Teammate::heard(&corridor(), &saying(&[2, 3, 4], Status::Away), 1);
+        let lets = |cell| away.lets(&corridor(), Rank::new(0, Status::Agreed), Cell(cell));
+        assert!(!lets(2) && !lets(3) && !lets(4) && lets(5));
+        assert!(Rank::new(3, Status::Away) < Rank::new(0, Status::Agreed));
+    }
+
+    #[test]
+    fn a_teammate_on_its_way_is_taken_to_go_on() {
+        let remaining =
+            |age, status| Teammate::heard(&corridor(), &saying(&[2, 3, 4, 5], status), age).remaining();
+        assert_eq!([1, 2, 4, 5].map(|age| remaining(age, Status::Agreed)), [Some(2), Some(1), Some(0), None]);
+        assert_eq!(remaining(4, Status::Announced), Some(3));
+        assert_eq!(remaining(1, Status::Arrived), Some(0));
+        assert_eq!(remaining(1, Status::Deciding), None);
+    }
+}

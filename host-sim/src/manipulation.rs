@@ -1,0 +1,35 @@
+//! Two robots bring a bottle and a plate together: the paper's section 6.2 in simulation.
+//!
+//! ```text
+//! Terms ─► run ─► Run        seed, trees, what goes wrong; the mission; what came of it
+//!           │
+//!           ├─ World         the truth: where robots and things are, what sensors read, what fails
+//!           ├─ Robot         a tree from a file with its skills, inferring or conventional
+//!           └─ Radio         the only way between them
+//! ```
+//!
+//! [`Campaign`] runs the mission for many seeds and gives rates and means with their intervals, [`compare`] does
+//! so for inference trees and conventional ones side by side. The trees are files of
+//! [`tree::library`](crate::tree::library), bound to the robots' skills by the names of their leaves; [`Trees::sizes`]
+//! counts them.
+
+mod campaign;
+mod comparison;
+mod conventional;
+mod narration;
+mod record;
+mod robot;
+mod run;
+mod sense;
+mod skill;
+mod terms;
+mod trees;
+mod world;
+
+pub use campaign::{Campaign, Findings};
+pub use comparison::{CONTENDERS, Compared, Contender, LEVELS, compare};
+pub use narration::narrate;
+pub use record::{Actions, Decided, RobotTick, Run, Thought, Tick};
+pub use run::{Detail, RunError, run};
+pub use terms::{Disturbances, Terms, Trees, Trust};
+pub use trees::TreeSize;

@@ -1,0 +1,129 @@
+//! The skills of conventional trees: conditions that look at what is settled, actions that end when what came of them is.
+
+use super::robot::Skills;
+use super::sense::Sense;
+use super::skill::Skill;
+use iibt_core::iibt::Manipulation;
+use iibt_core::iibt::manipulation::{Announcement, Command, Deed, Percept, Place, State};
+use iibt_core::team::{Intention, RobotId, Roster, Round, Status as Doing};
+use iibt_core::time::Instant;
+use iibt_core::tree::{Halt, Leaves, Status};
+
+/// A robot with a conventional tree.
+#[derive(Debug)]
+pub(super) struct Conventional {
+    robot: RobotId,
+    roster: Roster,
+    percept: Percept,
+    sense: Sense,
+    doing: Option<Command>,
+    command: Option<Command>,
+}
+
+impl Conventional {
+    pub(super) fn new(robot: RobotId, roster: Roster, sense: Sense) -> Self {
+        Self { robot, roster, percept: Percept::default(), sense, doing: None, command: None }
+    }
+
+    fn begin(&mut self, deed: Deed, place: Place) -> Status {
+        let command = Command { deed, place };
+        (self.command, self.doing) = (Some(command), Some(command));
+        self.sense.unsettle(Some(command));
+        Status::Running
+    }
+
+    fn teammate(&self) -> Option<Announcement> {
+        self.roster.fresh(self.percept.now).next().and_then(Announcement::read)
+    }
+}
+
+impl Skills for Conventional {
+    fn perceive(&mut self, percept: Percept) {
+        self.percept = percept;
+        self.command = None;
+        if !percept.busy {
+            self.doing = None;
+        }
+        self.sense.perceive(percept);
+    }
+
+    fn command(&self) -> Option<Command> {
+        self.command
+    }
+
+    fn roster_mut(&mut self) -> &mut Roster {
+        &mut self.roster
+    }
+
+    fn intention(&self) -> Intention {
+        let place = if self.doing.is_none() { self.sense.place() } else { Place::Elsewhere };
+        let deed = self.doing.map_or(Deed::Idle, |command| command.deed);
+        Intention {
+            robot: self.robot,
+            epoch: 0,
+            sequence: 0,
+            tick: self.percept.now,
+            round: Round(0),
+            status: if self.doing.is_some() { Doing::Announced } else { Doing::Deciding },
+            plan: 0,
+            goal: None,
+            path: Announcement { place, state: self.sense.state(), deed }.path(),
+            step: 0,
+            probability: 1.0,
+            hazards: Default::default(),
+        }
+    }
+
+    fn task(&self) -> Option<&Manipulation> {
+        None
+    }
+}
+
+impl Leaves<Skill> for Conventional {
+    fn condition(&mut self, leaf: &Skill, _: Instant) -> bool {
+        match *leaf {
+            Skill::IsReached(place) => self.sense.place() == place,
+            Skill::IsHolding => self.sense.state() == State::Hold,
+            Skill::IsPlaced => self.sense.state() == State::Place,
+            Skill::IsTeammateAt(place) => self.teammate().is_some_and(|said| said.place == place),
+            Skill::IsTeammateHolding => self.teammate().is_some_and(|said| said.state == State::Hold),
+            _ => false,
+        }
+    }
+
+    fn on_start(&mut self, leaf: &Skill, _: Instant) -> Status {
+        match *leaf {
+            Skill::MoveTo(place) => self.begin(Deed::MoveTo, place),
+            Skill::Pick => self.begin(Deed::Pick, self.sense.place()),
+            Skill::Place => self.begin(Deed::Place, self.sense.place()),
+            Skill::Announce => Status::Success,
+            Skill::Look => {
+                self.sense.unsettle(None);
+                Status::Running
+            }
+            Skill::Wait => Status::Running,
+            _ => Status::Failure,
+        }
+    }
+
+    fn on_running(&mut self, leaf: &Skill, _: Instant) -> Status {
+        if *leaf == Skill::Wait {
+            return Status::Failure;
+        }
+        if self.percept.busy || !self.sense.is_settled() {
+            return Status::Running;
+        }
+        Status::from(match *leaf {
+            Skill::MoveTo(place) => self.sense.place() == place,
+            Skill::Pick => self.sense.state() == State::Hold,
+            Skill::Place => self.sense.state() == State::Place,
+            Skill::Look => true,
+            _ => false,
+        })
+    }
+
+    fn on_halted(&mut self, _: &Skill, _: Instant) -> Halt {
+        self.command = None;
+        Halt::Done
+    }
+}

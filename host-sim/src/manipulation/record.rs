@@ -1,0 +1,174 @@
+//! What came of a run.
+
+use super::terms::{Disturbances, Trees};
+use crate::radio::Traffic;
+use iibt_core::iibt::manipulation::{Deed, Joint, Manipulation, Place, State};
+use serde::Serialize;
+
+/// Everything about a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Run {
+    /// The seed of all chance.
+    pub seed: u64,
+    /// Which trees the robots ran.
+    pub trees: Trees,
+    /// What went wrong, as probabilities.
+    pub disturbances: Disturbances,
+    /// Whether, in truth, the bottle is on the plate and robot 2 holds that at goal C, and robot 1's tree has succeeded.
+    pub success: bool,
+    /// Whether robot 1's tree has succeeded: what the robots believe.
+    pub believed: bool,
+    /// The ticks it took.
+    pub ticks: u32,
+    /// The actions that were begun.
+    pub actions: Actions,
+    /// The actions that were begun again: the same by the same robot to the same place.
+    pub retries: u32,
+    /// The frames of both robots.
+    pub frames: Traffic,
+    /// The joint policies by which robots have acted, in order.
+    pub decisions: Vec<Decided>,
+    /// Every tick; empty when only the outcome was asked for.
+    pub history: Vec<Tick>,
+}
+
+/// How many actions there were.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Actions {
+    /// Moves.
+    pub moves: u32,
+    /// Picks.
+    pub picks: u32,
+    /// Placings.
+    pub placings: u32,
+}
+
+/// A joint policy by which a robot has acted.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Decided {
+    /// When.
+    pub tick: u32,
+    /// Which robot, 1 or 2.
+    pub robot: usize,
+    /// The number of the policy: 3 is π3.
+    pub policy: usize,
+    /// The actions of robots 1 and 2.
+    pub actions: [&'static str; 2],
+    /// Its posterior probability among the sixteen.
+    pub probability: f32,
+}
+
+/// One tick.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tick {
+    /// Its number.
+    pub tick: u32,
+    /// The robots after it.
+    pub robots: [RobotTick; 2],
+    /// Where the bottle is, in truth.
+    pub bottle: String,
+    /// Where the plate is, in truth.
+    pub plate: String,
+}
+
+/// One robot in one tick.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RobotTick {
+    /// Where it is, in truth.
+    pub place: &'static str,
+    /// What it is, in truth.
+    pub state: &'static str,
+    /// What it read of its place and state, when no action was under way.
+    pub reading: Option<[&'static str; 2]>,
+    /// The action that it began, and where.
+    pub begins: Option<[&'static str; 2]>,
+    /// The status of its tree: `running`, `success` or `failure`.
+    pub status: &'static str,
+    /// The leaf that is running.
+    pub leaf: Option<&'static str>,
+    /// What it thinks, if it infers.
+    pub thought: Option<Thought>,
+}
+
+/// What a robot thinks.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Thought {
+    /// q(s) over loc, hold, place, free.
+    pub states: [f32; 4],
+    /// q over elsewhere and goals A, B, C.
+    pub places: [f32; 4],
+    /// C of robots 1 and 2 in the decision of this tick, raises included.
+    pub raised: Option<[[f32; 4]; 2]>,
+    /// C of robots 1 and 2 after the tick.
+    pub preferences: [[f32; 4]; 2],
+    /// The posterior over the sixteen joint policies in this tick.
+    pub posterior: Option<Vec<f32>>,
+    /// The number of the joint policy that was chosen.
+    pub choice: Option<usize>,
+}
+
+impl Run {
+    /// This as one line of JSON.
+    ///
+    /// # Errors
+    /// None that can occur: every key is text.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string(self)
+    }
+
+    /// The sequence of policies by which robots have acted, repetitions left out.
+    #[must_use]
+    pub fn sequence(&self) -> Vec<usize> {
+        let mut sequence: Vec<_> = self.decisions.iter().map(|decided| decided.policy).collect();
+        sequence.dedup();
+        sequence
+    }
+}
+
+impl Thought {
+    pub(super) fn of(task: &Manipulation) -> Self {
+        let decision = task.decision();
+        Self {
+            states: task.states(),
+            places: task.places(),
+            raised: decision.map(|decision| decision.preferences),
+            preferences: task.preferences().each_ref().map(|row| row.values()),
+            posterior: decision.map(|decision| decision.posterior.to_vec()),
+            choice: decision.map(|decision| decision.choice.number()),
+        }
+    }
+}
+
+impl Decided {
+    pub(super) fn of(tick: u32, robot: usize, choice: Joint, probability: f32) -> Self {
+        let Joint(deeds) = choice;
+        Self { tick, robot: robot + 1, policy: choice.number(), actions: deeds.map(deed_name), probability }
+    }
+}
+
+pub(super) const fn deed_name(deed: Deed) -> &'static str {
+    match deed {
+        Deed::MoveTo => "moveTo",
+        Deed::Pick => "pick",
+        Deed::Place => "place",
+        Deed::Idle => "idle",
+    }
+}
+
+pub(super) const fn place_name(place: Place) -> &'static str {
+    match place {
+        Place::Elsewhere => "elsewhere",
+        Place::GoalA => "goal A",
+        Place::GoalB => "goal B",
+        Place::GoalC => "goal C",
+    }
+}
+
+pub(super) const fn state_name(state: State) -> &'static str {
+    match state {
+        State::Loc => "loc",
+        State::Hold => "hold",
+        State::Place => "place",
+        State::Free => "free",
+    }
+}

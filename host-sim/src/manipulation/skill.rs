@@ -1,0 +1,102 @@
+//! The leaves of the handling trees, by the names they have in the files.
+
+use crate::tree::HookedLeaf;
+use iibt_core::iibt::manipulation::{Aim, Place};
+
+/// What a leaf stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Skill {
+    /// An inference node.
+    Infer(Aim),
+    IsReached(Place),
+    MoveTo(Place),
+    IsHolding,
+    IsPlaced,
+    /// Whether the teammate says that it is there.
+    IsTeammateAt(Place),
+    /// Whether the teammate says that it holds its object.
+    IsTeammateHolding,
+    Pick,
+    Place,
+    /// Waits for a tick, then fails, so that the tree asks again.
+    Wait,
+    /// Reads until the state is settled once more.
+    Look,
+    /// Succeeds: what a robot does, it announces in every tick anyway.
+    Announce,
+}
+
+impl Skill {
+    /// The skill of robot `own` that a leaf names.
+    pub(super) fn of(leaf: &HookedLeaf, own: usize) -> Result<Self, String> {
+        match leaf.kind.as_str() {
+            "HoldBottle" | "HoldPlate" => Ok(Self::Infer(Aim::Hold)),
+            "PlaceBottle" => Ok(Self::Infer(Aim::Place)),
+            "IsReached" => place(leaf, "place").map(Self::IsReached),
+            "MoveTo" => place(leaf, "goal").map(Self::MoveTo),
+            "IsHolding" => own_thing(leaf, own).map(|()| Self::IsHolding),
+            "IsPlacedAt" => own_thing(leaf, own).map(|()| Self::IsPlaced),
+            "Pick" => own_thing(leaf, own).map(|()| Self::Pick),
+            "Place" => own_thing(leaf, own).map(|()| Self::Place),
+            "IsReachedBy" => teammate(leaf, own).and_then(|()| place(leaf, "place")).map(Self::IsTeammateAt),
+            "IsHeldBy" => teammate(leaf, own).map(|()| Self::IsTeammateHolding),
+            "Wait" => Ok(Self::Wait),
+            "Look" => Ok(Self::Look),
+            "Announce" => Ok(Self::Announce),
+            id => Err(format!("the robots that handle things have no leaf '{id}'")),
+        }
+    }
+
+    /// In words.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Infer(Aim::Hold) => "Hold",
+            Self::Infer(Aim::Place) => "PlaceOn",
+            Self::IsReached(_) => "IsReached",
+            Self::MoveTo(_) => "MoveTo",
+            Self::IsHolding => "IsHolding",
+            Self::IsPlaced => "IsPlacedAt",
+            Self::IsTeammateAt(_) => "IsReachedBy",
+            Self::IsTeammateHolding => "IsHeldBy",
+            Self::Pick => "Pick",
+            Self::Place => "Place",
+            Self::Wait => "Wait",
+            Self::Look => "Look",
+            Self::Announce => "Announce",
+        }
+    }
+}
+
+fn port<'l>(leaf: &'l HookedLeaf, name: &str) -> Result<&'l str, String> {
+    leaf.port(name).ok_or_else(|| format!("{} needs a value for its port '{name}'", leaf.kind))
+}
+
+/// A place by its name, or by the thing that is there to begin with.
+fn place(leaf: &HookedLeaf, name: &str) -> Result<Place, String> {
+    match leaf.port(name) {
+        Some("goal A" | "bottle") => Ok(Place::GoalA),
+        Some("goal B" | "plate") => Ok(Place::GoalB),
+        Some("goal C") => Ok(Place::GoalC),
+        given => {
+            let given = given.unwrap_or("nothing");
+            Err(format!("'{given}' for port '{name}' is no place: goal A, goal B, goal C, bottle, plate"))
+        }
+    }
+}
+
+/// Robot 1 handles the bottle, robot 2 the plate.
+fn own_thing(leaf: &HookedLeaf, own: usize) -> Result<(), String> {
+    let (thing, given) = (["bottle", "plate"][own.min(1)], port(leaf, "thing")?);
+    if given == thing {
+        return Ok(());
+    }
+    Err(format!("'{given}' for port 'thing' is not what robot {} handles, the {thing}", own + 1))
+}
+
+fn teammate(leaf: &HookedLeaf, own: usize) -> Result<(), String> {
+    let (number, given) = (["2", "1"][own.min(1)], port(leaf, "robot")?);
+    if given == number {
+        return Ok(());
+    }
+    Err(format!("'{given}' for port 'robot' is not the teammate of robot {}, which is {number}", own + 1))
+}

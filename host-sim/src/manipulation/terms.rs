@@ -1,0 +1,92 @@
+//! What a handling mission is run with.
+
+use iibt_core::iibt::manipulation::{Order, Preset};
+use serde::Serialize;
+
+/// Which trees the robots run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Trees {
+    /// Figure 14: inference nodes.
+    #[default]
+    Inference,
+    /// Conventional trees as one would write them: reactive, each part asking for what it needs.
+    Conventional,
+    /// A conventional tree for robot 1 with the node counts of table 6.
+    Table6,
+    /// Figure 14 with figures 15 and 16 in the place of its inference nodes, as drawn.
+    AsDrawn,
+}
+
+/// What the leaves of a conventional tree take for true.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Trust {
+    /// What so many equal readings in a row say, one at the least.
+    Equal(u8),
+    /// What the inference nodes' belief is sure of: the same filter under another tree.
+    Belief,
+}
+
+impl Trust {
+    /// Three equal readings: with one in ten wrong, two are faster and end one mission in a hundred by mistake.
+    pub const DEFAULT: Self = Self::Equal(3);
+}
+
+/// What goes wrong, as probabilities.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Disturbances {
+    /// That a reading, of the place or of the state, is wrong; which wrong one is even.
+    pub wrong_readings: f64,
+    /// That a pick fails and leaves the thing where it is.
+    pub failed_grasps: f64,
+    /// That a move fails and leaves the robot where it is.
+    pub failed_moves: f64,
+    /// That placing fails and leaves the thing in the grip.
+    pub failed_placings: f64,
+    /// That a frame does not reach the teammate.
+    pub loss: f64,
+}
+
+impl Disturbances {
+    /// Nothing goes wrong.
+    pub const NONE: Self =
+        Self { wrong_readings: 0.0, failed_grasps: 0.0, failed_moves: 0.0, failed_placings: 0.0, loss: 0.0 };
+
+    /// One grasp in ten fails, one reading in ten is wrong.
+    pub const TENTH: Self = Self { wrong_readings: 0.1, failed_grasps: 0.1, ..Self::NONE };
+}
+
+/// One run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Terms {
+    /// The seed of all chance.
+    pub seed: u64,
+    /// Which trees the robots run.
+    pub trees: Trees,
+    /// What goes wrong.
+    pub disturbances: Disturbances,
+    /// The numbers of the inference nodes.
+    pub preset: Preset,
+    /// Who fetches when, in the inference nodes.
+    pub order: Order,
+    /// What conventional leaves trust.
+    pub trust: Trust,
+    /// The run ends after so many ticks.
+    pub max_ticks: u32,
+}
+
+impl Terms {
+    /// The default mission with a seed.
+    #[must_use]
+    pub const fn new(seed: u64) -> Self {
+        Self {
+            seed,
+            trees: Trees::Inference,
+            disturbances: Disturbances::TENTH,
+            preset: Preset::DEFAULT,
+            order: Order::InTurn,
+            trust: Trust::DEFAULT,
+            max_ticks: 600,
+        }
+    }
+}

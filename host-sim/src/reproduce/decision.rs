@@ -1,0 +1,270 @@
+//! The decision of two robots on the paper's grid, in the paper's arithmetic and in ours.
+
+use iibt_core::actions::Action;
+use iibt_core::grid::{Cell, Map, Move, Path, first_conflict};
+use iibt_core::inference::{
+    Beliefs, Candidates, Encounter, Evaluation, Evidence, Factor, IdentityNoise, Modality, Model, NextState,
+    OutcomeTable, Policy, Problem, Scoring, Shape, Sweeps,
+};
+use iibt_core::math;
+
+/// Cells of the paper's grid.
+pub const CELLS: usize = 49;
+
+/// Cells in a row of it.
+pub(super) const WIDTH: u16 = 7;
+
+/// The most candidates a robot has.
+const CANDIDATES: usize = 10;
+
+/// What a collision is worth by default, on the log scale of C.
+const COLLISION: f32 = -4.0;
+
+/// Which arithmetic to use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// The paper's own, artefacts included.
+    AsPublished,
+    /// The product's.
+    Default,
+}
+
+/// What two robots can do, and what they would like.
+#[derive(Clone, Debug)]
+pub struct Decision {
+    /// The candidate paths of both robots, at least one each, by the names that the paper gives them.
+    pub candidates: [Vec<(&'static str, Path)>; 2],
+    /// The goals, in the order of their labels.
+    pub goals: Vec<Cell>,
+    /// C of both robots' places.
+    pub preferences: [[f32; CELLS]; 2],
+    /// The probability that each robot's place is read right.
+    pub sensors: [f32; 2],
+    /// The steps that are looked at.
+    pub horizon: usize,
+}
+
+/// A judged decision.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// The beliefs of both robots' places after the first observation.
+    pub beliefs: [Vec<f32>; 2],
+    /// The posterior over the joint policies, a row for each path of the first robot.
+    pub posterior: Vec<f32>,
+    /// The log of the same up to a constant.
+    pub scores: Vec<f32>,
+}
+
+impl Decision {
+    /// Two robots that want to be at any goal, with the sensors of section 5.1.
+    #[must_use]
+    pub fn new(candidates: [&[(&'static str, &[u16])]; 2], goals: &[u16], horizon: usize) -> Self {
+        let drawn =
+            |list: &[(&'static str, &[u16])]| list.iter().map(|&(name, cells)| (name, path(cells))).collect();
+        let mut preference = [0.0; CELLS];
+        goals.iter().for_each(|&goal| preference[usize::from(goal)] = 1.0);
+        Self {
+            candidates: candidates.map(drawn),
+            goals: goals.iter().copied().map(Cell).collect(),
+            preferences: [preference; 2],
+            sensors: [0.9952, 0.904],
+            horizon,
+        }
+    }
+
+    /// The same with an obstacle that both would rather not enter.
+    #[must_use]
+    pub fn around(mut self, obstacle: Cell) -> Self {
+        self.preferences.iter_mut().for_each(|preference| preference[obstacle.index()] = -1.0);
+        self
+    }
+
+    /// The joint policies, row by row, in which both robots arrive in the same step at different goals, past all that is
+    /// disliked.
+    #[must_use]
+    pub fn simultaneous(&self) -> Vec<usize> {
+        let map = map();
+        let together = |a: &Path, b: &Path| a.len() == b.len() && a.end(&map) != b.end(&map);
+        let avoids = |robot: usize, path: &Path| {
+            path.cells(&map).all(|cell| self.preferences[robot][cell.index()] >= 0.0)
+        };
+        let fits = |pair: &usize| {
+            let [(_, a), (_, b)] = self.pair(*pair);
+            together(&a, &b) && avoids(0, &a) && avoids(1, &b)
+        };
+        (0..self.pairs()).filter(fits).collect()
+    }
+
+    /// How many joint policies there are.
+    #[must_use]
+    pub fn pairs(&self) -> usize {
+        self.candidates[0].len() * self.candidates[1].len()
+    }
+
+    /// A joint policy by its place: what both robots do.
+    ///
+    /// # Panics
+    /// When there is no such joint policy.
+    #[must_use]
+    pub fn pair(&self, index: usize) -> [(&'static str, Path); 2] {
+        let columns = self.candidates[1].len().max(1);
+        [self.candidates[0][index / columns], self.candidates[1][index % columns]]
+    }
+
+    /// Whether the robots meet in a cell or change places in a joint policy.
+    ///
+    /// # Panics
+    /// When there is no such joint policy.
+    #[must_use]
+    pub fn conflicts(&self, index: usize) -> bool {
+        let [(_, first), (_, second)] = self.pair(index);
+        first_conflict(&map(), &first, &second).is_some()
+    }
+
+    /// The name of a joint policy.
+    ///
+    /// # Panics
+    /// When there is no such joint policy.
+    #[must_use]
+    pub fn name(&self, index: usize) -> String {
+        self.pair(index).map(|(name, _)| name).join(" with ")
+    }
+
+    /// The posterior over the joint policies.
+    #[must_use]
+    pub fn judge(&self, mode: Mode) -> Judged {
+        let kinds = self.goals.len() + 1;
+        let label = |cell: usize| self.goals.iter().position(|goal| goal.index() == cell);
+        let labels: [u8; CELLS] = core::array::from_fn(|cell| label(cell).map_or(0, |goal| goal as u8 + 1));
+        let labels = [&labels[..]; 2];
+        let table: Vec<u8> = (0..kinds * kinds).map(|pair| outcome(pair / kinds, pair % kinds)).collect();
+        let outcomes = OutcomeTable::new(&labels, &table, &CERTAIN, OUTCOMES);
+        let sensors = self.sensors.map(|right| IdentityNoise::new(right, CELLS));
+        let (next, place, flat) =
+            (next(), Shape::new(CELLS, &[CELLS]).expect("49"), [1.0 / CELLS as f32; CELLS]);
+        let motion = NextState::new(&next, CELLS);
+        let factors = [Factor::new(&motion, place, &flat); 2];
+        let modalities = [
+            Modality::new(&sensors[0], place, &[0], &self.preferences[0]),
+            Modality::new(&sensors[1], place, &[1], &self.preferences[1]),
+            Modality::new(&outcomes, outcomes.shape(), &[0, 1], &[0.0, 1.0, 0.0]),
+        ];
+        let model = Model::new(&factors, &modalities);
+        let beliefs = self.beliefs(mode, &model);
+        let policies = self
+            .candidates
+            .each_ref()
+            .map(|list| list.iter().map(|(_, path)| path.actions).collect::<Vec<Policy>>());
+        let sequences = policies.each_ref().map(|policies| policies.as_slice());
+        let aversions = self.preferences.map(|preference| preference.map(|value| value.min(0.0)));
+        let problem = Problem {
+            horizon: self.horizon,
+            aversions: &[&aversions[0], &aversions[1]],
+            encounters: if mode == Mode::Default { &[&Collision] } else { &[] },
+            ..Problem::new(&model, &beliefs, Candidates::all(&sequences), mode.scoring())
+        };
+        let mut evaluation = Evaluation::<CELLS, 2, CANDIDATES, CANDIDATES>::new();
+        evaluation.evaluate(&problem);
+        let posterior = evaluation.posterior().as_flattened()[..evaluation.done()].to_vec();
+        Judged {
+            beliefs: [0, 1].map(|robot| beliefs.of(&model, robot).to_vec()),
+            posterior,
+            scores: evaluation.scores().to_vec(),
+        }
+    }
+
+    fn beliefs(&self, mode: Mode, model: &Model) -> Beliefs<CELLS, 2> {
+        let [first, second] =
+            self.candidates.each_ref().map(|list| Evidence::Outcome(list[0].1.start.index()));
+        let seen = [first, second, Evidence::Outcome(0)];
+        let mut beliefs = Beliefs::prior(model);
+        if mode == Mode::AsPublished {
+            beliefs.update_in_parallel(model, &seen, Sweeps::PAPER);
+        } else {
+            beliefs.update(model, &seen).expect("every cell can be read, and nobody is on a goal");
+        }
+        beliefs
+    }
+}
+
+impl Mode {
+    const fn scoring(self) -> Scoring {
+        match self {
+            Self::Default => Scoring::DEFAULT,
+            Self::AsPublished => Scoring::AS_PUBLISHED,
+        }
+    }
+}
+
+impl std::fmt::Display for Mode {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::AsPublished => "as published",
+            Self::Default => "default",
+        })
+    }
+}
+
+/// The outcomes of the team: null, success, failure.
+const OUTCOMES: usize = 3;
+
+/// Every outcome is certain given the labels.
+const CERTAIN: [f32; OUTCOMES * OUTCOMES] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+/// The outcome of two labels, where zero is no goal.
+const fn outcome(first: usize, second: usize) -> u8 {
+    match (first, second) {
+        (0, 0) => 0,
+        (0, _) | (_, 0) => 2,
+        _ if first == second => 2,
+        _ => 1,
+    }
+}
+
+/// What the product takes a collision to be worth.
+struct Collision;
+
+impl Encounter for Collision {
+    fn factors(&self) -> [usize; 2] {
+        [0, 1]
+    }
+
+    fn departing(&self, [first, second]: [&[f32]; 2], [action, reply]: [Option<Action>; 2]) -> f32 {
+        let (Some(action), Some(reply)) = (action.and_then(Move::from_code), reply.and_then(Move::from_code))
+        else {
+            return 0.0;
+        };
+        let (map, cells) = (map(), (0..CELLS as u16).map(Cell));
+        let to = |step, cell: Cell| map.neighbour(cell, step);
+        let swaps = |cell: &Cell| to(action, *cell) != *cell && to(reply, to(action, *cell)) == *cell;
+        let both = |cell: Cell| first[cell.index()] * second[to(action, cell).index()];
+        COLLISION * cells.filter(swaps).map(both).sum::<f32>()
+    }
+
+    fn arrived(&self, [first, second]: [&[f32]; 2]) -> f32 {
+        COLLISION * math::expectation(first, second)
+    }
+}
+
+/// The paper's grid.
+#[must_use]
+pub fn map() -> Map<2> {
+    Map::new(WIDTH, WIDTH).expect("49 cells fit 64 bits")
+}
+
+/// A path on the paper's grid, by its cells.
+///
+/// # Panics
+/// When two cells that follow each other are no neighbours.
+#[must_use]
+pub(super) fn path(cells: &[u16]) -> Path {
+    let cells: Vec<Cell> = cells.iter().copied().map(Cell).collect();
+    Path::through(&map(), &cells).expect("a legal path")
+}
+
+/// The next cell per move and cell.
+fn next() -> Vec<u16> {
+    let (map, cells) = (map(), || (0..CELLS as u16).map(Cell));
+    Move::ALL.iter().flat_map(|&step| cells().map(move |cell| map.neighbour(cell, step).0)).collect()
+}

@@ -1,0 +1,205 @@
+//! The figures of the report, as data.
+
+use crate::{Record, RobotRecord};
+use iibt_core::grid::Cell;
+use serde::Serialize;
+
+/// A figure and what it shows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Figure {
+    /// What a reader is to see in it.
+    pub caption: String,
+    /// The pictures, side by side.
+    pub panels: Vec<Panel>,
+}
+
+/// One picture.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Panel {
+    /// Paths on a map.
+    Grid(Grid),
+    /// Bars, the paper's beside ours.
+    Bars(Bars),
+    /// Curves.
+    Lines(Lines),
+    /// Values with their intervals.
+    Intervals(Intervals),
+    /// A tree.
+    Tree(TreePicture),
+}
+
+/// A map with what stands on it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Grid {
+    /// The picture's title.
+    pub title: String,
+    /// Columns.
+    pub width: u16,
+    /// Rows.
+    pub height: u16,
+    /// Where robots are wanted.
+    pub goals: Vec<Cell>,
+    /// Cells that are blocked.
+    pub blocked: Vec<Cell>,
+    /// Where robots charge.
+    pub chargers: Vec<Cell>,
+    /// What is to be visited on the way.
+    pub way_points: Vec<Cell>,
+    /// Where robots meet that should not.
+    pub conflicts: Vec<Cell>,
+    /// The paths, a robot each.
+    pub paths: Vec<Track>,
+}
+
+/// A robot's path.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Track {
+    /// The robot.
+    pub name: String,
+    /// Its cells, a step each; a cell that is repeated is a wait.
+    pub cells: Vec<Cell>,
+}
+
+/// Bars in groups.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Bars {
+    /// The picture's title.
+    pub title: String,
+    /// What each group is about.
+    pub labels: Vec<String>,
+    /// The bars, one of each series in every group.
+    pub series: Vec<Series>,
+    /// How long a bar is.
+    pub scale: Scale,
+}
+
+/// One value for each group or place; `None` where there is none.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Series {
+    /// Whose values.
+    pub name: String,
+    /// The values.
+    pub values: Vec<Option<f64>>,
+}
+
+/// How values become lengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scale {
+    /// In proportion.
+    Linear,
+    /// By their logarithms, for probabilities.
+    Logarithmic,
+}
+
+/// Curves over a common axis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Lines {
+    /// The picture's title.
+    pub title: String,
+    /// What runs to the right.
+    pub x: String,
+    /// What runs upwards.
+    pub y: String,
+    /// The value on the right axis of each place.
+    pub at: Vec<f64>,
+    /// The curves.
+    pub series: Vec<Series>,
+}
+
+/// Values with their intervals, a line for each.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Intervals {
+    /// The picture's title.
+    pub title: String,
+    /// What is measured, and its unit.
+    pub unit: String,
+    /// The lines.
+    pub rows: Vec<IntervalRow>,
+}
+
+/// The values of one line, one for each who is compared.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct IntervalRow {
+    /// Under which conditions.
+    pub label: String,
+    /// Who, and how they did; `None` where there is no value.
+    pub values: Vec<(String, Option<Estimate>)>,
+}
+
+/// A value and its 95 % interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// The lower end.
+    pub low: f64,
+    /// The upper end.
+    pub high: f64,
+}
+
+/// A behavior tree, from the root down in preorder.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TreePicture {
+    /// The picture's title.
+    pub title: String,
+    /// The nodes.
+    pub nodes: Vec<TreeNode>,
+}
+
+/// A node of a tree.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct TreeNode {
+    /// Its level, the root's is one.
+    pub level: usize,
+    /// What kind of node it is.
+    pub kind: TreeNodeKind,
+    /// What it is called.
+    pub name: String,
+}
+
+/// What is told apart in a picture of a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TreeNodeKind {
+    /// Runs its children while they succeed.
+    Sequence,
+    /// Runs its children until one succeeds.
+    Fallback,
+    /// Any other node with children.
+    Control,
+    /// Asks.
+    Condition,
+    /// Acts.
+    Action,
+    /// Infers what to do.
+    Inference,
+}
+
+impl Figure {
+    /// A figure of one or several pictures.
+    #[must_use]
+    pub fn new(caption: impl Into<String>, panels: impl IntoIterator<Item = Panel>) -> Self {
+        Self { caption: caption.into(), panels: panels.into_iter().collect() }
+    }
+}
+
+impl Series {
+    /// A value in every place.
+    #[must_use]
+    pub fn new(name: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Self {
+        Self { name: name.into(), values: values.into_iter().map(Some).collect() }
+    }
+}
+
+/// Where the robots of a flight really went, from cell to cell.
+#[must_use]
+pub(crate) fn tracks(record: &Record) -> Vec<Track> {
+    let track = |(index, robot): (usize, &RobotRecord)| {
+        let mut cells: Vec<Cell> = record.history.iter().map(|cells| cells[index]).collect();
+        cells.dedup();
+        Track { name: robot.name.clone(), cells }
+    };
+    record.robots.iter().enumerate().map(track).collect()
+}

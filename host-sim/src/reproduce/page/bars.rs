@@ -1,0 +1,80 @@
+//! Bars in groups, the paper's beside ours.
+
+use super::svg::{Anchor, Svg, colour, width_of};
+use crate::reproduce::figure::{Bars, Scale};
+use crate::reproduce::report::number;
+
+const BAR: f64 = 9.0;
+const GAP: f64 = 7.0;
+const LENGTH: f64 = 330.0;
+const VALUE: f64 = 80.0;
+const LEGEND: f64 = 24.0;
+
+/// The least probability that a logarithmic bar shows.
+const LEAST: f64 = 1e-30;
+
+pub(super) fn draw(bars: &Bars) -> String {
+    let names = bars.labels.iter().map(|label| width_of(label)).fold(30.0, f64::max) + 10.0;
+    let group = BAR * bars.series.len() as f64 + GAP;
+    let height = group * bars.labels.len() as f64 + LEGEND + 18.0;
+    let mut svg = Svg::new(names + LENGTH + VALUE, height);
+    let length = lengths(bars);
+    legend(bars, names, &mut svg);
+    ticks(bars, names, height, &mut svg);
+    for (place, label) in bars.labels.iter().enumerate() {
+        let top = LEGEND + group * place as f64;
+        svg.text("label", (names - 6.0, top + (group - GAP) / 2.0 + 4.0), Anchor::End, label);
+        for (index, series) in bars.series.iter().enumerate() {
+            let y = top + BAR * index as f64;
+            let Some(value) = series.values.get(place).copied().flatten() else {
+                svg.text("value", (names + 3.0, y + BAR - 1.0), Anchor::Start, "unknown");
+                continue;
+            };
+            let long = length(value) * LENGTH;
+            svg.rectangle(&format!("bar {}", colour(index)), (names, y), (long, BAR - 1.0), 0.0);
+            svg.text("value", (names + long + 4.0, y + BAR - 1.0), Anchor::Start, number(value));
+        }
+    }
+    svg.finish(&bars.title)
+}
+
+/// The part of the full length that a value gets.
+fn lengths(bars: &Bars) -> impl Fn(f64) -> f64 {
+    let values = bars.series.iter().flat_map(|series| series.values.iter().flatten());
+    let most = values.clone().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let least = least(bars);
+    let scale = bars.scale;
+    move |value| match scale {
+        Scale::Linear => (value / most).clamp(0.0, 1.0),
+        Scale::Logarithmic => 1.0 - (value.max(least).log10() / least.log10()).clamp(0.0, 1.0),
+    }
+}
+
+/// The power of ten where a logarithmic axis begins.
+fn least(bars: &Bars) -> f64 {
+    let values = bars.series.iter().flat_map(|series| series.values.iter().flatten());
+    let least = values.copied().filter(|&value| value > 0.0).fold(0.1, f64::min).max(LEAST);
+    10f64.powf(least.log10().floor() - 1.0)
+}
+
+fn legend(bars: &Bars, mut x: f64, svg: &mut Svg) {
+    for (index, series) in bars.series.iter().enumerate() {
+        svg.rectangle(&format!("bar {}", colour(index)), (x, 4.0), (10.0, 10.0), 0.0);
+        svg.text("label", (x + 14.0, 13.0), Anchor::Start, &series.name);
+        x += width_of(&series.name) + 30.0;
+    }
+}
+
+fn ticks(bars: &Bars, left: f64, height: f64, svg: &mut Svg) {
+    if bars.scale == Scale::Linear {
+        return;
+    }
+    let powers = least(bars).log10().round() as i32;
+    let step = (-powers / 6).max(1);
+    for power in (powers..=0).step_by(step as usize) {
+        let x = left + LENGTH * (1.0 - f64::from(power) / f64::from(powers));
+        svg.line("axis", (x, LEGEND - 4.0), (x, height - 16.0));
+        let label = if power == 0 { "1".to_owned() } else { format!("1e{power}") };
+        svg.text("value", (x, height - 4.0), Anchor::Middle, label);
+    }
+}

@@ -1,0 +1,246 @@
+//! Section 5: two robots, two goals, listed paths; then an obstacle.
+
+use super::Run;
+use super::decision::{Decision, Judged, Mode, WIDTH, map};
+use super::figure::{Bars, Figure, Grid, Panel, Scale, Series, Track, tracks};
+use super::report::{Item, Section, Tolerance, number};
+use crate::words::route;
+use crate::{Conditions, News, Outcome, Record, fly, library};
+use iibt_core::grid::{Cell, Path};
+use iibt_core::math;
+
+/// How near the recovered probabilities ours are to be.
+const TOLERANCE: Tolerance = Tolerance::Relative(0.005);
+
+/// A probability as the paper prints it, with all its digits as they were recovered.
+struct Published(&'static str, f64);
+
+/// Section 5.1, a row for each path of robot 1. The paper cuts digits off, it does not round.
+#[rustfmt::skip]
+const CHOICE: [Published; 16] = [
+    Published(".151e-7", 1.511_580_814_984_168e-8), Published(".566e-6", 5.661_653_180_796_627e-7),
+    Published(".405e-7", 4.053_619_629_568_133e-8), Published(".357e-7", 3.570_795_671_553_069e-8),
+    Published(".995e-7", 9.957_599_963_308_488e-8), Published(".210e-6", 2.100_489_129_943_526e-7),
+    Published(".081", 0.081_268_092_863_472_61), Published(".072", 0.071_587_820_373_167_99),
+    Published(".746e-7", 7.469_709_086_784_848e-8), Published(".847", 0.847_142_300_979_241_5),
+    Published(".133e-7", 1.331_203_824_019_609e-8), Published(".117e-7", 1.172_637_054_925_103_4e-8),
+    Published(".682e-7", 6.823_202_807_789_972e-8), Published(".573e-6", 5.737_539_482_674_496e-7),
+    Published(".408e-7", 4.089_163_496_310_778_4e-8), Published(".360e-7", 3.602_081_496_971_725_5e-8),
+];
+
+/// Section 5.2, the same.
+#[rustfmt::skip]
+const DETOUR: [Published; 9] = [
+    Published(".784e-6", 7.849_834_382_008_871e-7), Published(".166e-6", 1.661_324_114_992_681_4e-7),
+    Published(".521e-7", 5.219_725_035_598_924e-8),
+    Published(".999", 0.999_998_801_429_255_2), Published(".156e-6", 1.561_296_817_680_717e-7),
+    Published(".134e-7", 1.343_881_527_908_846e-8),
+    Published(".898e-13", 8.982_090_566_087_216e-14), Published(".256e-7", 2.568_905_288_241_471_6e-8),
+    Published(".554e-14", 5.546_443_005_492_866e-15),
+];
+
+/// The initial beliefs: that robot 1 is on 28, and on any other cell that is no goal; the same of robot 2 and 2.
+const BELIEFS: [(&str, usize, usize, f64); 4] = [
+    ("q1(28)", 0, 28, 0.993_314_800_284_670_8),
+    ("q1 of any other cell", 0, 0, 1.453_304_285_874_283_8e-4),
+    ("q2(2)", 1, 2, 0.884_474_534_347_872_2),
+    ("q2 of any other cell", 1, 0, 2.511_423_166_242_157_7e-3),
+];
+
+/// Section 5.1's decision. Robot 2's paths are in the order of the paper's numbers, which is not that of its text.
+#[must_use]
+pub fn choice() -> Decision {
+    let first: [(&str, &[u16]); 4] = [
+        ("A", &[28, 29, 30, 31, 24]),
+        ("B", &[28, 35, 36, 37, 38, 31, 24]),
+        ("C", &[28, 29, 30, 31, 32, 33, 26]),
+        ("D", &[28, 35, 36, 37, 38, 39, 40, 41, 34, 27, 26]),
+    ];
+    let second: [(&str, &[u16]); 4] = [
+        ("b", &[2, 3, 10, 17, 24]),
+        ("a", &[2, 1, 8, 15, 22, 23, 24]),
+        ("c", &[2, 3, 4, 11, 18, 25, 26]),
+        ("d", &[2, 3, 4, 5, 12, 19, 26]),
+    ];
+    Decision::new([&first, &second], &[24, 26], 10)
+}
+
+/// Section 5.2's decision, with the waits that the numbers require; X3 and Y3 are the rest of the old plan.
+#[must_use]
+pub fn detour() -> Decision {
+    let first: [(&str, &[u16]); 3] = [
+        ("X1", &[29, 22, 15, 16, 17, 17, 24]),
+        ("X2", &[29, 36, 37, 38, 31, 32, 33, 26]),
+        ("X3", &[29, 30, 31, 32, 33, 26]),
+    ];
+    let second: [(&str, &[u16]); 3] = [
+        ("Y1", &[1, 8, 9, 9, 10, 10, 17, 24]),
+        ("Y3", &[1, 8, 15, 22, 23, 24]),
+        ("Y2", &[1, 8, 9, 10, 11, 18, 19, 26]),
+    ];
+    Decision::new([&first, &second], &[24, 26], 7).around(Cell(30))
+}
+
+/// What section 5.1 comes to.
+pub(super) fn choose(_: &Run<'_>) -> Section {
+    let mut section = Section::new("5.1", "Two robots, two goals, nobody is told which");
+    section.say(
+        "Robot 1 weighs each of its four paths with each of robot 2's. As published, its sensors, one sweep of mean-field \
+         inference and policies padded with \"up\" give the sixteen probabilities of the paper. By default, exact beliefs \
+         and goals that count on arrival put everything on the three pairs that arrive together at different goals. In the \
+         flight each robot runs its own inference, on its own readings and the other's frames.",
+    );
+    let decision = choice();
+    let [published, ours] = [Mode::AsPublished, Mode::Default].map(|mode| decision.judge(mode));
+    section.items = initial_beliefs(&published);
+    section.items.extend(probabilities(&decision, &published, &CHOICE));
+    section.items.extend(choices(&decision, [&published, &ours], "C with a"));
+    let record = flown("two-goals");
+    section.items.push(settled(&record, &decision, &ours));
+    section.figures =
+        vec![candidates(&decision, None, &record), posteriors(&decision, [&published, &ours], &CHOICE)];
+    section
+}
+
+/// What section 5.2 comes to.
+pub(super) fn detour_around(_: &Run<'_>) -> Section {
+    let mut section = Section::new("5.2", "An obstacle on the way");
+    section.say(
+        "One step later an obstacle blocks p30. Its preference falls by one, new paths are weighed beside the rest of the old \
+         plan, and both robots settle on detours of equal length. In the flight the robots start as in section 5.1 and meet \
+         the obstacle on their way.",
+    );
+    let decision = detour();
+    let [published, ours] = [Mode::AsPublished, Mode::Default].map(|mode| decision.judge(mode));
+    section.items = probabilities(&decision, &published, &DETOUR);
+    section.items.extend(choices(&decision, [&published, &ours], "X2 with Y1"));
+    let record = flown("obstacle");
+    section.items.push(settled(&record, &decision, &ours));
+    section.items.extend(replanned(&record));
+    section.figures = vec![
+        candidates(&decision, Some(Cell(30)), &record),
+        posteriors(&decision, [&published, &ours], &DETOUR),
+    ];
+    section
+}
+
+fn initial_beliefs(published: &Judged) -> Vec<Item> {
+    let item = |(what, robot, cell, exact): (&str, usize, usize, f64)| {
+        let ours = f64::from(published.beliefs[robot][cell]);
+        Item::close(format!("{what}, as published"), exact, ours, TOLERANCE)
+    };
+    BELIEFS.into_iter().map(item).collect()
+}
+
+fn probabilities(decision: &Decision, published: &Judged, printed: &[Published]) -> Vec<Item> {
+    let item = |(pair, &Published(digits, exact)): (usize, &Published)| {
+        let what = format!("P({}), as published", decision.name(pair));
+        Item::published(what, digits, exact, f64::from(published.posterior[pair]), TOLERANCE)
+    };
+    printed.iter().enumerate().map(item).collect()
+}
+
+/// Which pair is chosen in both modes, and what the default mode makes of arriving together.
+fn choices(decision: &Decision, [published, ours]: [&Judged; 2], paper: &str) -> [Item; 3] {
+    let [by_paper, by_default] = [published, ours].map(|judged| math::argmax(&judged.posterior));
+    let together = decision.simultaneous();
+    let mass: f64 = together.iter().map(|&pair| f64::from(ours.posterior[pair])).sum();
+    [
+        Item::same("the pair chosen, as published", paper, decision.name(by_paper)),
+        Item::claim(
+            "the pair chosen, by default",
+            "arrives together, apart from each other",
+            decision.name(by_default),
+            together.contains(&by_default) && !decision.conflicts(by_default),
+        ),
+        Item::claim("P(together at different goals), by default", "> 0.999", number(mass), mass > 0.999),
+    ]
+}
+
+/// Whether both robots of a flight came to the pair that one of them would choose by itself.
+fn settled(record: &Record, decision: &Decision, ours: &Judged) -> Item {
+    let best = math::argmax(&ours.posterior);
+    let expected = decision.pair(best).map(|(_, path)| path);
+    let paths: Vec<_> = record.robots.iter().map(|robot| robot.path.clone()).collect();
+    let same = expected.iter().zip(&paths).all(|(path, cells)| path.cells(&map()).eq(cells.iter().copied()));
+    let holds = same && record.outcome == Outcome::Together && record.collisions.total() == 0;
+    let routes: Vec<String> = paths.iter().map(|path| route(path)).collect();
+    let what = "the flight: both robots, each by its own inference";
+    Item::claim(what, &format!("{}, arriving together", decision.name(best)), routes.join(" with "), holds)
+}
+
+/// Whether the robots of a flight chose again after the obstacle had appeared.
+fn replanned(record: &Record) -> [Item; 2] {
+    let appeared =
+        record.news.iter().find(|dated| matches!(dated.news, News::Appeared { .. })).map(|dated| dated.tick);
+    let chosen = record.news.iter().filter(|dated| matches!(dated.news, News::Chose { .. }));
+    let again = appeared.map_or(0, |tick| chosen.filter(|dated| dated.tick >= tick).count());
+    let avoided = appeared.is_some() && record.robots.iter().all(|robot| !robot.path.contains(&Cell(30)));
+    [
+        Item::claim(
+            "the flight: paths chosen after the obstacle appeared",
+            "both",
+            again.to_string(),
+            again >= 2,
+        ),
+        Item::claim(
+            "the flight: paths that avoid it",
+            "both",
+            if avoided { "both" } else { "not both" },
+            avoided,
+        ),
+    ]
+}
+
+fn flown(scenario: &str) -> Record {
+    let scenario = library::find(scenario).expect("it is built in").expect("it is sound");
+    fly(&scenario, Conditions::default(), &mut ()).expect("its mission fits")
+}
+
+fn candidates(decision: &Decision, obstacle: Option<Cell>, record: &Record) -> Figure {
+    let blocked: Vec<Cell> = obstacle.into_iter().collect();
+    let grid = |title: String, paths| {
+        Panel::Grid(Grid {
+            title,
+            width: WIDTH,
+            height: WIDTH,
+            goals: decision.goals.clone(),
+            blocked: blocked.clone(),
+            paths,
+            ..Grid::default()
+        })
+    };
+    let mut panels: Vec<Panel> = [0, 1]
+        .into_iter()
+        .map(|robot| {
+            let track = |&(name, path): &(&str, Path)| Track {
+                name: name.to_owned(),
+                cells: path.cells(&map()).collect(),
+            };
+            grid(
+                format!("Robot {}'s candidates", robot + 1),
+                decision.candidates[robot].iter().map(track).collect(),
+            )
+        })
+        .collect();
+    panels.push(grid("The flight".to_owned(), tracks(record)));
+    Figure::new(
+        "What both robots can do, and where they went. A ring on a path is a wait, and the number how many.",
+        panels,
+    )
+}
+
+fn posteriors(decision: &Decision, [published, ours]: [&Judged; 2], printed: &[Published]) -> Figure {
+    let values = |judged: &Judged| judged.posterior.iter().copied().map(f64::from).collect::<Vec<_>>();
+    let bars = Bars {
+        title: "P of each joint policy".to_owned(),
+        labels: (0..decision.pairs()).map(|pair| decision.name(pair)).collect(),
+        series: vec![
+            Series::new("paper", printed.iter().map(|published| published.1)),
+            Series::new("ours, as published", values(published)),
+            Series::new("ours, default", values(ours)),
+        ],
+        scale: Scale::Logarithmic,
+    };
+    Figure::new("The posterior over joint policies, on a logarithmic scale.", [Panel::Bars(bars)])
+}

@@ -1,0 +1,188 @@
+//! What a number of flights says about all flights: ratios, means and differences with their 95 % intervals.
+
+use serde::Serialize;
+
+/// The normal deviate of a two-sided 95 % interval.
+const Z: f64 = 1.959_963_984_540_054;
+
+/// How often something was the case.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// How often it was.
+    pub count: u32,
+    /// How often it could have been.
+    pub of: u32,
+    /// The ratio; zero of zero is zero.
+    pub ratio: f64,
+    /// Wilson's score interval, 95 %; 0 to 1 of zero.
+    pub interval: [f64; 2],
+}
+
+/// Numbers of one kind, one for each flight that has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Distribution {
+    /// How many there are; all else is zero when there are none.
+    pub count: u32,
+    /// The mean.
+    pub mean: f64,
+    /// Student's interval of the mean, 95 %; the mean itself of a single number.
+    pub interval: [f64; 2],
+    /// The median: of an even number of values, the mean of the two in the middle.
+    pub median: f64,
+    /// The least value that 95 % of all do not exceed.
+    pub p95: f64,
+}
+
+/// How much larger one of two numbers is than the other, in pairs that share everything else.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Difference {
+    /// How many pairs there are; all else is zero when there are none.
+    pub pairs: u32,
+    /// The mean of the differences.
+    pub mean: f64,
+    /// Student's interval of that mean, 95 %.
+    pub interval: [f64; 2],
+}
+
+impl Share {
+    /// `count` out of `of`.
+    #[must_use]
+    pub fn new(count: u32, of: u32) -> Self {
+        if of == 0 {
+            return Self { count, of, ratio: 0.0, interval: [0.0, 1.0] };
+        }
+        let ratio = f64::from(count) / f64::from(of);
+        Self { count, of, ratio, interval: wilson(ratio, f64::from(of)) }
+    }
+
+    /// How many of some are the case.
+    pub fn of<T>(items: impl IntoIterator<Item = T>, is_the_case: impl Fn(T) -> bool) -> Self {
+        let mut of = 0;
+        let count =
+            items.into_iter().inspect(|_| of += 1).filter_map(|item| is_the_case(item).then_some(())).count();
+        Self::new(count as u32, of)
+    }
+}
+
+impl Distribution {
+    /// Of these values, none of which is NaN.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let mut values: Vec<f64> = values.into_iter().collect();
+        values.sort_by(f64::total_cmp);
+        let (Some(mean), count) = (mean(&values), values.len()) else { return Self::default() };
+        let median = f64::midpoint(values[(count - 1) / 2], values[count / 2]);
+        let p95 = values[(count * 95).div_ceil(100) - 1];
+        Self { count: count as u32, mean, interval: student(&values, mean), median, p95 }
+    }
+}
+
+impl Difference {
+    /// Of these differences, a pair each.
+    pub fn of(differences: impl IntoIterator<Item = f64>) -> Self {
+        let values: Vec<f64> = differences.into_iter().collect();
+        let Some(mean) = mean(&values) else { return Self::default() };
+        Self { pairs: values.len() as u32, mean, interval: student(&values, mean) }
+    }
+
+    /// Whether the interval leaves zero out.
+    #[must_use]
+    pub fn is_significant(&self) -> bool {
+        self.interval[0] > 0.0 || self.interval[1] < 0.0
+    }
+}
+
+/// The score interval of a ratio, 95 % (Wilson 1927).
+#[must_use]
+pub fn wilson(ratio: f64, tries: f64) -> [f64; 2] {
+    let z2 = Z * Z / tries;
+    let middle = ratio + z2 / 2.0;
+    let spread = Z * (ratio * (1.0 - ratio) / tries + z2 / (4.0 * tries)).sqrt();
+    [(middle - spread) / (1.0 + z2), (middle + spread) / (1.0 + z2)].map(|bound| bound.clamp(0.0, 1.0))
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// The interval of the mean of normal values, 95 %.
+fn student(values: &[f64], mean: f64) -> [f64; 2] {
+    if values.len() < 2 {
+        return [mean; 2];
+    }
+    let freedom = values.len() as f64 - 1.0;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / freedom;
+    let spread = quantile(freedom) * (variance / values.len() as f64).sqrt();
+    [mean - spread, mean + spread]
+}
+
+/// The 97.5 % quantile of Student's distribution: exact for one and two degrees of freedom, else Cornish and Fisher's
+/// expansion (Abramowitz and Stegun 26.7.5), which is right to three digits from three degrees on.
+fn quantile(freedom: f64) -> f64 {
+    if freedom < 1.5 {
+        return 12.706_204_736;
+    }
+    if freedom < 2.5 {
+        return 4.302_652_730;
+    }
+    let [z3, z5, z7, z9] = [3, 5, 7, 9].map(|power| Z.powi(power));
+    let terms = [
+        (z3 + Z) / 4.0,
+        (5.0 * z5 + 16.0 * z3 + 3.0 * Z) / 96.0,
+        (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * Z) / 384.0,
+        (79.0 * z9 + 776.0 * z7 + 1482.0 * z5 - 1920.0 * z3 - 945.0 * Z) / 92_160.0,
+    ];
+    let powers = [1, 2, 3, 4].map(|power| freedom.powi(power));
+    Z + terms.iter().zip(powers).map(|(term, power)| term / power).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is_near(found: f64, expected: f64, tolerance: f64) -> bool {
+        (found - expected).abs() <= tolerance
+    }
+
+    #[test]
+    fn the_interval_of_a_ratio_is_wilson_s() {
+        // 81 of 263: Newcombe 1998, "Two-sided confidence intervals for the single proportion", table I.
+        let [low, high] = Share::new(81, 263).interval;
+        assert!(is_near(low, 0.2553, 5e-5) && is_near(high, 0.3662, 5e-5), "{low} {high}");
+        assert_eq!(Share::new(0, 20).interval[0], 0.0);
+        assert!(is_near(Share::new(0, 20).interval[1], 0.1611, 5e-5));
+        assert_eq!(Share::new(0, 0).interval, [0.0, 1.0]);
+        assert_eq!(Share::of([1, 2, 3, 4], |number| number > 3), Share::new(1, 4));
+    }
+
+    #[test]
+    fn the_quantile_is_student_s() {
+        // Any table of t at 0.975.
+        for (freedom, t) in
+            [(1, 12.706), (2, 4.303), (3, 3.182), (4, 2.776), (9, 2.262), (30, 2.042), (499, 1.965)]
+        {
+            let found = quantile(f64::from(freedom));
+            assert!(is_near(found, t, 3e-3), "{freedom} degrees: {found}, not {t}");
+        }
+    }
+
+    #[test]
+    fn a_distribution_is_described_by_mean_median_and_quantile() {
+        let of = Distribution::of([2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]);
+        // Their standard deviation is the square root of 32 / 7, and t is 2.3646 for seven degrees of freedom.
+        assert_eq!((of.count, of.mean, of.median, of.p95), (8, 5.0, 4.5, 9.0));
+        assert!(is_near(of.interval[1], 5.0 + 2.3646 * (32.0_f64 / 7.0 / 8.0).sqrt(), 1e-3), "{of:?}");
+        let hundred = Distribution::of((1..=100).map(f64::from));
+        assert_eq!((hundred.median, hundred.p95), (50.5, 95.0));
+        assert_eq!(Distribution::of([3.0]).interval, [3.0, 3.0]);
+        assert_eq!(Distribution::of([]), Distribution::default());
+    }
+
+    #[test]
+    fn a_difference_is_significant_when_its_interval_leaves_zero_out() {
+        assert!(
+            Difference::of([1.0, 1.1, 0.9]).is_significant() && Difference::of([-2.0, -2.1]).is_significant()
+        );
+        assert!(!Difference::of([1.0, -1.0, 0.5]).is_significant());
+        assert!(!Difference::of([]).is_significant());
+    }
+}
