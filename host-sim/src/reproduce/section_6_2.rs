@@ -69,14 +69,14 @@ fn probabilities(preset: &str, mission: &Mission, tolerance: Tolerance) -> Vec<I
 /// What is claimed of a mission in which nothing goes wrong.
 fn mission(mission: &Mission) -> [Item; 4] {
     let sequence = mission.sequence().iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
-    let thoughts =
-        || mission.history.iter().flat_map(|tick| &tick.robots).filter_map(|robot| robot.thought.as_ref());
-    let raised = thoughts()
-        .filter(|thought| thought.raised.is_some_and(|raised| raised != thought.preferences))
-        .count();
-    // C after a tick is one of the tasks' own, entry by entry zero or one: nothing of a raise is left.
-    let bases = |rows: &[[f32; 4]; 2]| rows.as_flattened().iter().all(|&entry| entry == 0.0 || entry == 1.0);
-    let exact = thoughts().all(|thought| bases(&thought.preferences));
+    let robots = mission.history.iter().flat_map(|tick| &tick.robots).filter(|robot| robot.begins.is_some());
+    let acting: Vec<_> = robots.filter_map(|robot| robot.thought.as_ref()).collect();
+    let is_raised = |thought: &&&Thought| thought.raised.is_some_and(|raised| raised != thought.preferences);
+    let raised = acting.iter().filter(is_raised).count();
+    // C after an action has begun is the task's own, entry by entry zero or one: nothing of a raise is left.
+    let is_base =
+        |rows: &[[f32; 4]; 2]| rows.as_flattened().iter().all(|&entry| entry == 0.0 || entry == 1.0);
+    let exact = acting.iter().all(|thought| is_base(&thought.preferences));
     let raises =
         format!("{}, {}", counted(raised as u32, "raise"), if exact { "no trace" } else { "traces left" });
     [
