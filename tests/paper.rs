@@ -153,6 +153,26 @@ fn the_lists_that_the_paper_does_not_print_are_reported_as_unknown() {
 }
 
 #[test]
+fn section_6_2_gives_the_reported_probabilities_with_both_presets() {
+    let section = section("6.2");
+    for preset in ["default", "calibrated"] {
+        let printed =
+            section.items.iter().filter(|item| item.what.starts_with("P(π") && item.what.ends_with(preset));
+        assert_all(&printed.collect::<Vec<_>>(), 4, Verdict::Agrees);
+    }
+}
+
+#[test]
+fn the_tables_are_counted_from_the_trees_and_what_differs_says_why() {
+    let section = section("tables");
+    assert_all(&items(&section, "table 3, conventional"), 6, Verdict::Agrees);
+    assert_all(&items(&section, "table 7"), 12, Verdict::Agrees);
+    assert_all(&items(&section, "table 6, conventional, as drawn"), 6, Verdict::Differs);
+    let differing = section.items.iter().filter(|item| item.verdict == Verdict::Differs).collect::<Vec<_>>();
+    assert!(differing.len() == 7 && differing.iter().all(|item| item.note.is_some()), "{differing:?}");
+}
+
+#[test]
 fn every_section_says_something_and_nothing_falls_short() {
     for chapter in CHAPTERS {
         let section = section(chapter.id);
