@@ -1,11 +1,12 @@
-//! How robots come to one joint plan over a lossy radio, and follow it in step.
+//! How robots come to one joint plan over a lossy radio, and follow it together.
 //!
 //! A plan is made in a *round*. In a round every robot stands still and announces one path from where it
 //! stands; they choose one after another, beginning with the robot that opened the round, each knowing the
 //! paths before its own. Once a robot knows every path of the round it announces the plan's digest, and when
-//! all teammates have announced the same digest it begins to move. From then on it makes move k + 1 only when
-//! it knows that every teammate has made move k, and only into a cell that no teammate can be in. Whoever
-//! needs another plan opens a new round, which everyone joins by standing still.
+//! all teammates have announced the same digest it begins to move. From then on it enters a cell only when it
+//! has heard that every teammate which the plan has there before it has left it, and makes its last move only when it
+//! has heard that all others have but their last to make: robots keep the order of the plan, not its clock, and arrive
+//! together. Whoever needs another plan opens a new round, which everyone joins by standing still.
 //!
 //! A robot that has to look after itself leaves the team by opening a round in which it says that it is
 //! away. It does not choose, so nobody can. Its teammates acknowledge that with a digest of the round and of its
@@ -14,7 +15,9 @@
 //!
 //! Safety needs no clock and no reliable radio. Everything a robot relies on was said by the teammate itself
 //! and stays true: a path never changes within a round, moves made are never unmade, and a robot that has left
-//! a round does not move again before everybody has left it. Lost, late and repeated frames cost time only.
+//! a round does not move again before everybody has left it. Where two paths share a cell, the plan says who is first, and
+//! the second waits for word that the first is gone; as no plan puts two robots in one cell in one step, or lets them change
+//! places, nobody waits for somebody who waits for it. Lost, late and repeated frames cost time only.
 //! Two robots can share or swap a cell only if a localiser is wrong about the cell a robot stands in.
 
 use super::{Intention, RobotId, Round, Status};
@@ -251,10 +254,15 @@ impl Agreement {
         here: Cell,
         mut peers: impl Iterator<Item = &'a Intention>,
     ) -> Option<Move> {
-        let target = self.path.cell_at(map, self.step() + 1);
+        let next = self.step() + 1;
+        let target = self.path.cell_at(map, next);
         let step = self.path.actions.get(self.step()).and_then(Move::from_code)?;
-        let free =
-            |peer: &Intention| self.keeps_pace(peer) && (step == Move::Wait || !may_be_in(map, peer, target));
+        let is_last = self.path.actions.iter().skip(next).all(|code| code == Move::Wait.code());
+        let free = |peer: &Intention| {
+            let shares = peer.round == self.round && peer.plan == self.plan;
+            let clear = step == Move::Wait || has_left(map, peer, target, next);
+            shares && clear && (!is_last || self.keeps_pace(peer))
+        };
         let ready = self.is_agreed() && here == self.place(map);
         (ready && self.all_of(&mut peers, free)).then_some(step)
     }
@@ -299,10 +307,9 @@ impl Agreement {
         }) && met + 1 == usize::from(self.size)
     }
 
-    /// Whether a teammate follows the same plan and is at least as far as this robot.
-    fn keeps_pace(&self, peer: &Intention) -> bool {
-        let far_enough = peer.step >= self.step || usize::from(peer.step) >= peer.path.len();
-        peer.round == self.round && peer.plan == self.plan && far_enough
+    /// Whether a teammate is at least as far as this robot.
+    const fn keeps_pace(&self, peer: &Intention) -> bool {
+        peer.step >= self.step || peer.step as usize >= peer.path.len()
     }
 
     /// A number that is the same for two robots when they know the same paths of the same round, and differs
@@ -349,10 +356,13 @@ const fn has_chosen(peer: &Intention) -> bool {
     matches!(peer.status, Status::Announced | Status::Agreed | Status::Arrived)
 }
 
-/// Whether a teammate can be in `cell`: where it last said it was, or one move further.
-fn may_be_in<const W: usize>(map: &Map<W>, peer: &Intention, cell: Cell) -> bool {
-    let step = usize::from(peer.step);
-    peer.path.cells(map).skip(step).take(2).any(|occupied| occupied == cell)
+/// Whether a teammate has left `cell` for good, as far as the plan goes up to `step`. Where it comes to the cell in a
+/// later step, it waits for this robot.
+fn has_left<const W: usize>(map: &Map<W>, peer: &Intention, cell: Cell, step: usize) -> bool {
+    let path = || peer.path.cells(map).enumerate();
+    let visits = path().take(step + 1).filter(|&(_, visited)| visited == cell);
+    let Some((visit, _)) = visits.last() else { return true };
+    path().skip(visit).find(|&(_, next)| next != cell).is_some_and(|(gone, _)| usize::from(peer.step) >= gone)
 }
 
 #[cfg(test)]
@@ -578,7 +588,7 @@ mod tests {
     }
 
     #[test]
-    fn moves_only_with_everybody_in_the_plan_and_in_step() {
+    fn moves_only_with_everybody_in_the_plan_and_waits_for_all_before_its_last_move() {
         let (one, other) = agreed(&[1, 2, 3], &[5, 6, 7]);
         let peer = said(&other);
         assert_eq!(step_of(&one, &peer), Some(Move::Right));
@@ -593,7 +603,15 @@ mod tests {
         assert_eq!(step_of(&announcing(0, 2, &[1, 2, 3]), &undecided), None, "nobody has agreed");
 
         let ahead = Agreement { step: 1, ..one };
-        assert_eq!(step_of(&ahead, &peer), None, "the teammate is a move behind");
+        assert_eq!(step_of(&ahead, &peer), None, "the teammate is a move behind, and this is the last");
+        let (farther, other) = agreed(&[1, 2, 3, 4], &[7, 6, 6, 5]);
+        let behind = said(&other);
+        assert_eq!(
+            step_of(&Agreement { step: 1, ..farther.clone() }, &behind),
+            Some(Move::Right),
+            "its last is yet to come"
+        );
+        assert_eq!(step_of(&Agreement { step: 2, ..farther }, &behind), None);
         assert_eq!(step_of(&ahead, &Intention { step: 1, ..peer.clone() }), Some(Move::Right));
         let done = Agreement { step: 2, ..ahead };
         assert_eq!(step_of(&done, &Intention { step: 2, ..peer }), None);
@@ -610,17 +628,20 @@ mod tests {
     type Case = (&'static [u16], &'static [u16], u8, Option<Move>);
 
     #[test]
-    fn keeps_out_of_where_a_teammate_can_be() {
-        let cases: [Case; 9] = [
-            (&[1, 2], &[3, 4], 0, Some(Move::Right)),
-            (&[1, 2], &[3, 2], 0, None),                 // both want it
-            (&[1, 2], &[2, 1], 0, None),                 // they would swap
-            (&[1, 2], &[2, 3], 0, None),                 // the other may still be there
-            (&[1, 2], &[2, 3], 1, Some(Move::Right)),    // it has left
-            (&[1, 2], &[2], 0, None),                    // it stays there
-            (&[1, 2], &[4, 3, 2], 0, Some(Move::Right)), // it comes there later
-            (&[1, 2], &[4, 3, 2], 1, None),              // it may be on its way
-            (&[1, 1], &[2, 1], 0, Some(Move::Wait)),     // waiting enters nothing
+    fn enters_a_cell_in_the_order_of_the_plan() {
+        let cases: [Case; 12] = [
+            (&[1, 2, 2], &[3, 4, 4], 0, Some(Move::Right)),
+            (&[1, 2, 2], &[3, 2, 2], 0, None),              // both want it
+            (&[1, 2, 2], &[2, 1, 1], 0, None),              // they would swap
+            (&[1, 2, 2], &[2, 3, 3], 0, None),              // the other may still be there
+            (&[1, 2, 2], &[2, 3, 3], 1, Some(Move::Right)), // it has left
+            (&[1, 2, 2], &[2], 0, None),                    // it stays there
+            (&[1, 2, 2], &[2, 2, 2], 2, None),              // it has waited there, and stays
+            (&[1, 2, 2], &[2, 2, 3], 1, None),              // it is still there when this robot comes
+            (&[1, 2, 1], &[4, 3, 2], 1, Some(Move::Right)), // it comes later, and waits until this robot has left
+            (&[1, 2, 1], &[2, 3, 2], 0, None),              // it comes back, but has not left yet
+            (&[1, 2, 1], &[2, 3, 2], 1, Some(Move::Right)),
+            (&[1, 1, 1], &[2, 1, 1], 0, Some(Move::Wait)), // waiting enters nothing
         ];
         for (own, theirs, done, expected) in cases {
             let (one, other) = agreed(own, theirs);
