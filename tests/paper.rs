@@ -9,7 +9,7 @@ use iibt_core::grid::{Cell, Path, first_conflict};
 
 /// A chapter as the report has it.
 fn section(id: &str) -> Section {
-    reproduce::chapter(id).expect("there is such a section").run(Run::new(Effort::Quick, &mut |_, _| {}))
+    reproduce::chapter(id).expect("there is such a section").run(&Run::new(Effort::Quick, &|_, _| {}))
 }
 
 /// The items whose description begins so.

@@ -135,10 +135,13 @@ mod tests {
     #[test]
     fn the_dumps_of_all_ticks_are_read() {
         let dump = |function: &str, count: u64| {
-            format!("part: 1\ndesc: Trigger: --dump-before={function}\nevents: Ir\nfn=(1) a\ntotals: {count}\n\n")
+            format!(
+                "part: 1\ndesc: Trigger: --dump-before={function}\nevents: Ir\nfn=(1) a\ntotals: {count}\n\n"
+            )
         };
         let (begin, end) = ("host_sim::flight::act_in_turn", "host_sim::flight::has_acted");
-        let dumps = [(begin, 999), (end, 10), (begin, 7), (end, 30), (begin, 7), (end, 40), (begin, 7), (end, 20)];
+        let dumps =
+            [(begin, 999), (end, 10), (begin, 7), (end, 30), (begin, 7), (end, 40), (begin, 7), (end, 20)];
         let dumps: String = dumps.map(|(function, count)| dump(function, count)).concat();
         let cost = Cost::read(&dumps).unwrap();
         assert_eq!(cost, Cost { ticks: 4, mean: 25.0, median: 30, most: 40, flight: 100 });

@@ -82,7 +82,7 @@ pub fn detour() -> Decision {
 }
 
 /// What section 5.1 comes to.
-pub(super) fn choose(_: &mut Run<'_>) -> Section {
+pub(super) fn choose(_: &Run<'_>) -> Section {
     let mut section = Section::new("5.1", "Two robots, two goals, nobody is told which");
     section.say(
         "Robot 1 weighs each of its four paths with each of robot 2's. As published, its sensors, one sweep of mean-field \
@@ -103,7 +103,7 @@ pub(super) fn choose(_: &mut Run<'_>) -> Section {
 }
 
 /// What section 5.2 comes to.
-pub(super) fn detour_around(_: &mut Run<'_>) -> Section {
+pub(super) fn detour_around(_: &Run<'_>) -> Section {
     let mut section = Section::new("5.2", "An obstacle on the way");
     section.say(
         "One step later an obstacle blocks p30. Its preference falls by one, new paths are weighed beside the rest of the old \

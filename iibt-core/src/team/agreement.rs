@@ -317,19 +317,25 @@ impl Agreement {
                 absorb(&mut hasher, peer.round, peer.epoch, &peer.path);
             }
         }
-        (hasher.finish() as u32).max(1)
+        seal(&hasher)
     }
 }
 
 /// What acknowledges that the robot that opened a round, started so many times, is away.
 fn digest_of_leave(round: Round, epoch: u32) -> u32 {
     let mut hasher = SipHasher24::new();
-    hasher.write(&round.0.to_le_bytes());
-    hasher.write(&epoch.to_le_bytes());
+    absorb(&mut hasher, round, epoch, &Path::default());
+    seal(&hasher)
+}
+
+/// A digest, which is never zero.
+#[inline(never)]
+fn seal(hasher: &SipHasher24) -> u32 {
     (hasher.finish() as u32).max(1)
 }
 
 /// Byte by byte, because the derived `Hash` depends on the width of `usize`.
+#[inline(never)]
 fn absorb(hasher: &mut SipHasher24, round: Round, epoch: u32, path: &Path) {
     hasher.write(&round.0.to_le_bytes());
     hasher.write(&epoch.to_le_bytes());
@@ -424,6 +430,60 @@ mod tests {
         assert_eq!(Round(u16::MAX - 1).next_of(RobotId(1), 2), Some(Round(u16::MAX)));
         assert_eq!(Round(1).rank(RobotId(254), 255), 253);
         assert_eq!((Round(7).opener(0), Round(7).rank(RobotId(3), 0)), (RobotId(0), 0));
+    }
+
+    #[test]
+    fn a_robot_that_is_away_has_the_floor_once_all_have_acknowledged_it_in_this_round() {
+        let [mut away, mut second, mut third] =
+            [0, 1, 2].map(|robot| Agreement::new(RobotId(robot), 3, 1, Cell(2 * u16::from(robot))));
+        away.leave(Cell(0));
+        assert_eq!((away.round(), away.status(), away.goal()), (Round(3), Status::Away, None));
+        assert!(!away.has_floor([&said(&second), &said(&third)].into_iter()), "nobody knows");
+        for robot in [&mut second, &mut third] {
+            let here = robot.path.start;
+            assert!(robot.join(here, [&said(&away)].into_iter()));
+            assert!(robot.give_way([&said(&away)].into_iter()));
+            assert!(!robot.is_agreed() && !robot.is_my_turn([&said(&away)].into_iter()));
+        }
+        assert!(!away.has_floor([&said(&second)].into_iter()), "one is unheard");
+        assert!(away.has_floor([&said(&second), &said(&third)].into_iter()));
+        away.stand(Cell(1));
+        assert_eq!((away.place(&corridor()), away.step()), (Cell(1), 0));
+
+        third.open(Cell(4));
+        assert!(!away.has_floor([&said(&second), &said(&third)].into_iter()), "one is in a newer round");
+        assert!(away.join(Cell(1), [&said(&third)].into_iter()) && !away.is_away());
+    }
+
+    #[test]
+    fn what_was_acknowledged_before_a_restart_counts_no_more() {
+        let mut away = Agreement::new(RobotId(0), 2, 1, Cell(0));
+        let mut teammate = Agreement::new(RobotId(1), 2, 1, Cell(4));
+        away.leave(Cell(0));
+        teammate.join(Cell(4), [&said(&away)].into_iter());
+        teammate.give_way([&said(&away)].into_iter());
+        let mut restarted = Agreement::new(RobotId(0), 2, 2, Cell(0));
+        restarted.leave(Cell(0));
+        assert_eq!(restarted.round(), away.round());
+        assert!(away.has_floor([&said(&teammate)].into_iter()));
+        assert!(!restarted.has_floor([&said(&teammate)].into_iter()));
+        teammate.give_way([&said(&restarted)].into_iter());
+        assert!(restarted.has_floor([&said(&teammate)].into_iter()));
+    }
+
+    #[test]
+    fn an_acknowledgement_is_taken_back_when_the_robot_is_back() {
+        let mut away = Agreement::new(RobotId(0), 2, 1, Cell(0));
+        let mut teammate = Agreement::new(RobotId(1), 2, 1, Cell(4));
+        away.leave(Cell(0));
+        teammate.join(Cell(4), [&said(&away)].into_iter());
+        assert!(teammate.give_way([&said(&away)].into_iter()) && teammate.plan() != 0);
+        assert_eq!(
+            teammate.teammate_away([&said(&away)].into_iter()).map(|peer| peer.robot),
+            Some(RobotId(0))
+        );
+        away.status = Status::Deciding;
+        assert!(!teammate.give_way([&said(&away)].into_iter()) && teammate.plan() == 0);
     }
 
     #[test]
