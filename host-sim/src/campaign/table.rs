@@ -11,7 +11,14 @@ impl Report {
         let mut text = format!("{}, {} each\n\n", self.scenario, counted(self.seeds, "seed"));
         text += &format!(
             "{:<11}  {:<12}  {:<24}  {:>9}  {:>8}  {:<32}  {:>8}  {:>5}\n",
-            "disturbance", "tree", "accomplished", "together", "collided", "ticks: mean, median, 95 %", "messages", "moves"
+            "disturbance",
+            "tree",
+            "accomplished",
+            "together",
+            "collided",
+            "ticks: mean, median, 95 %",
+            "messages",
+            "moves"
         );
         for row in &self.rows {
             text += &row.lines();
