@@ -11,7 +11,7 @@ use serde::Serialize;
 pub enum Disturbance {
     /// None.
     None,
-    /// Every localiser is wrong in 10 % of all readings.
+    /// Every localiser is wrong in 10 % of all readings, and robots that reckon with probabilities know that of their own.
     Noise,
     /// Every move fails with 10 %.
     Slips,
@@ -26,7 +26,7 @@ pub enum Disturbance {
     Pause,
     /// One robot stops for good: what can be asked of the others is to hurt nobody.
     Stop,
-    /// All of them together but the last.
+    /// All of them together but the last, with three times the limit: to charge and to stop takes time.
     All,
 }
 
@@ -93,6 +93,9 @@ impl Disturbance {
         for part in parts {
             part.apply(&mut disturbed, &mut chance);
         }
+        if self == Self::All {
+            disturbed.limit *= 3;
+        }
         disturbed
     }
 
@@ -100,7 +103,8 @@ impl Disturbance {
         match self {
             Self::None | Self::All => {}
             Self::Noise => {
-                scenario.robots.iter_mut().for_each(|robot| robot.localiser = robot.localiser.min(RIGHT))
+                scenario.robots.iter_mut().for_each(|robot| robot.localiser = robot.localiser.min(RIGHT));
+                scenario.inference.sensor = Some(RIGHT as f32);
             }
             Self::Slips => scenario.robots.iter_mut().for_each(|robot| robot.slip = robot.slip.max(SLIP)),
             Self::Loss => scenario.radio.loss = scenario.radio.loss.max(LOSS),

@@ -116,8 +116,8 @@ impl Teammate {
             _ if self.is_lost => !self.stands_in(map).any(|cell| cell == target),
             None => false,
             Some(1) => {
-                let goes_first = self.rank() < own;
-                !self.cells.contains(&target) && !(goes_first && self.next.contains(&target))
+                let goes_there = self.rank() < own && self.next.contains(&target);
+                !goes_there && !self.cells.contains(&target)
             }
             Some(age) => u32::from(map.manhattan(self.cells[0], target)) > age + 1,
         }
