@@ -63,7 +63,7 @@ fn items(mission: &str, row: &Row) -> Vec<Item> {
             side_by_side(|summary| summary.collided.count.to_string()),
             inference.collided.count == 0,
         ),
-        Item::measured(format!("{mission}, {name}: ticks"), side_by_side(|summary| ticks(summary))),
+        Item::measured(format!("{mission}, {name}: ticks"), side_by_side(ticks)),
         Item::measured(
             format!("{mission}, {name}: frames sent"),
             side_by_side(|summary| number(summary.messages.mean)),
