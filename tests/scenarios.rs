@@ -185,7 +185,7 @@ mod shift {
         for plan in agreed(record) {
             assert!(is_joint(plan) && is_clear(plan), "{case}: {plan:?}");
         }
-        for cause in [Cause::Obstacle, Cause::WayPoint, Cause::Charged] {
+        for cause in [Cause::Obstacle, Cause::Charged] {
             assert!(causes(record, cause) >= 1, "{case}: {cause:?}");
         }
         assert_eq!(
