@@ -3,7 +3,7 @@
 use host_sim::reproduce;
 use iibt_core::grid::{Cell, Map};
 use iibt_core::iibt::Mission;
-use iibt_core::iibt::navigation::{OBSTACLE, Plan};
+use iibt_core::iibt::navigation::{Cause, OBSTACLE, Plan};
 use iibt_core::team::{Round, Status};
 use tests::team::{Hardship, Team};
 
@@ -335,4 +335,170 @@ fn a_robot_that_restarts_where_it_began_has_the_team_decide_again() {
     team.restart(2);
     fly_until(&mut team, "a new round", |team| team.robots[2].report().round > Round(0));
     fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
+}
+
+/// Whether the cells a robot stood in, tick by tick, pass over these in their order.
+fn passed(cells: &[u16], points: &[u16]) -> bool {
+    let mut left = cells.iter();
+    points.iter().all(|point| left.any(|cell| cell == point))
+}
+
+/// Flies until all have stopped; returns the cells of every robot, tick by tick.
+fn fly_to_the_end(team: &mut Team<'_>, robots: usize) -> Vec<Vec<u16>> {
+    let mut tracks = vec![vec![]; robots];
+    fly_until_and(team, "all stop", |team| {
+        for (track, cell) in tracks.iter_mut().zip(cells(team)) {
+            track.push(cell);
+        }
+        stopped(team, robots)
+    });
+    tracks
+}
+
+fn fly_until_and(team: &mut Team<'_>, what: &str, mut reached: impl FnMut(&Team<'_>) -> bool) {
+    for _ in 0..600 {
+        team.tick();
+        if reached(team) {
+            return;
+        }
+    }
+    panic!("never: {what}; {:?} on {:?}", statuses(team), cells(team));
+}
+
+#[test]
+fn a_robot_on_its_way_visits_its_way_points_in_order_and_the_team_arrives_together() {
+    let mission = factory();
+    let mut team = team(&mission);
+    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    let before = preference(&team);
+    team.robots[0].visit(Cell(42)).expect("it is free");
+    team.robots[0].visit(Cell(4)).expect("it is free");
+    fly_until(&mut team, "all agree again", |team| {
+        all(team, Status::Agreed) && team.robots[0].report().round > Round(0)
+    });
+    assert_eq!(team.robots[0].report().cause, Some(Cause::WayPoint));
+    let lengths: Vec<_> = team.robots.iter().map(|robot| robot.report().path.len()).collect();
+    assert!(lengths.iter().all(|&length| length == lengths[0]), "they arrive together: {lengths:?}");
+    let tracks = fly_to_the_end(&mut team, 3);
+    assert!(passed(&tracks[0], &[42, 4]), "{:?}", tracks[0]);
+    assert!(team.robots[0].navigation().waypoints().is_empty());
+    assert_eq!(preference(&team), before, "C is what it was, to the last bit");
+}
+
+#[test]
+fn two_robots_with_way_points_of_their_own_come_to_one_plan_within_a_round_each() {
+    for (loss, rounds) in [(0.0, 8), (0.3, 8)] {
+        for seed in 0..20 {
+            let mission = factory();
+            let mut team = Team::new(&mission, Hardship { loss, ..Hardship::default() }, seed);
+            fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+            team.robots[0].visit(Cell(4)).expect("it is free");
+            team.robots[2].visit(Cell(42)).expect("it is free");
+            fly_until(&mut team, "all agree again", |team| {
+                all(team, Status::Agreed) && team.robots[0].report().round > Round(0)
+            });
+            let round = team.robots[0].report().round;
+            assert!(round <= Round(rounds), "loss {loss}, seed {seed}: {round:?}");
+            let tracks = fly_to_the_end(&mut team, 3);
+            assert!(passed(&tracks[0], &[4]) && passed(&tracks[2], &[42]), "loss {loss}, seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn a_robot_that_has_arrived_sets_out_again_for_a_way_point() {
+    let mission = factory();
+    let mut team = team(&mission);
+    fly_until(&mut team, "all stop", |team| stopped(team, 3));
+    team.robots[1].visit(Cell(0)).expect("it is free");
+    let tracks = fly_to_the_end(&mut team, 3);
+    assert!(passed(&tracks[1], &[0]));
+}
+
+/// The factory with the paper's chargers.
+fn with_chargers() -> Mission<'static, 2> {
+    static CHARGERS: [Option<Cell>; 3] = [Some(Cell(13)), Some(Cell(27)), Some(Cell(41))];
+    Mission { chargers: &CHARGERS, ..factory() }
+}
+
+#[test]
+fn a_robot_with_a_low_battery_drives_to_its_charger_while_the_others_stand_and_then_all_decide_anew() {
+    let mission = with_chargers();
+    let mut team = team(&mission);
+    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    team.robots[0].hardware_mut().charge = 10;
+    fly_until(&mut team, "robot 1 has left", |team| team.robots[0].report().cause == Some(Cause::Battery));
+    fly_until(&mut team, "robot 1 moves", |team| team.robots[0].hardware().cell != Cell(28));
+    let (left, standing) = (team.robots[0].report().round, cells(&team)[1..].to_vec());
+    fly_until(&mut team, "robot 1 is on its charger", |team| {
+        assert_eq!(cells(team)[1..], standing, "the others wait");
+        assert_eq!(statuses(team)[0], Status::Away);
+        team.robots[0].hardware().cell == Cell(13)
+    });
+    fly_until(&mut team, "all decide anew", |team| all(team, Status::Agreed));
+    assert!(team.robots[0].report().round > left);
+    assert_eq!(team.robots[0].report().cause, Some(Cause::Charged));
+    assert_eq!((cells(&team)[0], cells(&team)[1..].to_vec()), (13, standing));
+    fly_until(&mut team, "all stop", |team| stopped(team, 3));
+}
+
+#[test]
+fn robots_that_are_low_at_once_charge_one_after_another() {
+    let mission = with_chargers();
+    let mut team = team(&mission);
+    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    for robot in &mut team.robots {
+        robot.hardware_mut().charge = 10;
+    }
+    let mut before = cells(&team);
+    for _ in 0..150 {
+        team.tick();
+        let now = cells(&team);
+        let moved = now.iter().zip(&before).filter(|(now, before)| now != before).count();
+        let charged = team.robots.iter().all(|robot| robot.hardware().charge >= 90);
+        assert!(moved <= 1 || charged, "one drives at a time: {before:?} {now:?}");
+        before = now;
+    }
+    fly_until(&mut team, "all stop", |team| stopped(team, 3));
+}
+
+/// Nothing leads to the charger in the corner 6 but cells that have become blocked.
+#[test]
+fn a_robot_without_a_way_to_its_charger_stands_with_its_leaf_running_and_the_team_waits() {
+    static CHARGERS: [Option<Cell>; 1] = [Some(Cell(6))];
+    let mission = Mission { chargers: &CHARGERS, ..factory() };
+    let mut team = team(&mission);
+    assert!([5, 13].iter().all(|&cell| team.map.block(Cell(cell))));
+    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    team.robots[0].hardware_mut().charge = 10;
+    for _ in 0..100 {
+        team.tick();
+    }
+    let (standing, rounds) = (cells(&team), team.robots[0].report().round);
+    for _ in 0..50 {
+        team.tick();
+        assert_eq!(cells(&team), standing);
+        assert_eq!(team.robots[0].activity(), Some("Recharge"));
+        assert_eq!(team.last_statuses()[0], iibt_core::tree::Status::Running);
+    }
+    assert_eq!(team.robots[0].report().round, rounds, "it does not call round after round");
+    team.robots[0].hardware_mut().charge = 95;
+    fly_until(&mut team, "all stop", |team| stopped(team, 3));
+}
+
+/// A corridor with the charger at its closed end, where a teammate stands.
+#[test]
+fn a_teammate_that_stands_in_the_way_to_a_charger_steps_aside() {
+    let mut map = Map::new(7, 7).expect("49 cells fit two words");
+    assert!((7..=12).all(|cell| map.block(Cell(cell))), "a wall below the first row");
+    static STARTS: [Cell; 2] = [Cell(28), Cell(2)];
+    static GOALS: [Cell; 2] = [Cell(24), Cell(26)];
+    static CHARGERS: [Option<Cell>; 1] = [Some(Cell(0))];
+    let mission = Mission { chargers: &CHARGERS, ..Mission::new(map, &STARTS, &GOALS) };
+    let mut team = team(&mission);
+    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    team.robots[0].hardware_mut().charge = 10;
+    fly_until(&mut team, "robot 2 steps aside", |team| team.robots[1].report().cause == Some(Cause::Room));
+    fly_until(&mut team, "robot 1 is on its charger", |team| team.robots[0].hardware().cell == Cell(0));
+    fly_until(&mut team, "all stop", |team| stopped(team, 2));
 }

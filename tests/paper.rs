@@ -9,7 +9,7 @@ use iibt_core::grid::{Cell, Path, first_conflict};
 
 /// A chapter as the report has it.
 fn section(id: &str) -> Section {
-    reproduce::chapter(id).expect("there is such a section").run(Run::new(Effort::Quick, &mut |_, _| {}))
+    reproduce::chapter(id).expect("there is such a section").run(&Run::new(Effort::Quick, &|_, _| {}))
 }
 
 /// The items whose description begins so.
@@ -150,6 +150,26 @@ fn the_lists_that_the_paper_does_not_print_are_reported_as_unknown() {
     let unknown = section.items.iter().filter(|item| item.verdict == Verdict::Unknown).collect::<Vec<_>>();
     assert_eq!(unknown.len(), 3);
     assert!(unknown.iter().all(|item| item.ours.is_none() && item.note.is_some()));
+}
+
+#[test]
+fn section_6_2_gives_the_reported_probabilities_with_both_presets() {
+    let section = section("6.2");
+    for preset in ["default", "calibrated"] {
+        let printed =
+            section.items.iter().filter(|item| item.what.starts_with("P(π") && item.what.ends_with(preset));
+        assert_all(&printed.collect::<Vec<_>>(), 4, Verdict::Agrees);
+    }
+}
+
+#[test]
+fn the_tables_are_counted_from_the_trees_and_what_differs_says_why() {
+    let section = section("tables");
+    assert_all(&items(&section, "table 3, conventional"), 6, Verdict::Agrees);
+    assert_all(&items(&section, "table 7"), 12, Verdict::Agrees);
+    assert_all(&items(&section, "table 6, conventional, as drawn"), 6, Verdict::Differs);
+    let differing = section.items.iter().filter(|item| item.verdict == Verdict::Differs).collect::<Vec<_>>();
+    assert!(differing.len() == 7 && differing.iter().all(|item| item.note.is_some()), "{differing:?}");
 }
 
 #[test]

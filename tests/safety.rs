@@ -10,6 +10,9 @@ use tests::team::{Hardship, Outcome, Random, Team};
 
 const RUNS: u64 = 200;
 
+/// How many missions with errands, which take longer.
+const LONG_RUNS: u64 = 150;
+
 /// A random map with walls in a tenth of its cells, and a team of two to five robots with as many goals, and chargers for
 /// all but the last robot, all within reach of each other.
 fn fly(seed: u64, hardship: Hardship) -> Outcome {
@@ -40,13 +43,17 @@ fn fly_at(seed: u64, hardship: Hardship, ticks: [u32; 5], paces: &[u8]) -> Outco
 
 /// Flies many missions; returns in how many all robots arrived.
 fn campaign(name: &str, hardship: Hardship) -> usize {
+    campaign_of(RUNS, name, hardship)
+}
+
+fn campaign_of(runs: u64, name: &str, hardship: Hardship) -> usize {
     let mut arrived = 0;
-    for seed in 0..RUNS {
+    for seed in 0..runs {
         let outcome = fly(seed, hardship);
         assert_eq!(outcome.collisions, 0, "{name}: seed {seed}: {outcome:?}");
         arrived += usize::from(outcome.arrived.is_some());
     }
-    println!("{name}: all arrived in {arrived} of {RUNS}");
+    println!("{name}: all arrived in {arrived} of {runs}");
     arrived
 }
 
@@ -82,7 +89,7 @@ fn with_localisers_that_err_as_often_as_the_model_says() {
 #[test]
 fn with_low_batteries_and_way_points() {
     let hardship = Hardship { low_battery: 0.02, errand: 0.02, ..Hardship::default() };
-    assert!(campaign("errands", hardship) >= 195);
+    assert!(campaign_of(LONG_RUNS, "errands", hardship) >= 145);
 }
 
 #[test]
@@ -98,7 +105,7 @@ fn with_low_batteries_and_way_points_and_everything_else_that_goes_wrong() {
         errand: 0.02,
         ..Hardship::default()
     };
-    assert!(campaign("hard day", hardship) >= 150);
+    assert!(campaign_of(LONG_RUNS, "hard day", hardship) >= 132);
 }
 
 #[test]
@@ -112,7 +119,7 @@ fn with_low_batteries_and_robots_that_restart() {
         errand: 0.02,
         ..Hardship::default()
     };
-    assert!(campaign("restarts away", hardship) >= 100);
+    assert!(campaign_of(LONG_RUNS, "restarts away", hardship) >= 138);
 }
 
 #[test]
@@ -133,7 +140,7 @@ fn with_no_radio_at_all_nobody_moves() {
 mod with_robots_of_different_paces {
     use super::*;
 
-    /// Robots whose moves take up to six ticks, so three steps, on all kinds of ground; returns in how many missions all arrived.
+    /// Robots whose moves take up to six ticks, on all kinds of ground; returns in how many missions all arrived.
     fn campaign(hardship: Hardship, paces: fn([u32; 5]) -> [u8; 5]) -> usize {
         let outcomes = (0..RUNS).map(|seed| {
             let ticks = [0, 1, 2, 3, 4].map(|robot| 1 + ((seed / 4 + robot * 5) % 6) as u32);
@@ -145,7 +152,7 @@ mod with_robots_of_different_paces {
     }
 
     fn known(ticks: [u32; 5]) -> [u8; 5] {
-        ticks.map(|ticks| ticks.div_ceil(2) as u8)
+        ticks.map(|ticks| ticks as u8)
     }
 
     #[test]
@@ -233,66 +240,6 @@ fn with_a_teammate_that_talks_nonsense_nobody_breaks() {
                 let report = robot.report();
                 assert!(report.path.is_open(&mission.map) && (0.0..=1.0).contains(&report.probability));
             }
-        }
-    }
-}
-
-#[test]
-fn zzz_diagnose() {
-    let hardship = Hardship { low_battery: 0.02, errand: 0.02, ..Hardship::default() };
-    for seed in 0..60 {
-        let mut random = Random::new(seed);
-        let mut map = Map::<2>::new(7, 7).unwrap();
-        for cell in 0..49 {
-            if random.chance(0.1) {
-                map.block(Cell(cell));
-            }
-        }
-        let mut free: Vec<Cell> = (0..49).map(Cell).filter(|&cell| map.is_free(cell)).collect();
-        let mut planner = Planner::<49>::new();
-        let anchor = free[0];
-        free.retain(|&cell| planner.shortest(&map, anchor, cell).is_ok());
-        let mut draw = || free.swap_remove(random.below(free.len() as u32) as usize);
-        let size = 2 + (seed % 4) as usize;
-        let starts: Vec<Cell> = (0..size).map(|_| draw()).collect();
-        let goals: Vec<Cell> = (0..size).map(|_| draw()).collect();
-        let chargers: Vec<Option<Cell>> = (1..size).map(|_| Some(draw())).collect();
-        let mission = Mission { chargers: &chargers, ..Mission::new(map, &starts, &goals) };
-        let mut team = Team::new(&mission, hardship, seed);
-        let mut done = false;
-        for _ in 0..600 {
-            team.tick();
-            if team.last_statuses().iter().all(|s| *s == iibt_core::tree::Status::Success) {
-                done = true;
-                break;
-            }
-        }
-        if done {
-            continue;
-        }
-        println!("seed {seed} goals {goals:?} chargers {chargers:?}");
-        for r in 0..7 {
-            println!(
-                "{}",
-                (0..7).map(|c| if map.is_free(Cell(r * 7 + c)) { '.' } else { '#' }).collect::<String>()
-            );
-        }
-        for robot in &team.robots {
-            let rep = robot.report();
-            println!(
-                "  at {:?} {:?} round {:?} cause {:?} goal {:?} step {} of {} way {:?} charge {} {:?} conf {}",
-                robot.hardware().cell,
-                rep.status,
-                rep.round,
-                rep.cause,
-                rep.goal,
-                rep.step,
-                rep.path.len(),
-                robot.navigation().waypoints(),
-                robot.hardware().charge,
-                robot.activity(),
-                rep.confidence
-            );
         }
     }
 }

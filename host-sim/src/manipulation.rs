@@ -26,7 +26,7 @@ mod terms;
 mod trees;
 mod world;
 
-pub use campaign::{Campaign, Findings, Mean, Rate};
+pub use campaign::{Campaign, Findings};
 pub use comparison::{CONTENDERS, Compared, Contender, LEVELS, compare};
 pub use narration::narrate;
 pub use record::{Actions, Decided, RobotTick, Run, Thought, Tick};

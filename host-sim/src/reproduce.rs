@@ -8,12 +8,14 @@
 //! computed when it was made.
 
 mod beyond;
+mod comparison;
 mod decision;
 mod figure;
 mod page;
 mod report;
 mod section_5;
 mod section_6_1;
+mod section_6_2;
 mod table;
 mod tables;
 
@@ -37,11 +39,12 @@ pub enum Effort {
 }
 
 /// How a chapter is run.
+#[derive(Clone, Copy)]
 pub struct Run<'p> {
     /// How much is flown.
     pub effort: Effort,
     /// Hears how far it has come: steps done, of how many.
-    pub progress: &'p mut dyn FnMut(usize, usize),
+    pub progress: &'p (dyn Fn(usize, usize) + Sync),
 }
 
 /// A chapter of the report: what makes a section.
@@ -51,12 +54,12 @@ pub struct Chapter {
     pub id: &'static str,
     /// What it is about, in a few words.
     pub about: &'static str,
-    run: fn(&mut Run<'_>) -> Section,
+    run: fn(&Run<'_>) -> Section,
 }
 
 impl<'p> Run<'p> {
     /// With this effort, and whoever wants to hear how far it has come.
-    pub fn new(effort: Effort, progress: &'p mut dyn FnMut(usize, usize)) -> Self {
+    pub fn new(effort: Effort, progress: &'p (dyn Fn(usize, usize) + Sync)) -> Self {
         Self { effort, progress }
     }
 
@@ -72,8 +75,8 @@ impl<'p> Run<'p> {
 
 impl Chapter {
     /// Runs it.
-    pub fn run(&self, mut run: Run<'_>) -> Section {
-        (self.run)(&mut run)
+    pub fn run(&self, run: &Run<'_>) -> Section {
+        (self.run)(run)
     }
 }
 
@@ -82,7 +85,9 @@ pub const CHAPTERS: &[Chapter] = &[
     Chapter { id: "5.1", about: "two robots, two goals", run: section_5::choose },
     Chapter { id: "5.2", about: "an obstacle on the way", run: section_5::detour_around },
     Chapter { id: "6.1", about: "three robots, obstacles, way-points, batteries", run: section_6_1::mission },
+    Chapter { id: "6.2", about: "a bottle and a plate", run: section_6_2::manipulate },
     Chapter { id: "tables", about: "how large the trees are", run: tables::count },
+    Chapter { id: "comparison", about: "inference and conventional trees", run: comparison::compare },
     Chapter { id: "beyond", about: "unlike robots, learned preferences", run: beyond::measure },
 ];
 

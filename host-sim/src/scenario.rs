@@ -164,11 +164,10 @@ pub struct Inference {
 }
 
 impl Robot {
-    /// The steps of a plan that one of its moves takes: a step takes two ticks, one to move and one to hear that the others
-    /// have.
+    /// The steps of a plan that one of its moves takes: a step takes a tick at the least.
     #[must_use]
     pub const fn steps(&self) -> u8 {
-        self.pace.div_ceil(2) as u8
+        self.pace as u8
     }
 }
 

@@ -72,7 +72,7 @@ mod timeline;
 mod value;
 mod xml;
 
-pub use bound::{Bound, Leaf};
+pub use bound::Bound;
 pub use census::Census;
 pub use check::check;
 pub use diagnostic::{Diagnostic, Place, Remarks, Severity};

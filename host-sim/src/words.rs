@@ -1,6 +1,7 @@
 //! Words that people read, shared by all who write to them.
 
 use iibt_core::grid::{Cell, Move};
+use iibt_core::iibt::navigation::Cause;
 
 /// A number and what it counts: `1 goal`, `2 goals`.
 pub(crate) fn counted(number: u32, thing: &str) -> String {
@@ -23,4 +24,18 @@ pub(crate) fn move_name(step: Move) -> &'static str {
 /// The move with a name, or `None`.
 pub(crate) fn move_called(name: &str) -> Option<Move> {
     Move::ALL.into_iter().find(|&step| move_name(step) == name)
+}
+
+/// Why a robot calls its team to another decision, in a few words.
+pub(crate) const fn cause_words(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Obstacle => "an obstacle on its path",
+        Cause::WayPoint => "a way-point to visit",
+        Cause::Battery => "a low battery",
+        Cause::Room => "room for a teammate",
+        Cause::Charged => "back from its charger",
+        Cause::Position => "not where its path says",
+        Cause::Outdated => "a teammate that began anew",
+        Cause::Misfit => "its choice did not fit",
+    }
 }

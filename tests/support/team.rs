@@ -208,12 +208,16 @@ impl<'m> Team<'m> {
         }
     }
 
-    /// Whoever is on its charger is charged quickly; a robot that has none, slowly wherever it is.
+    /// Whoever is on its charger is charged quickly; a robot that has none slowly wherever it is, if batteries fall.
     fn charge_all(&mut self) {
         for robot in &mut self.robots {
             let charger = robot.navigation().charger();
             let body = robot.hardware_mut();
-            let gain = if charger == Some(body.cell) { 20 } else { u8::from(charger.is_none()) * 4 };
+            let gain = if charger == Some(body.cell) {
+                20
+            } else {
+                u8::from(charger.is_none() && self.hardship.low_battery > 0.0) * 4
+            };
             body.charge = (body.charge + gain).min(100);
         }
     }

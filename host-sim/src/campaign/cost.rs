@@ -37,8 +37,8 @@ pub enum NotMeasured {
     Unreadable(String),
 }
 
-/// The function whose calls are counted: see `flight.rs`.
-const TICK: &str = "*host_sim*flight*act_in_turn*";
+/// The functions that a tick begins and ends with: see `flight.rs`.
+const TICK: [&str; 2] = ["host_sim::flight::act_in_turn", "host_sim::flight::has_acted"];
 
 /// Flies a scenario once with `program`, which is the simulator itself, under valgrind.
 ///
@@ -49,8 +49,8 @@ const TICK: &str = "*host_sim*flight*act_in_turn*";
 pub fn cost(program: &Path, scenario: &str, pilot: Pilot, seed: u64) -> Result<Cost, NotMeasured> {
     let folder = Folder::new().map_err(|error| NotMeasured::Unreadable(error.to_string()))?;
     let output = Command::new("valgrind")
-        .args(["--tool=callgrind", "--combine-dumps=yes", "--compress-strings=yes"])
-        .args([format!("--toggle-collect={TICK}"), format!("--dump-after={TICK}")])
+        .args(["--tool=callgrind", "--combine-dumps=yes"])
+        .args(TICK.map(|function| format!("--dump-before={function}")))
         .arg(format!("--callgrind-out-file={}", folder.dumps().display()))
         .arg(program)
         .args(["run", scenario, "--quiet", "--tree", pilot.name(), "--seed", &seed.to_string()])
@@ -69,10 +69,17 @@ pub fn cost(program: &Path, scenario: &str, pilot: Pilot, seed: u64) -> Result<C
 }
 
 impl Cost {
-    /// From callgrind's dumps, one after every tick.
+    /// From callgrind's dumps: each holds the instructions since the one before, and names the function before which it was made.
     fn read(dumps: &str) -> Result<Self, NotMeasured> {
-        let counts = dumps.lines().filter_map(|line| line.strip_prefix("totals: ")?.trim().parse().ok());
-        let mut ticks: Vec<u64> = counts.filter(|&count| count > 0).collect();
+        let mut ends_a_tick = false;
+        let mut ticks: Vec<u64> = Vec::new();
+        for line in dumps.lines() {
+            if let Some(trigger) = line.strip_prefix("desc: Trigger: ") {
+                ends_a_tick = trigger.ends_with(TICK[1]);
+            } else if let Some(count) = line.strip_prefix("totals: ").filter(|_| ends_a_tick) {
+                ticks.extend(count.trim().parse::<u64>().ok());
+            }
+        }
         ticks.sort_unstable();
         let (Some(&most), flight) = (ticks.last(), ticks.iter().sum::<u64>()) else {
             return Err(NotMeasured::Unreadable(
@@ -127,8 +134,16 @@ mod tests {
 
     #[test]
     fn the_dumps_of_all_ticks_are_read() {
-        let dumps = "events: Ir\ntotals: 10\n\ntotals: 30\nfn=(1)\ntotals: 0\ntotals: 20\ntotals: 40\n";
-        let cost = Cost::read(dumps).unwrap();
+        let dump = |function: &str, count: u64| {
+            format!(
+                "part: 1\ndesc: Trigger: --dump-before={function}\nevents: Ir\nfn=(1) a\ntotals: {count}\n\n"
+            )
+        };
+        let (begin, end) = ("host_sim::flight::act_in_turn", "host_sim::flight::has_acted");
+        let dumps =
+            [(begin, 999), (end, 10), (begin, 7), (end, 30), (begin, 7), (end, 40), (begin, 7), (end, 20)];
+        let dumps: String = dumps.map(|(function, count)| dump(function, count)).concat();
+        let cost = Cost::read(&dumps).unwrap();
         assert_eq!(cost, Cost { ticks: 4, mean: 25.0, median: 30, most: 40, flight: 100 });
         assert!(Cost::read("").unwrap_err().to_string().starts_with("not measured: valgrind saw no tick"));
     }

@@ -11,13 +11,14 @@ use serde::Serialize;
 pub enum Disturbance {
     /// None.
     None,
-    /// Every localiser is wrong in 10 % of all readings.
+    /// Every localiser is wrong in 10 % of all readings, and robots that reckon with probabilities know that of their own.
     Noise,
     /// Every move fails with 10 %.
     Slips,
     /// The radio loses 30 % of all frames.
     Loss,
-    /// Three obstacles appear where ways around them are left.
+    /// Three obstacles appear where ways around them are left. Robots that have lists of paths plan by themselves: an obstacle
+    /// may block all that are listed.
     Obstacles,
     /// One robot's battery falls to 15 %. Where the scenario has no chargers, robots charge where they started.
     Battery,
@@ -25,7 +26,7 @@ pub enum Disturbance {
     Pause,
     /// One robot stops for good: what can be asked of the others is to hurt nobody.
     Stop,
-    /// All of them together but the last.
+    /// All of them together but the last, with three times the limit: to charge and to stop takes time.
     All,
 }
 
@@ -92,6 +93,9 @@ impl Disturbance {
         for part in parts {
             part.apply(&mut disturbed, &mut chance);
         }
+        if self == Self::All {
+            disturbed.limit *= 3;
+        }
         disturbed
     }
 
@@ -99,7 +103,8 @@ impl Disturbance {
         match self {
             Self::None | Self::All => {}
             Self::Noise => {
-                scenario.robots.iter_mut().for_each(|robot| robot.localiser = robot.localiser.min(RIGHT))
+                scenario.robots.iter_mut().for_each(|robot| robot.localiser = robot.localiser.min(RIGHT));
+                scenario.inference.sensor = Some(RIGHT as f32);
             }
             Self::Slips => scenario.robots.iter_mut().for_each(|robot| robot.slip = robot.slip.max(SLIP)),
             Self::Loss => scenario.radio.loss = scenario.radio.loss.max(LOSS),
@@ -140,6 +145,7 @@ fn some_tick(scenario: &Scenario, chance: &mut Chance) -> u32 {
 
 /// Lets obstacles appear in cells that nobody needs and without which the rest of the floor still hangs together.
 fn block(scenario: &mut Scenario, chance: &mut Chance) {
+    scenario.robots.iter_mut().for_each(|robot| robot.paths.clear());
     let mut floor = scenario.map;
     let blocks = |event: &Event| if let Effect::Block(cell) = event.effect { Some(cell) } else { None };
     scenario.events.iter().filter_map(blocks).for_each(|cell| _ = floor.block(cell));

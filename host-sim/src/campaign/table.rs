@@ -4,13 +4,22 @@ use super::{Comparison, Report, Row, Summary};
 use crate::statistics::{Difference, Distribution, Share};
 use crate::words::counted;
 
-const HEADER: &str = "disturbance  tree           accomplished           together  collided  ticks: mean, median, 95 %      messages  moves\n";
-
 impl Report {
     /// This as a table: a line for each disturbance and pilot, and one that compares the first two.
     #[must_use]
     pub fn table(&self) -> String {
-        let mut text = format!("{}, {} each\n\n{HEADER}", self.scenario, counted(self.seeds, "seed"));
+        let mut text = format!("{}, {} each\n\n", self.scenario, counted(self.seeds, "seed"));
+        text += &format!(
+            "{:<11}  {:<12}  {:<24}  {:>9}  {:>8}  {:<32}  {:>8}  {:>5}\n",
+            "disturbance",
+            "tree",
+            "accomplished",
+            "together",
+            "collided",
+            "ticks: mean, median, 95 %",
+            "messages",
+            "moves"
+        );
         for row in &self.rows {
             text += &row.lines();
         }
@@ -74,7 +83,7 @@ fn share(share: &Share) -> String {
 
 fn distribution(of: &Distribution) -> String {
     if of.count == 0 {
-        return format!("{:>30}", "-");
+        return format!("{:>32}", "-");
     }
     let [low, high] = of.interval;
     format!("{:>5.1} ({low:>5.1} to {high:>5.1}) {:>4.0} {:>4.0}", of.mean, of.median, of.p95)
@@ -85,6 +94,6 @@ fn difference(of: &Difference) -> String {
         return "-".to_owned();
     }
     let [low, high] = of.interval;
-    let mark = if of.is_significant() { "" } else { ", none to speak of" };
+    let mark = if of.is_significant() { "" } else { "; not significant" };
     format!("{:+.1} ({low:+.1} to {high:+.1}{mark})", of.mean)
 }

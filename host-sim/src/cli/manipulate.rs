@@ -3,9 +3,9 @@
 use super::{Failure, NOT_ACCOMPLISHED, print, probability};
 use clap::{Args, ValueEnum};
 use host_sim::manipulation::{
-    Campaign, Compared, Detail, Disturbances, Findings, Mean, Rate, Terms, Trees, Trust, compare, narrate,
-    run,
+    Campaign, Compared, Detail, Disturbances, Findings, Terms, Trees, Trust, compare, narrate, run,
 };
+use host_sim::statistics::{Distribution, Share};
 use iibt_core::iibt::manipulation::{Order, Preset};
 use serde::Serialize;
 use std::process::ExitCode;
@@ -185,8 +185,8 @@ fn side_by_side(compared: &[Compared]) -> String {
             "{:<5}  {:<30}  {:<19}  {:<10.2}  {:<22}  {:.2}\n",
             of.level,
             of.contender,
-            format!("{:.1} {}", 100.0 * success.rate, range(success.interval, 100.0)),
-            100.0 * mistaken.rate,
+            format!("{:.1} {}", 100.0 * success.ratio, range(success.interval, 100.0)),
+            100.0 * mistaken.ratio,
             format!("{:.2} {}", ticks.mean, range(ticks.interval, 1.0)),
             retries.mean
         )
@@ -198,10 +198,12 @@ fn side_by_side(compared: &[Compared]) -> String {
 }
 
 fn table(findings: &Findings) -> String {
-    let rate = |Rate { count, of, rate, interval: [low, high] }: Rate| {
-        format!("{count} of {of}, {:.2} % ({:.2} to {:.2})", 100.0 * rate, 100.0 * low, 100.0 * high)
+    let rate = |Share { count, of, ratio, interval: [low, high] }: Share| {
+        format!("{count} of {of}, {:.2} % ({:.2} to {:.2})", 100.0 * ratio, 100.0 * low, 100.0 * high)
     };
-    let mean = |Mean { mean, interval: [low, high], .. }: Mean| format!("{mean:.2} ({low:.2} to {high:.2})");
+    let mean = |Distribution { mean, interval: [low, high], .. }: Distribution| {
+        format!("{mean:.2} ({low:.2} to {high:.2})")
+    };
     let rows = [
         ("success", rate(findings.success)),
         ("mistaken", rate(findings.mistaken)),

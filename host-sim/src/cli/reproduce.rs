@@ -69,7 +69,7 @@ fn run(chapter: &Chapter, effort: Effort) -> Section {
     if !terminal {
         say(format!("{title}\n"));
     }
-    let section = chapter.run(Run::new(effort, &mut |done, all| {
+    let section = chapter.run(&Run::new(effort, &|done, all| {
         if terminal {
             say(format!("\r\x1b[K{title}, {done} of {all}"));
         }

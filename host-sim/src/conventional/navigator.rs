@@ -332,7 +332,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
     fn may_arrive(&self) -> bool {
         let is_last =
             self.proposal.is_some_and(|step| step != Move::Wait) && self.step + 1 == self.path.len();
-        let ready = |mate: &Teammate| mate.remaining().is_some_and(|moves| moves <= 1);
+        let ready = |mate: &Teammate| !mate.is_lost && mate.announced().is_some_and(|moves| moves <= 1);
         let Some(here) = self.position.here() else { return true };
         let wants_to_pass =
             |mate: &Teammate| mate.rest.cells(&self.orders.map).skip(1).any(|cell| cell == here);

@@ -49,6 +49,9 @@ const STANDING: u32 = 4;
 /// After so many, one that has the right of way is, too.
 const STUCK: u32 = 8;
 
+/// For so many ticks a robot that is not heard is taken to go on as it said.
+const TRUSTED: u32 = 4;
+
 /// How many cells further a robot that is lost may stand: the frames that told of its last moves may be lost as well.
 const UNHEARD_MOVES: usize = 4;
 
@@ -86,13 +89,19 @@ impl Teammate {
         }
     }
 
-    /// How many moves it has to go, if it went on as it said; `None` when it is not on its way to a goal.
+    /// How many moves it has to go, if it went on as it said; `None` when it is not on its way to a goal, or was not heard
+    /// for too long to say.
     pub(super) fn remaining(&self) -> Option<usize> {
-        let since = self.age.filter(|_| self.status == Status::Agreed).map_or(0, |age| age as usize - 1);
+        let age = self.age.filter(|&age| age <= TRUSTED)?;
+        let since = if self.status == Status::Agreed { age as usize - 1 } else { 0 };
+        self.announced().map(|moves| moves.saturating_sub(since))
+    }
+
+    /// How many moves it had to go by its own word, the one it was making not counted; `None` when it is not on its way to
+    /// a goal.
+    pub(super) fn announced(&self) -> Option<usize> {
         match self.status {
-            Status::Agreed | Status::Announced if self.goal.is_some() => {
-                Some(self.rest.len().saturating_sub(since))
-            }
+            Status::Agreed | Status::Announced if self.goal.is_some() => Some(self.rest.len()),
             Status::Arrived => Some(0),
             _ => None,
         }
@@ -107,8 +116,8 @@ impl Teammate {
             _ if self.is_lost => !self.stands_in(map).any(|cell| cell == target),
             None => false,
             Some(1) => {
-                let goes_first = self.rank() < own;
-                !self.cells.contains(&target) && !(goes_first && self.next.contains(&target))
+                let goes_there = self.rank() < own && self.next.contains(&target);
+                !goes_there && !self.cells.contains(&target)
             }
             Some(age) => u32::from(map.manhattan(self.cells[0], target)) > age + 1,
         }
@@ -215,7 +224,7 @@ mod tests {
     fn a_teammate_on_its_way_is_taken_to_go_on() {
         let remaining =
             |age, status| Teammate::heard(&corridor(), &saying(&[2, 3, 4, 5], status), age).remaining();
-        assert_eq!([1, 2, 9].map(|age| remaining(age, Status::Agreed)), [2, 1, 0].map(Some));
+        assert_eq!([1, 2, 4, 5].map(|age| remaining(age, Status::Agreed)), [Some(2), Some(1), Some(0), None]);
         assert_eq!(remaining(4, Status::Announced), Some(3));
         assert_eq!(remaining(1, Status::Arrived), Some(0));
         assert_eq!(remaining(1, Status::Deciding), None);

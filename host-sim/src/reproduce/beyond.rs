@@ -17,8 +17,8 @@ pub(super) fn measure(run: &mut Run<'_>) -> Section {
     let mut section = Section::new("beyond", "Beyond the paper: unlike robots, learned preferences");
     section.say(
         "Robots that differ in pace and in sensors: the scenario `mixed` with starts and goals drawn for each seed. The teams that \
-         know their paces plan a slow robot's moves as the steps they take, so that the others go on meanwhile, and give it a \
-         near goal; the others take every robot for a fast one and wait for it at each step. Both fly the same missions.",
+         know their paces plan a slow robot's moves as the steps they take, so they give it a near goal and ways past it; the others take every robot \
+         for a fast one and wait for it where it comes to that. Both fly the same missions.",
     );
     section.say(
         "Preferences learned online: the scenario `deliveries`, thirty missions in a row. A robot learns from its own \

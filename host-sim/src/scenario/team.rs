@@ -12,8 +12,8 @@ use toml::Spanned;
 
 const LONGEST_NAME: usize = 12;
 
-/// The most ticks that a move takes: as many as there are for the slowest pace of a plan.
-const SLOWEST: u32 = 2 * MAX_PACE as u32;
+/// The most ticks that a move takes: the slowest pace of a plan.
+const SLOWEST: u32 = MAX_PACE as u32;
 
 impl Drawing {
     /// How many robots there are.

@@ -1,17 +1,10 @@
 //! A tree from a file that runs in a program: its leaves bound by name to the program's own.
 
 use super::diagnostic::Diagnostic;
-use super::instance::{Instance, Node};
-use super::lower::{Rules, Task, linked};
+use super::hooked::Leaf;
+use super::instance::Instance;
 use iibt_core::time::Instant;
 use iibt_core::tree::{Cell, Full, Halt, Leaves, Node as Kind, Row, Status, TreeRef};
-
-/// A leaf as the file has it.
-#[derive(Clone, Copy, Debug)]
-pub struct Leaf<'i> {
-    instance: &'i Instance,
-    node: &'i Node,
-}
 
 /// A tree whose leaves are the program's `L`, with its memory.
 #[derive(Clone, Debug)]
@@ -22,43 +15,20 @@ pub struct Bound<L> {
     leaves: Vec<L>,
 }
 
-impl<'i> Leaf<'i> {
-    /// Its ID in the model of nodes.
-    #[must_use]
-    pub fn id(&self) -> &'i str {
-        self.node.id()
-    }
-
-    /// The text of a port that has a constant, as the file or its default says.
-    #[must_use]
-    pub fn port(&self, name: &'i str) -> Option<&'i str> {
-        self.instance.text(self.node, name).ok().map(|(text, _)| text)
-    }
-}
-
 impl Instance {
     /// Binds the leaves of this tree: `find` says which of the program's leaves each stands for, or why none does.
     ///
     /// # Errors
     /// The place of the first leaf for which there is none, of the first script, or of the first node that the engine does not
     /// have.
-    pub fn bind<L>(
-        &self,
-        mut find: impl FnMut(Leaf<'_>) -> Result<L, String>,
-    ) -> Result<Bound<L>, Diagnostic> {
-        let lowered = self.lower(Rules::Ours)?;
-        let mut leaves = Vec::with_capacity(lowered.hooks.len());
-        for hook in &lowered.hooks {
-            let Some(node) = self.nodes.get(hook.node) else { continue };
-            if !matches!(hook.task, Task::Leaf) {
-                let message = format!("{} needs a script, and this program runs none", node.id());
-                return Err(Diagnostic::error(&node.place, message));
-            }
-            let leaf = Leaf { instance: self, node };
-            leaves.push(find(leaf).map_err(|reason| Diagnostic::error(&node.place, reason))?);
-        }
-        let memory = lowered.rows.iter().map(|_| Cell::NEW).collect();
-        Ok(Bound { rows: linked(&lowered), memory, leaves })
+    pub fn bind<L>(&self, find: impl Fn(&Leaf) -> Result<L, String>) -> Result<Bound<L>, Diagnostic> {
+        let hooked = self.hooked()?;
+        let one = |leaf: &Leaf| find(leaf).map_err(|reason| Diagnostic::error(&leaf.place, reason));
+        Ok(Bound {
+            memory: hooked.rows.iter().map(|_| Cell::NEW).collect(),
+            rows: hooked.rows.into_iter().map(Row::new).collect(),
+            leaves: hooked.leaves.iter().map(one).collect::<Result<_, _>>()?,
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! A tree as a table whose leaves the caller provides.
 
-use super::diagnostic::Diagnostic;
+use super::diagnostic::{Diagnostic, Place};
 use super::instance::Instance;
 use super::lower::{Rules, Task};
 use iibt_core::tree::Node;
@@ -23,6 +23,16 @@ pub struct Leaf {
     pub name: String,
     /// The values of its ports, by name, in alphabetical order.
     pub ports: Vec<(String, String)>,
+    /// Where it stands in the file.
+    pub place: Place,
+}
+
+impl Leaf {
+    /// The value of a port.
+    #[must_use]
+    pub fn port(&self, name: &str) -> Option<&str> {
+        self.ports.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
+    }
 }
 
 impl Instance {
@@ -43,6 +53,7 @@ impl Instance {
                         .iter()
                         .map(|(name, value)| (name.clone(), value.text.clone()))
                         .collect(),
+                    place: node.place.clone(),
                 }),
                 _ => Err(Diagnostic::error(&node.place, format!("'{}' is more than a leaf", node.name))),
             })

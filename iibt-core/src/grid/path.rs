@@ -182,6 +182,16 @@ mod tests {
     }
 
     #[test]
+    fn goes_on_with_another_path_while_there_is_room() {
+        let (first, second) = (path(&[28, 29, 29]), path(&[29, 22, 23]));
+        assert_eq!(first.then(&second), Some(path(&[28, 29, 29, 22, 23])));
+        assert_eq!(first.then(&Path::at(Cell(29))), Some(first));
+        let long = path(&[29; HORIZON]);
+        assert_eq!(Path::at(Cell(29)).then(&long), Some(long));
+        assert_eq!(first.then(&long), None);
+    }
+
+    #[test]
     fn is_open_only_along_free_cells() {
         let path = path(&[28, 29, 29, 22]);
         assert!(path.is_open(&paper(&[])));

@@ -272,6 +272,30 @@ mod tests {
     }
 
     #[test]
+    fn a_cell_on_the_way_may_be_a_teammate_s_later() {
+        let map = drawn(&["....."]);
+        let teammate = [moving(&["....b", "....b", "....b", "...b.", "..b.."], 'b')];
+        let mut planner = TimedPlanner::new();
+        let sweep = planner.sweep(&map, Cell(0), &teammate);
+        assert_eq!(sweep.earliest(Cell(2)), None, "the teammate stays there");
+        let path = sweep.soonest(Cell(2)).unwrap();
+        assert_picture(&frames(&map, &[('a', path)]), &["a....", ".a...", "..a.."]);
+        assert_eq!(sweep.soonest(Cell(0)), Some(Path::at(Cell(0))));
+        assert_eq!(sweep.soonest(Cell(4)), None, "nobody gets past it");
+    }
+
+    #[test]
+    fn the_first_move_does_not_follow_on_the_heels_of_who_has_not_chosen() {
+        let map = drawn(&["...", "..."]);
+        let mut planner = TimedPlanner::new();
+        let standing = [Cell(1)].into_iter().collect();
+        let sweep = planner.sweep_among(&map, Cell(0), &[], standing);
+        assert_eq!(sweep.path_to(Cell(1), 1), None);
+        assert_eq!(sweep.earliest(Cell(1)), Some(2), "afterwards it may be gone");
+        assert!(sweep.reached(1).contains(Cell(3)) && !sweep.reached(1).contains(Cell(1)));
+    }
+
+    #[test]
     fn waits_until_the_teammate_has_passed() {
         check(
             &[

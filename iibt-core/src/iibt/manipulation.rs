@@ -5,7 +5,7 @@
 //!   frames ─► roster ─► announcement ──┴─────────────────────┘        └─► announcement ─► frame
 //! ```
 //!
-//! [`Manipulation`] is the [`Task`](super::Task) that the inference nodes of figure 14 run; each node has an [`Aim`]. Its
+//! [`Manipulation`] is the [`Task`] that the inference nodes of figure 14 run; each node has an [`Aim`]. Its
 //! plain leaves, to go somewhere and to ask whether the robot is there, are methods. Every robot decides for itself, from its
 //! own readings and its teammate's announcements.
 //!

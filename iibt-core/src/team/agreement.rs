@@ -1,15 +1,16 @@
-//! How robots come to one joint plan over a lossy radio, and follow it in step.
+//! How robots come to one joint plan over a lossy radio, and follow it together.
 //!
 //! A plan is made in a *round*. In a round every robot stands still and announces one path from where it
 //! stands; they choose one after another, beginning with the robot that opened the round, each knowing the
 //! paths before its own. Once a robot knows every path of the round it announces the plan's digest, and when
-//! all teammates have announced the same digest it begins to move. From then on it makes move k + 1 only when
-//! it knows that every teammate has made move k, and only into a cell that no teammate can be in. Whoever
-//! needs another plan opens a new round, which everyone joins by standing still.
+//! all teammates have announced the same digest it begins to move. From then on it enters a cell only when it
+//! has heard that every teammate which the plan has there before it has left it, and makes its last move only when it
+//! has heard that all others have but their last to make: robots keep the order of the plan, not its clock, and arrive
+//! together. Whoever needs another plan opens a new round, which everyone joins by standing still.
 //!
 //! A slow robot's move takes several steps: its path has as many waits, less one, before it. The robot sets out at the
-//! first of them, counts them with the others while it is on its way, and counts the move once it stands where that leads. So a
-//! teammate is where it last said it was, or on its way to the cell that its path enters within its pace, and nowhere else.
+//! first of them, if everybody whom the plan has there before has left the cell, counts the waits while it is on its way, and
+//! counts the move, so leaves the cell behind, once it stands where the move leads. The order of the plan is kept all the same.
 //!
 //! A robot that has to look after itself leaves the team by opening a round in which it says that it is
 //! away. It does not choose, so nobody can. Its teammates acknowledge that with a digest of the round and of its
@@ -18,7 +19,9 @@
 //!
 //! Safety needs no clock and no reliable radio. Everything a robot relies on was said by the teammate itself
 //! and stays true: a path never changes within a round, moves made are never unmade, and a robot that has left
-//! a round does not move again before everybody has left it. Lost, late and repeated frames cost time only.
+//! a round does not move again before everybody has left it. Where two paths share a cell, the plan says who is first, and
+//! the second waits for word that the first is gone; as no plan puts two robots in one cell in one step, or lets them change
+//! places, nobody waits for somebody who waits for it. Lost, late and repeated frames cost time only.
 //! Two robots can share or swap a cell only if a localiser is wrong about the cell a robot stands in.
 
 use super::{Intention, Paces, RobotId, Round, Status};
@@ -258,31 +261,39 @@ impl Agreement {
         peers: impl Iterator<Item = &'a Intention> + Clone,
     ) -> Option<Move> {
         let planned = self.planned()?;
-        let (step, target) = self.ahead(map, paces);
+        let (step, at) = self.ahead(paces);
         let is_there = here != self.place(map);
-        if !self.is_on_course(map, paces, here) || !self.is_in_step(peers.clone()) {
+        if !self.is_on_course(map, paces, here) || !self.may_go_on(paces, peers.clone()) {
             return None;
         }
-        let taken = |peer: &Intention| may_be_in(map, peer, paces.of(peer.robot).get(), target);
+        let target = self.path.cell_at(map, at);
+        let mut clear = peers.map(|peer| has_left(map, peer, target, at));
         if step == Move::Wait || is_there {
             Some(Move::Wait)
-        } else if !peers.clone().any(taken) {
+        } else if clear.all(|clear| clear) {
             Some(step)
         } else {
             Some(Move::Wait).filter(|_| planned == Move::Wait)
         }
     }
 
-    /// Whether the whole team follows this plan, and every teammate is as far as this robot, so that it may begin the next
-    /// step.
-    pub fn is_in_step<'a>(&self, mut peers: impl Iterator<Item = &'a Intention>) -> bool {
-        self.is_agreed() && self.all_of(&mut peers, |peer| self.keeps_pace(peer))
+    /// Whether the robot may begin the next step: the whole team follows this plan, and before the last move every
+    /// teammate is as far as this robot.
+    pub fn may_go_on<'a>(&self, paces: Paces<'_>, mut peers: impl Iterator<Item = &'a Intention>) -> bool {
+        let (_, at) = self.ahead(paces);
+        let is_last = self.path.actions.iter().skip(at).all(|code| code == Move::Wait.code());
+        let follows = |peer: &Intention| {
+            let shares = peer.round == self.round && peer.plan == self.plan;
+            shares && (!is_last || self.keeps_pace(peer))
+        };
+        self.is_agreed() && self.all_of(&mut peers, follows)
     }
 
     /// Whether the robot may stand `here`: where its path says, or, if it is slow, where that leads next.
     #[must_use]
     pub fn is_on_course<const W: usize>(&self, map: &Map<W>, paces: Paces<'_>, here: Cell) -> bool {
-        let is_early = || self.is_agreed() && self.is_slow(paces) && here == self.ahead(map, paces).1;
+        let next = || self.path.cell_at(map, self.ahead(paces).1);
+        let is_early = || self.is_agreed() && self.is_slow(paces) && here == next();
         here == self.place(map) || is_early()
     }
 
@@ -321,13 +332,13 @@ impl Agreement {
         paces.of(self.robot).get() > 1
     }
 
-    /// The move that the path has within the robot's pace and the cell that it leads to; else a wait, where it is.
-    fn ahead<const W: usize>(&self, map: &Map<W>, paces: Paces<'_>) -> (Move, Cell) {
+    /// The move that the path has within the robot's pace and the steps that are done after it; else a wait, and those that
+    /// are done.
+    fn ahead(&self, paces: Paces<'_>) -> (Move, usize) {
         let (done, pace) = (self.step(), paces.of(self.robot).get());
         let mut within = self.path.moves().enumerate().skip(done).take(pace);
         let next = within.find(|&(_, step)| step != Move::Wait);
-        let (at, step) = next.map_or((done, Move::Wait), |(at, step)| (at + 1, step));
-        (step, self.path.cell_at(map, at))
+        next.map_or((Move::Wait, done), |(at, step)| (step, at + 1))
     }
 
     /// The cell in which the robot is, by its path and the moves that are done.
@@ -360,10 +371,9 @@ impl Agreement {
         }) && met + 1 == usize::from(self.size)
     }
 
-    /// Whether a teammate follows the same plan and is at least as far as this robot.
-    fn keeps_pace(&self, peer: &Intention) -> bool {
-        let far_enough = peer.step >= self.step || usize::from(peer.step) >= peer.path.len();
-        peer.round == self.round && peer.plan == self.plan && far_enough
+    /// Whether a teammate is at least as far as this robot.
+    const fn keeps_pace(&self, peer: &Intention) -> bool {
+        peer.step >= self.step || peer.step as usize >= peer.path.len()
     }
 
     /// A number that is the same for two robots when they know the same paths of the same round, and differs
@@ -378,19 +388,25 @@ impl Agreement {
                 absorb(&mut hasher, peer.round, peer.epoch, &peer.path);
             }
         }
-        (hasher.finish() as u32).max(1)
+        seal(&hasher)
     }
 }
 
 /// What acknowledges that the robot that opened a round, started so many times, is away.
 fn digest_of_leave(round: Round, epoch: u32) -> u32 {
     let mut hasher = SipHasher24::new();
-    hasher.write(&round.0.to_le_bytes());
-    hasher.write(&epoch.to_le_bytes());
+    absorb(&mut hasher, round, epoch, &Path::default());
+    seal(&hasher)
+}
+
+/// A digest, which is never zero.
+#[inline(never)]
+fn seal(hasher: &SipHasher24) -> u32 {
     (hasher.finish() as u32).max(1)
 }
 
 /// Byte by byte, because the derived `Hash` depends on the width of `usize`.
+#[inline(never)]
 fn absorb(hasher: &mut SipHasher24, round: Round, epoch: u32, path: &Path) {
     hasher.write(&round.0.to_le_bytes());
     hasher.write(&epoch.to_le_bytes());
@@ -404,10 +420,13 @@ const fn has_chosen(peer: &Intention) -> bool {
     matches!(peer.status, Status::Announced | Status::Agreed | Status::Arrived)
 }
 
-/// Whether a teammate can be in `cell`: where it last said it was, or one move further, which takes it `pace` steps.
-fn may_be_in<const W: usize>(map: &Map<W>, peer: &Intention, pace: usize, cell: Cell) -> bool {
-    let step = usize::from(peer.step);
-    peer.path.cells(map).skip(step).take(pace + 1).any(|occupied| occupied == cell)
+/// Whether a teammate has left `cell` for good, as far as the plan goes up to `step`. Where it comes to the cell in a
+/// later step, it waits for this robot.
+fn has_left<const W: usize>(map: &Map<W>, peer: &Intention, cell: Cell, step: usize) -> bool {
+    let path = || peer.path.cells(map).enumerate();
+    let visits = path().take(step + 1).filter(|&(_, visited)| visited == cell);
+    let Some((visit, _)) = visits.last() else { return true };
+    path().skip(visit).find(|&(_, next)| next != cell).is_some_and(|(gone, _)| usize::from(peer.step) >= gone)
 }
 
 #[cfg(test)]
@@ -485,6 +504,60 @@ mod tests {
         assert_eq!(Round(u16::MAX - 1).next_of(RobotId(1), 2), Some(Round(u16::MAX)));
         assert_eq!(Round(1).rank(RobotId(254), 255), 253);
         assert_eq!((Round(7).opener(0), Round(7).rank(RobotId(3), 0)), (RobotId(0), 0));
+    }
+
+    #[test]
+    fn a_robot_that_is_away_has_the_floor_once_all_have_acknowledged_it_in_this_round() {
+        let [mut away, mut second, mut third] =
+            [0, 1, 2].map(|robot| Agreement::new(RobotId(robot), 3, 1, Cell(2 * u16::from(robot))));
+        away.leave(Cell(0));
+        assert_eq!((away.round(), away.status(), away.goal()), (Round(3), Status::Away, None));
+        assert!(!away.has_floor([&said(&second), &said(&third)].into_iter()), "nobody knows");
+        for robot in [&mut second, &mut third] {
+            let here = robot.path.start;
+            assert!(robot.join(here, [&said(&away)].into_iter()));
+            assert!(robot.give_way([&said(&away)].into_iter()));
+            assert!(!robot.is_agreed() && !robot.is_my_turn([&said(&away)].into_iter()));
+        }
+        assert!(!away.has_floor([&said(&second)].into_iter()), "one is unheard");
+        assert!(away.has_floor([&said(&second), &said(&third)].into_iter()));
+        away.stand(Cell(1));
+        assert_eq!((away.place(&corridor()), away.step()), (Cell(1), 0));
+
+        third.open(Cell(4));
+        assert!(!away.has_floor([&said(&second), &said(&third)].into_iter()), "one is in a newer round");
+        assert!(away.join(Cell(1), [&said(&third)].into_iter()) && !away.is_away());
+    }
+
+    #[test]
+    fn what_was_acknowledged_before_a_restart_counts_no_more() {
+        let mut away = Agreement::new(RobotId(0), 2, 1, Cell(0));
+        let mut teammate = Agreement::new(RobotId(1), 2, 1, Cell(4));
+        away.leave(Cell(0));
+        teammate.join(Cell(4), [&said(&away)].into_iter());
+        teammate.give_way([&said(&away)].into_iter());
+        let mut restarted = Agreement::new(RobotId(0), 2, 2, Cell(0));
+        restarted.leave(Cell(0));
+        assert_eq!(restarted.round(), away.round());
+        assert!(away.has_floor([&said(&teammate)].into_iter()));
+        assert!(!restarted.has_floor([&said(&teammate)].into_iter()));
+        teammate.give_way([&said(&restarted)].into_iter());
+        assert!(restarted.has_floor([&said(&teammate)].into_iter()));
+    }
+
+    #[test]
+    fn an_acknowledgement_is_taken_back_when_the_robot_is_back() {
+        let mut away = Agreement::new(RobotId(0), 2, 1, Cell(0));
+        let mut teammate = Agreement::new(RobotId(1), 2, 1, Cell(4));
+        away.leave(Cell(0));
+        teammate.join(Cell(4), [&said(&away)].into_iter());
+        assert!(teammate.give_way([&said(&away)].into_iter()) && teammate.plan() != 0);
+        assert_eq!(
+            teammate.teammate_away([&said(&away)].into_iter()).map(|peer| peer.robot),
+            Some(RobotId(0))
+        );
+        away.status = Status::Deciding;
+        assert!(!teammate.give_way([&said(&away)].into_iter()) && teammate.plan() == 0);
     }
 
     #[test]
@@ -579,7 +652,7 @@ mod tests {
     }
 
     #[test]
-    fn moves_only_with_everybody_in_the_plan_and_in_step() {
+    fn moves_only_with_everybody_in_the_plan_and_waits_for_all_before_its_last_move() {
         let (one, other) = agreed(&[1, 2, 3], &[5, 6, 7]);
         let peer = said(&other);
         assert_eq!(step_of(&one, &peer), Some(Move::Right));
@@ -602,7 +675,15 @@ mod tests {
         assert_eq!(step_of(&announcing(0, 2, &[1, 2, 3]), &undecided), None, "nobody has agreed");
 
         let ahead = Agreement { step: 1, ..one };
-        assert_eq!(step_of(&ahead, &peer), None, "the teammate is a move behind");
+        assert_eq!(step_of(&ahead, &peer), None, "the teammate is a move behind, and this is the last");
+        let (farther, other) = agreed(&[1, 2, 3, 4], &[7, 6, 6, 5]);
+        let behind = said(&other);
+        assert_eq!(
+            step_of(&Agreement { step: 1, ..farther.clone() }, &behind),
+            Some(Move::Right),
+            "its last is yet to come"
+        );
+        assert_eq!(step_of(&Agreement { step: 2, ..farther }, &behind), None);
         assert_eq!(step_of(&ahead, &Intention { step: 1, ..peer.clone() }), Some(Move::Right));
         let done = Agreement { step: 2, ..ahead };
         assert_eq!(step_of(&done, &Intention { step: 2, ..peer }), None);
@@ -619,17 +700,20 @@ mod tests {
     type Case = (&'static [u16], &'static [u16], u8, Option<Move>);
 
     #[test]
-    fn keeps_out_of_where_a_teammate_can_be() {
-        let cases: [Case; 9] = [
-            (&[1, 2], &[3, 4], 0, Some(Move::Right)),
-            (&[1, 2], &[3, 2], 0, None),                 // both want it
-            (&[1, 2], &[2, 1], 0, None),                 // they would swap
-            (&[1, 2], &[2, 3], 0, None),                 // the other may still be there
-            (&[1, 2], &[2, 3], 1, Some(Move::Right)),    // it has left
-            (&[1, 2], &[2], 0, None),                    // it stays there
-            (&[1, 2], &[4, 3, 2], 0, Some(Move::Right)), // it comes there later
-            (&[1, 2], &[4, 3, 2], 1, None),              // it may be on its way
-            (&[1, 1], &[2, 1], 0, Some(Move::Wait)),     // waiting enters nothing
+    fn enters_a_cell_in_the_order_of_the_plan() {
+        let cases: [Case; 12] = [
+            (&[1, 2, 2], &[3, 4, 4], 0, Some(Move::Right)),
+            (&[1, 2, 2], &[3, 2, 2], 0, None),              // both want it
+            (&[1, 2, 2], &[2, 1, 1], 0, None),              // they would swap
+            (&[1, 2, 2], &[2, 3, 3], 0, None),              // the other may still be there
+            (&[1, 2, 2], &[2, 3, 3], 1, Some(Move::Right)), // it has left
+            (&[1, 2, 2], &[2], 0, None),                    // it stays there
+            (&[1, 2, 2], &[2, 2, 2], 2, None),              // it has waited there, and stays
+            (&[1, 2, 2], &[2, 2, 3], 1, None),              // it is still there when this robot comes
+            (&[1, 2, 1], &[4, 3, 2], 1, Some(Move::Right)), // it comes later, and waits until this robot has left
+            (&[1, 2, 1], &[2, 3, 2], 0, None),              // it comes back, but has not left yet
+            (&[1, 2, 1], &[2, 3, 2], 1, Some(Move::Right)),
+            (&[1, 1, 1], &[2, 1, 1], 0, Some(Move::Wait)), // waiting enters nothing
         ];
         for (own, theirs, done, expected) in cases {
             let (one, other) = agreed(own, theirs);

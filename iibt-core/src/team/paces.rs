@@ -8,8 +8,7 @@ pub const MAX_PACE: u8 = 8;
 
 /// How many steps of a plan one move of each robot takes, in the order of their numbers; 1 for a robot without an entry.
 ///
-/// A step of a plan takes two ticks at the least: one to move, one to hear that the others have moved. So a drive that is
-/// busy for `d` ticks with one move has the pace `d / 2`, rounded up.
+/// A step of a plan takes a tick at the least, so a drive that is busy for `d` ticks with one move has the pace `d`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Paces<'a>(&'a [u8]);

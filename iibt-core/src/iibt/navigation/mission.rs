@@ -224,6 +224,22 @@ mod tests {
     use crate::grid::Map;
 
     #[test]
+    fn chargers_are_free_cells_of_the_map_and_nobody_shares_one() {
+        let mut map = Map::<1>::new(5, 1).unwrap();
+        map.block(Cell(3));
+        let (starts, goals) = ([Cell(0), Cell(1)], [Cell(2), Cell(4)]);
+        let check = |chargers: &[Option<Cell>]| {
+            Mission { chargers, ..Mission::new(map, &starts, &goals) }.check::<5>()
+        };
+        assert_eq!(check(&[None, Some(Cell(0))]), Ok(()), "a start or a goal may be a charger");
+        assert_eq!(check(&[Some(Cell(2))]), Ok(()), "the last robot has none");
+        for wrong in [3, 5] {
+            assert_eq!(check(&[None, Some(Cell(wrong))]), Err(MissionError::Charger(Cell(wrong))));
+        }
+        assert_eq!(check(&[Some(Cell(2)), Some(Cell(2))]), Err(MissionError::Charger(Cell(2))));
+    }
+
+    #[test]
     fn paths_given_by_hand_are_used_where_they_begin_and_only_if_they_are_open() {
         let mut map = Map::<1>::new(5, 1).unwrap();
         let through = |cells: [u16; 3]| Path::through(&map, &cells.map(Cell)).unwrap();

@@ -140,7 +140,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             self.commanded = self.command;
             self.begun = self.command.is_some();
         } else if self.percept.moving {
-            self.begun |= self.agreement.is_in_step(peers);
+            self.begun |= self.agreement.may_go_on(self.mission.paces(), peers);
         }
     }
 

@@ -109,3 +109,140 @@ impl core::fmt::Display for VisitError {
 }
 
 impl core::error::Error for VisitError {}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Mission, OBSTACLE, Percept, Plan, VISITED};
+    use super::*;
+    use crate::iibt::{Literal, Node, Task};
+    use crate::team::{Limits, RobotId, Roster, Status};
+    use crate::time::Duration;
+
+    type Robot<'m> = Navigation<'m, 49, 2, 8>;
+
+    const STARTS: [Cell; 1] = [Cell(28)];
+    const GOALS: [Cell; 2] = [Cell(24), Cell(26)];
+
+    fn mission() -> Mission<'static, 2> {
+        Mission::new(Map::new(7, 7).unwrap(), &STARTS, &GOALS)
+    }
+
+    fn robot<'m>(mission: &'m Mission<'m, 2>) -> Robot<'m> {
+        let roster = Roster::new(RobotId(0), 1, Limits::for_beacons(Duration(1)).unwrap()).unwrap();
+        let mut robot = Navigation::new(mission, RobotId(0), 1, roster).unwrap();
+        read(&mut robot, 28);
+        robot.prepare();
+        robot.observe();
+        robot.update();
+        robot
+    }
+
+    fn read(robot: &mut Robot<'_>, cell: u16) {
+        robot.perceive(Percept { reading: Some(Cell(cell)), ..Percept::default() });
+    }
+
+    fn plan(robot: &mut Robot<'_>) -> Plan {
+        robot.candidates();
+        robot.intentions();
+        robot.infer().unwrap()
+    }
+
+    fn numbers(path: &Path) -> std::vec::Vec<u16> {
+        path.cells(&mission().map).map(|cell| cell.0).collect()
+    }
+
+    #[test]
+    fn a_cell_that_cannot_be_visited_is_refused_and_so_is_a_fifth_one() {
+        let mut map = Map::new(7, 7).unwrap();
+        map.block(Cell(3));
+        let mission = Mission::new(map, &STARTS, &GOALS);
+        let mut robot = robot(&mission);
+        robot.see(Cell(10));
+        for blocked in [3, 10, 49] {
+            assert_eq!(robot.visit(Cell(blocked)), Err(VisitError::Blocked(Cell(blocked))));
+        }
+        for cell in [4, 5, 4, 6] {
+            assert_eq!(robot.visit(Cell(cell)), Ok(()));
+        }
+        assert_eq!(robot.visit(Cell(7)), Err(VisitError::TooMany));
+        assert_eq!(robot.waypoints(), [4, 5, 4, 6].map(Cell));
+    }
+
+    #[test]
+    fn table_2_way_points_are_wanted_by_two_and_the_raise_is_taken_back_to_the_last_bit() {
+        let mission = mission();
+        let mut robot = robot(&mission);
+        let before = robot.preference().values().map(f32::to_bits);
+        robot.visit(Cell(4)).unwrap();
+        robot.visit(Cell(24)).unwrap();
+        let choice = plan(&mut robot);
+        let missing = Literal { variable: VISITED, value: true };
+        assert_eq!(robot.unmet(choice), Some(missing), "the first choice knows nothing of way-points");
+        robot.raise(missing);
+        robot.raise(missing);
+        assert_eq!((robot.preference().get(4), robot.preference().get(24)), (2.0, 3.0), "max(C) + 1, once");
+        let choice = plan(&mut robot);
+        assert_eq!(robot.unmet(choice), None);
+        for candidate in robot.candidates() {
+            let over = [4, 24].map(Cell).into_iter();
+            assert!(leads_over(&mission.map, &candidate.path, 0, over), "{:?}", numbers(&candidate.path));
+        }
+        robot.roll_back();
+        assert_eq!(robot.preference().values().map(f32::to_bits), before);
+    }
+
+    #[test]
+    fn the_robot_takes_a_path_over_its_way_points_in_their_order_and_ticks_them_off() {
+        let mission = mission();
+        let mut robot = robot(&mission);
+        for cell in [39, 4, 4] {
+            robot.visit(Cell(cell)).unwrap();
+        }
+        let mut node = Node::new(Duration(100));
+        read(&mut robot, 28);
+        node.tick(&mut robot, Default::default());
+        assert_eq!(robot.agreement().status(), Status::Announced);
+        let path = *robot.agreement().path();
+        let order = [39, 4].map(|cell| numbers(&path).iter().position(|&at| at == cell));
+        assert!(order[0].is_some() && order[0] < order[1], "{:?}", numbers(&path));
+        let mut left = std::vec![];
+        for cell in numbers(&path) {
+            for _ in 0..3 {
+                read(&mut robot, cell);
+                robot.observe();
+                robot.update();
+            }
+            left.push(robot.waypoints().len());
+            robot.commanded = path.moves().nth(left.len() - 1);
+        }
+        let at = |step: usize| left.get(step).copied();
+        assert_eq!(
+            (at(0), order[0].and_then(at), order[1].and_then(at)),
+            (Some(3), Some(2), Some(0)),
+            "{left:?}"
+        );
+    }
+
+    #[test]
+    fn a_way_point_under_an_obstacle_is_left_out() {
+        let mission = mission();
+        let mut robot = robot(&mission);
+        robot.visit(Cell(4)).unwrap();
+        robot.visit(Cell(5)).unwrap();
+        robot.see(Cell(4));
+        assert!(robot.open_waypoints().eq([Cell(5)]));
+        robot.tick_off(Cell(5));
+        assert_eq!(robot.waypoints(), [Cell(4)]);
+        let choice = plan(&mut robot);
+        assert!(robot.logic(choice).is(VISITED) && !robot.logic(choice).is(OBSTACLE));
+    }
+
+    #[test]
+    fn cells_are_passed_in_order_or_not_at_all() {
+        let map = Map::<2>::new(7, 7).unwrap();
+        let path = Path::through(&map, &[28, 29, 29, 30, 31].map(Cell)).unwrap();
+        let over = |done, points: &[u16]| leads_over(&map, &path, done, points.iter().copied().map(Cell));
+        assert!(over(0, &[]) && over(0, &[28, 29, 29, 31]) && over(3, &[30, 31]) && over(9, &[]));
+        assert!(!over(0, &[30, 29]) && !over(1, &[28]) && !over(0, &[31, 32]) && !over(9, &[31]));
+    }
+}

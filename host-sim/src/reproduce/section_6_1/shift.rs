@@ -1,0 +1,191 @@
+//! Section 6.1 as one flight in the default mode.
+
+use crate::campaign::{Campaign, Disturbance, Trace};
+use crate::reproduce::Run;
+use crate::reproduce::figure::{Figure, Grid, Lines, Panel, Series, Track};
+use crate::reproduce::report::Item;
+use crate::words::{cause_words, counted};
+use crate::{Conditions, News, Outcome, Phase, Pilot, Record, Scenario, fly, library};
+use iibt_core::grid::Cell;
+use iibt_core::iibt::navigation::Cause;
+
+/// The seeds that it is flown with, by a perfect radio and by one that loses three frames in ten.
+const SEEDS: u64 = 200;
+
+/// What the paper's mission has, by the cells of the paper.
+const OBSTACLES: [Cell; 2] = [Cell(23), Cell(31)];
+const WAY_POINTS: [(usize, Cell); 2] = [(0, Cell(4)), (2, Cell(39))];
+const CHARGING: [usize; 2] = [0, 2];
+
+/// The flight: what is claimed of it, and its pictures.
+pub(super) fn flown(run: &Run<'_>) -> (Vec<Item>, Vec<Figure>) {
+    let scenario = library::find("shift").expect("it is built in").expect("it is sound");
+    let record = fly(&scenario, Conditions::default(), &mut ()).expect("its mission fits");
+    let mut items = phases(&scenario, &record);
+    items.extend(seeds(&scenario, run));
+    (items, vec![rounds(&scenario, &record), certainty(&scenario)])
+}
+
+/// The five phases of one flight.
+fn phases(scenario: &Scenario, record: &Record) -> Vec<Item> {
+    let first = record.phases.first().is_some_and(|phase| phase.cause.is_none() && phase.agreed.is_some());
+    let mut items = vec![claim("phase 1: the first choice", "all agree", first)];
+    for (number, cell) in [2, 3].into_iter().zip(OBSTACLES) {
+        let what = format!("phase {number}: an obstacle on p{}, and another plan around it", cell.0);
+        items.push(claim(what, "agreed, and nobody's path meets it", avoided(record, cell)));
+    }
+    for (robot, cell) in WAY_POINTS {
+        let visited = record.robots[robot].visited.contains(&cell);
+        items.push(claim(
+            format!("phase 4: R{} visits way-point p{}", robot + 1, cell.0),
+            "on its way",
+            visited,
+        ));
+    }
+    for robot in CHARGING {
+        let what = format!("phase 5: R{} leaves the team, charges, and comes back", robot + 1);
+        items.push(claim(what, "once", record.robots[robot].charged == 1));
+    }
+    items.push(claim("phase 5: the others wait while a robot charges", "nobody else moves", waiting(record)));
+    items.push(claim(
+        "every plan: chosen one after another, the robot that called for it first",
+        "in turn",
+        in_turn(record),
+    ));
+    let end = format!("{:?} at tick {}", record.outcome, record.last_arrival());
+    let together = record.outcome == Outcome::Together;
+    items.push(Item::claim(
+        "the end: all three at different goals, by the same step",
+        "Together",
+        end,
+        together,
+    ));
+    let faults = Trace::of(scenario, record).validate();
+    items.push(Item::claim(
+        "the validator",
+        "no collision, no swap",
+        format!("{} found", faults.total()),
+        faults.total() == 0,
+    ));
+    items
+}
+
+fn claim(what: impl Into<String>, wanted: &str, holds: bool) -> Item {
+    Item::claim(what, wanted, if holds { "yes" } else { "no" }, holds)
+}
+
+/// Whether the team agreed on paths past a cell after an obstacle had appeared there.
+fn avoided(record: &Record, cell: Cell) -> bool {
+    let appeared =
+        record.news.iter().find(|dated| dated.news == News::Appeared { cell }).map(|dated| dated.tick);
+    let later =
+        |phase: &&Phase| phase.agreed.is_some_and(|agreed| appeared.is_some_and(|tick| agreed > tick));
+    let clear = |phase: &Phase| phase.choices.iter().flatten().all(|chosen| !chosen.path.contains(&cell));
+    let caused = record.phases.iter().any(|phase| phase.cause == Some(Cause::Obstacle));
+    caused && record.phases.iter().find(later).is_some_and(clear)
+}
+
+/// Whether nobody moved but the robot that was away, in every tick in which one was.
+fn waiting(record: &Record) -> bool {
+    let mut away: Vec<usize> = Vec::new();
+    let mut news = record.news.iter().peekable();
+    for (tick, cells) in record.history.windows(2).enumerate() {
+        let stayed = |robot: usize| cells[0][robot] == cells[1][robot];
+        if !away.is_empty() && (0..cells[0].len()).any(|robot| !away.contains(&robot) && !stayed(robot)) {
+            return false;
+        }
+        while let Some(dated) = news.next_if(|dated| dated.tick as usize <= tick) {
+            match dated.news {
+                News::Left { robot, .. } => away.push(robot),
+                News::Returned { robot, .. } => away.retain(|&other| other != robot),
+                _ => {}
+            }
+        }
+    }
+    true
+}
+
+/// Whether in every plan that was agreed on the robots chose one after another, beginning with the one that opened the round.
+fn in_turn(record: &Record) -> bool {
+    let team = record.robots.len();
+    let agreed = || record.phases.iter().filter(|phase| phase.agreed.is_some());
+    let ordered = |phase: &Phase| {
+        let order = (0..team).map(|place| &phase.choices[(phase.opener + place) % team]);
+        let ticks: Option<Vec<u32>> = order.map(|chosen| chosen.as_ref().map(|chosen| chosen.tick)).collect();
+        ticks.is_some_and(|ticks| ticks.is_sorted())
+    };
+    agreed().count() >= 5 && agreed().all(ordered)
+}
+
+/// The same with many seeds.
+fn seeds(scenario: &Scenario, run: &Run<'_>) -> Vec<Item> {
+    let disturbances = [Disturbance::None, Disturbance::Loss];
+    let seeds = run.seeds(SEEDS) as u32;
+    let campaign = Campaign { scenario, disturbances: &disturbances, pilots: &[Pilot::Inference], seeds };
+    let report = campaign.fly(None, run.progress).expect("its mission fits");
+    let item = |(row, radio): (&crate::campaign::Row, &str)| {
+        let summary = &row.summaries[0];
+        let (done, collided) = (summary.accomplished.count, summary.collided.count);
+        let what = format!("{}, {radio}: accomplished, and without a collision", counted(seeds, "seed"));
+        let ours = format!("{done} accomplished, {collided} with a collision");
+        Item::claim(what, "all, none", ours, done == seeds && collided == 0)
+    };
+    report.rows.iter().zip(["a perfect radio", "three frames in ten lost"]).map(item).collect()
+}
+
+/// What everybody chose, in each round that the team agreed on.
+fn rounds(scenario: &Scenario, record: &Record) -> Figure {
+    let mut asked: Vec<(u32, Cell)> = Vec::new();
+    for dated in &record.news {
+        if let News::Asked { cell, .. } = dated.news {
+            asked.push((dated.tick, cell));
+        }
+    }
+    let picture = |phase: &Phase| {
+        let track = |(robot, chosen): (usize, &Option<crate::Chosen>)| Track {
+            name: record.robots[robot].name.clone(),
+            cells: chosen.as_ref().map_or_else(Vec::new, |chosen| chosen.path.clone()),
+        };
+        let cause = phase.cause.map_or("the first choice".to_owned(), |cause| {
+            format!("{}: {}", record.robots[phase.opener].name, cause_words(cause))
+        });
+        let at = phase.agreed.unwrap_or(phase.opened);
+        Panel::Grid(Grid {
+            title: format!("Tick {at}, {cause}"),
+            width: record.width,
+            height: record.height,
+            goals: record.goals.clone(),
+            blocked: phase.obstacles.clone(),
+            chargers: scenario.robots.iter().filter_map(|robot| robot.charger).collect(),
+            way_points: asked.iter().filter(|(tick, _)| *tick <= at).map(|&(_, cell)| cell).collect(),
+            paths: phase.choices.iter().enumerate().map(track).collect(),
+            ..Grid::default()
+        })
+    };
+    Figure::new(
+        "The plans of the flight, with the robot that called for each and why. Goals green, chargers yellow, way-points violet, \
+         obstacles dark; a ring on a path is a wait, and the number how many.",
+        record.phases.iter().filter(|phase| phase.agreed.is_some()).map(picture),
+    )
+}
+
+/// How sure robots are of where they stand, when one reading in ten is wrong.
+fn certainty(scenario: &Scenario) -> Figure {
+    let noisy = Disturbance::Noise.applied(scenario, 0);
+    let record = fly(&noisy, Conditions::default(), &mut ()).expect("its mission fits");
+    let series = (0..record.robots.len()).map(|robot| {
+        let values = record.certainty.iter().map(|tick| f64::from(tick[robot]));
+        Series::new(record.robots[robot].name.clone(), values)
+    });
+    let lines = Lines {
+        title: "q(s) of the cell that a robot stands in".to_owned(),
+        x: "tick".to_owned(),
+        y: "probability".to_owned(),
+        at: (0..record.certainty.len()).map(|tick| tick as f64).collect(),
+        series: series.collect(),
+    };
+    Figure::new(
+        "Beliefs over time, with one reading in ten wrong. A robot that is not sure looks again before it moves.",
+        [Panel::Lines(lines)],
+    )
+}
