@@ -189,9 +189,7 @@ mod shift {
         for plan in agreed(record) {
             assert!(is_joint(plan) && is_clear(plan), "{case}: {plan:?}");
         }
-        for cause in [Cause::Obstacle, Cause::Charged] {
-            assert!(causes(record, cause) >= 1, "{case}: {cause:?}");
-        }
+        assert!(causes(record, Cause::Charged) >= 1, "{case}");
         assert_eq!(
             [0, 1, 2].map(|robot| record.robots[robot].visited.clone()),
             [vec![Cell(4)], vec![], vec![Cell(39)]]

@@ -13,7 +13,7 @@ use crate::statistics::{Difference, Distribution};
 const SEEDS: u64 = 300;
 
 /// What both come to.
-pub(super) fn measure(run: &mut Run<'_>) -> Section {
+pub(super) fn measure(run: &Run<'_>) -> Section {
     let mut section = Section::new("beyond", "Beyond the paper: unlike robots, learned preferences");
     section.say(
         "Robots that differ in pace and in sensors: the scenario `mixed` with starts and goals drawn for each seed. The teams that \

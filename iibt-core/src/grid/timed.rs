@@ -289,7 +289,7 @@ mod tests {
         let map = drawn(&["...", "..."]);
         let mut planner = TimedPlanner::new();
         let standing = [Cell(1)].into_iter().collect();
-        let sweep = planner.sweep_among(&map, Cell(0), &[], standing);
+        let sweep = planner.sweep_among(NonZero::<usize>::MIN, &map, Cell(0), &[], standing);
         assert_eq!(sweep.path_to(Cell(1), 1), None);
         assert_eq!(sweep.earliest(Cell(1)), Some(2), "afterwards it may be gone");
         assert!(sweep.reached(1).contains(Cell(3)) && !sweep.reached(1).contains(Cell(1)));

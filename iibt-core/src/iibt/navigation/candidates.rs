@@ -96,7 +96,7 @@ impl<const S: usize, const W: usize> Generator<S, W> {
     ) -> Vec<usize, 3> {
         let fixed = announced.iter().map(|other| other.path.len()).max().filter(|&moves| moves > 0);
         if fixed.is_some() {
-            return up_to(fixed.into_iter());
+            return up_to(fixed);
         }
         let moves = self.moves(mission, map, team, via);
         // The first round of a new situation is not in vain yet.
