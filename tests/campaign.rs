@@ -18,6 +18,11 @@ const BOTH: [Pilot; 2] = [Pilot::Inference, Pilot::Conventional];
 /// The missions that are compared.
 const MISSIONS: [&str; 3] = ["two-goals", "factory", "warehouse"];
 
+/// The disturbances after which a mission can go on.
+fn passing() -> Vec<Disturbance> {
+    Disturbance::ALL.into_iter().filter(|&disturbance| disturbance != Disturbance::Stop).collect()
+}
+
 mod conventional {
     use super::*;
 
@@ -108,14 +113,8 @@ mod inference {
     #[test]
     fn every_mission_is_accomplished_that_no_robot_leaves_for_good() {
         let mission = scenario("factory");
-        let disturbances: Vec<_> =
-            Disturbance::ALL.into_iter().filter(|&disturbance| disturbance != Disturbance::Stop).collect();
-        let campaign = Campaign {
-            scenario: &mission,
-            disturbances: &disturbances,
-            pilots: &[Pilot::Inference],
-            seeds: 24,
-        };
+        let campaign =
+            Campaign { scenario: &mission, disturbances: &passing(), pilots: &[Pilot::Inference], seeds: 24 };
         let report = campaign.fly(None, &|_, _| ()).expect("the mission fits");
         for row in &report.rows {
             assert_eq!(row.summaries[0].accomplished.count, 24, "{}", report.table());
@@ -156,6 +155,44 @@ mod report {
         assert_eq!(comparison.ticks.mean, inference.ticks.mean - conventional.ticks.mean);
         let table = report.table();
         assert!(table.contains("inference minus conventional"), "{table}");
+    }
+}
+
+/// What docs/paper.md says about the two trees.
+mod comparison {
+    use super::*;
+    use host_sim::campaign::Row;
+
+    fn rows(name: &str, disturbances: &[Disturbance], seeds: u32) -> Vec<Row> {
+        let mission = scenario(name);
+        let campaign = Campaign { scenario: &mission, disturbances, pilots: &BOTH, seeds };
+        campaign.fly(None, &|_, _| ()).expect("the mission fits").rows
+    }
+
+    #[test]
+    fn the_conventional_tree_is_faster_everywhere_and_sends_less() {
+        for name in ["two-goals", "factory"] {
+            for row in rows(name, &passing(), 100) {
+                let comparison = row.comparison.expect("two pilots");
+                assert!(comparison.ticks.interval[0] > 0.0, "{name}, {row:?}");
+                assert!(comparison.messages.interval[0] > 0.0, "{name}, {row:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn inference_arrives_together_where_frames_are_lost_and_the_conventional_tree_where_drives_slip() {
+        let loss = &rows("factory", &[Disturbance::Loss], 200)[0];
+        assert!(loss.comparison.expect("two pilots").together.interval[0] > 0.0, "{loss:?}");
+        let slips = &rows("two-goals", &[Disturbance::Slips], 400)[0];
+        assert!(slips.comparison.expect("two pilots").together.interval[1] < 0.0, "{slips:?}");
+    }
+
+    #[test]
+    fn a_robot_that_stops_for_good_stops_both_trees() {
+        for row in rows("factory", &[Disturbance::Stop], 24) {
+            assert!(row.summaries.iter().all(|summary| summary.accomplished.count == 0), "{row:?}");
+        }
     }
 }
 

@@ -318,6 +318,7 @@ mod missions {
         Campaign, Compared, Detail, Disturbances, Findings, Run, Terms, Trees, Trust, compare, narrate, run,
     };
     use iibt_core::iibt::manipulation::{Order, Preset};
+    use std::num::NonZeroUsize;
 
     fn calm(trees: Trees) -> Terms {
         Terms { trees, disturbances: Disturbances::NONE, ..Terms::new(0) }
@@ -328,7 +329,7 @@ mod missions {
     }
 
     fn findings(terms: Terms, seeds: u32) -> Findings {
-        Campaign { terms, seeds }.run(2).expect("the terms are sound")
+        Campaign { terms, seeds }.run(None).expect("the terms are sound")
     }
 
     #[test]
@@ -447,13 +448,13 @@ mod missions {
         let twice = [0, 1].map(|_| watched(Terms::new(11)).to_json().expect("it is text"));
         assert_eq!(twice[0], twice[1]);
         let campaign = Campaign { terms: Terms::new(5), seeds: 31 };
-        let found = [1, 2, 7].map(|threads| campaign.run(threads).expect("sound"));
+        let found = [1, 2, 7].map(|threads| campaign.run(NonZeroUsize::new(threads)).expect("sound"));
         assert!(found.iter().all(|one| *one == found[0]));
     }
 
     #[test]
     fn a_comparison_has_every_contender_at_every_level_and_no_one_fails_undisturbed() {
-        let compared = compare(0, 4, 2).expect("sound");
+        let compared = compare(0, 4).expect("sound");
         let levels = host_sim::manipulation::LEVELS.len();
         assert_eq!(compared.len(), levels * host_sim::manipulation::CONTENDERS.len());
         let calm = |of: &&Compared| of.level == 0.0;

@@ -32,11 +32,11 @@ pub use validator::{Faults, Trace};
 use crate::flight::{Conditions, fly};
 use crate::scenario::Scenario;
 use crate::team::Pilot;
+use crate::workers::share_out;
 use firmware::ControllerError;
 use serde::Serialize;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
 /// What is to be flown.
 #[derive(Clone, Copy, Debug)]
@@ -128,30 +128,13 @@ impl Campaign<'_> {
         threads: Option<NonZeroUsize>,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Vec<Score>, ControllerError> {
-        let (next, done, flights) = (AtomicUsize::new(0), AtomicUsize::new(0), self.flights());
-        let cores = || thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-        let threads = threads.unwrap_or_else(cores).get().min(flights.max(1));
-        let work = || {
-            let mut scores = Vec::new();
-            loop {
-                let flight = next.fetch_add(1, Ordering::Relaxed);
-                if flight >= flights {
-                    return scores;
-                }
-                scores.push((flight, self.score(flight)));
-                progress(done.fetch_add(1, Ordering::Relaxed) + 1, flights);
-            }
-        };
-        let mut scores = thread::scope(|scope| {
-            let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-            let finish = |worker: thread::ScopedJoinHandle<'_, _>| match worker.join() {
-                Ok(scores) => scores,
-                Err(panic) => std::panic::resume_unwind(panic),
-            };
-            workers.into_iter().flat_map(finish).collect::<Vec<_>>()
+        let (done, flights) = (AtomicUsize::new(0), self.flights());
+        let scores = share_out(flights, threads, |flight| {
+            let score = self.score(flight);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, flights);
+            score
         });
-        scores.sort_by_key(|&(flight, _)| flight);
-        scores.into_iter().map(|(_, score)| score).collect()
+        scores.into_iter().collect()
     }
 
     /// Flies one of them.

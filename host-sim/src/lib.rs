@@ -48,6 +48,7 @@ pub mod statistics;
 mod team;
 pub mod tree;
 mod words;
+mod workers;
 mod world;
 
 pub use flight::{Audience, Conditions, Scene, fly};

@@ -97,7 +97,10 @@ pub fn wilson(ratio: f64, tries: f64) -> [f64; 2] {
     let z2 = Z * Z / tries;
     let middle = ratio + z2 / 2.0;
     let spread = Z * (ratio * (1.0 - ratio) / tries + z2 / (4.0 * tries)).sqrt();
-    [(middle - spread) / (1.0 + z2), (middle + spread) / (1.0 + z2)].map(|bound| bound.clamp(0.0, 1.0))
+    let [low, high] =
+        [(middle - spread) / (1.0 + z2), (middle + spread) / (1.0 + z2)].map(|bound| bound.clamp(0.0, 1.0));
+    // What rounding leaves of the difference of two equal numbers is no chance.
+    [if ratio == 0.0 { 0.0 } else { low }, if ratio == 1.0 { 1.0 } else { high }]
 }
 
 fn mean(values: &[f64]) -> Option<f64> {
@@ -148,7 +151,9 @@ mod tests {
         // 81 of 263: Newcombe 1998, "Two-sided confidence intervals for the single proportion", table I.
         let [low, high] = Share::new(81, 263).interval;
         assert!(is_near(low, 0.2553, 5e-5) && is_near(high, 0.3662, 5e-5), "{low} {high}");
-        assert_eq!(Share::new(0, 20).interval[0], 0.0);
+        for of in [20, 500, 1000] {
+            assert_eq!((Share::new(0, of).interval[0], Share::new(of, of).interval[1]), (0.0, 1.0));
+        }
         assert!(is_near(Share::new(0, 20).interval[1], 0.1611, 5e-5));
         assert_eq!(Share::new(0, 0).interval, [0.0, 1.0]);
         assert_eq!(Share::of([1, 2, 3, 4], |number| number > 3), Share::new(1, 4));

@@ -1,10 +1,10 @@
 //! Preferences learned from one mission to the next: what they are worth.
 
-use super::for_all;
 use crate::flight::Conditions;
 use crate::scenario::Scenario;
 use crate::series::{Series, fly_series};
 use crate::statistics::{Difference, Distribution};
+use crate::workers::share_out;
 use crate::{Outcome, campaign};
 use serde::Serialize;
 
@@ -35,7 +35,7 @@ impl Learned {
     #[must_use]
     pub fn fly(scenario: &Scenario, seeds: u32) -> Self {
         let flown = |learning| {
-            for_all(seeds as usize, |seed| {
+            share_out(seeds as usize, None, |seed| {
                 let conditions = Conditions { seed: seed as u64, ..Conditions::default() };
                 let series = fly_series(scenario, conditions, learning, &mut ()).expect("a sound scenario");
                 Served::of(scenario, &series)

@@ -1,10 +1,11 @@
 //! Teams of unlike robots: what it is worth that they know it.
 
-use super::{for_all, score};
+use super::score;
 use crate::campaign::Score;
 use crate::chance::{Chance, Purpose};
 use crate::scenario::Scenario;
 use crate::statistics::{Difference, Distribution, Share};
+use crate::workers::share_out;
 use iibt_core::grid::Cell;
 use serde::Serialize;
 
@@ -59,7 +60,7 @@ impl Mixed {
     pub fn fly(scenario: &Scenario, unlike: Unlike, seeds: u32) -> Self {
         let scenario = unlike.only(scenario);
         let flown = |alike: bool| {
-            for_all(seeds as usize, |seed| {
+            share_out(seeds as usize, None, |seed| {
                 let mut drawn = drawn(&scenario, seed as u64);
                 drawn.inference.alike = alike;
                 score(&drawn, seed as u64)

@@ -133,7 +133,9 @@ pub struct Comparison {
     pub pilots: [Pilot; 2],
     /// Missions accomplished, per flight.
     pub accomplished: Difference,
-    /// Ticks, in pairs of which both accomplished the mission.
+    /// Flights that brought the robots there together, in pairs of which both accomplished the mission.
+    pub together: Difference,
+    /// Ticks, in the same pairs.
     pub ticks: Difference,
     /// Frames sent, in the same pairs.
     pub messages: Difference,
@@ -150,10 +152,13 @@ impl Comparison {
         let over = |value: fn(&Score) -> u32| {
             Difference::of(done().map(|(one, other)| f64::from(value(one)) - f64::from(value(other))))
         };
-        let success = |score: &Score| f64::from(u8::from(score.accomplished));
+        let more = |one: bool, other: bool| f64::from(u8::from(one)) - f64::from(u8::from(other));
         Self {
             pilots,
-            accomplished: Difference::of(pairs().map(|(one, other)| success(one) - success(other))),
+            accomplished: Difference::of(
+                pairs().map(|(one, other)| more(one.accomplished, other.accomplished)),
+            ),
+            together: Difference::of(done().map(|(one, other)| more(one.together, other.together))),
             ticks: over(|score| score.ticks),
             messages: over(|score| score.messages),
             moves: over(|score| score.moves),

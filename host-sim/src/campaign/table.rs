@@ -66,10 +66,11 @@ impl Comparison {
             ..*difference
         };
         format!(
-            "{} minus {}: accomplished {} points, ticks {}, messages {}",
+            "{} minus {}: accomplished {} points, together {} points, ticks {}, messages {}",
             self.pilots[0].name(),
             self.pilots[1].name(),
             difference(&percent(&self.accomplished)),
+            difference(&percent(&self.together)),
             difference(&self.ticks),
             difference(&self.messages)
         )

@@ -9,7 +9,6 @@ use host_sim::statistics::{Distribution, Share};
 use iibt_core::iibt::manipulation::{Order, Preset};
 use serde::Serialize;
 use std::process::ExitCode;
-use std::thread;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
@@ -125,7 +124,7 @@ impl Manipulate {
 
     fn campaign(&self, seeds: u32) -> Result<bool, Failure> {
         let terms = self.terms();
-        let findings = Campaign { terms, seeds }.run(threads())?;
+        let findings = Campaign { terms, seeds }.run(None)?;
         let (trees, disturbances) = (terms.trees, terms.disturbances);
         let text = if self.json {
             serde_json::to_string(&Campaigned { trees, disturbances, seeds, findings })? + "\n"
@@ -137,7 +136,7 @@ impl Manipulate {
     }
 
     fn comparison(&self) -> Result<bool, Failure> {
-        let compared = compare(self.seed, self.seeds.unwrap_or(1000), threads())?;
+        let compared = compare(self.seed, self.seeds.unwrap_or(1000))?;
         let text = if self.json { serde_json::to_string(&compared)? + "\n" } else { side_by_side(&compared) };
         print(&text)?;
         Ok(true)
@@ -169,10 +168,6 @@ impl Manipulate {
             ..Terms::new(self.seed)
         }
     }
-}
-
-fn threads() -> usize {
-    thread::available_parallelism().map_or(1, usize::from)
 }
 
 fn side_by_side(compared: &[Compared]) -> String {

@@ -3,8 +3,9 @@
 use super::run::{Detail, RunError, run};
 use super::terms::Terms;
 use crate::statistics::{Distribution, Share};
+use crate::workers::share_out;
 use serde::Serialize;
-use std::thread;
+use std::num::NonZeroUsize;
 
 /// The seeds `terms.seed`, `terms.seed + 1` and so on, `seeds` in all.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,34 +42,22 @@ struct Brief {
 }
 
 impl Campaign {
-    /// Runs all seeds on `threads` threads, one at the least; the findings do not depend on how many.
+    /// Runs all seeds, on as many threads as there are cores if that is left open; the findings do not depend on how many.
     ///
     /// # Errors
     /// [`RunError`] when the terms are none.
-    pub fn run(&self, threads: usize) -> Result<Findings, RunError> {
-        let share = self.seeds.div_ceil(threads.clamp(1, 64) as u32).max(1);
-        let parts = (0..self.seeds).step_by(share as usize);
-        let briefs: Result<Vec<Vec<Brief>>, RunError> = thread::scope(|scope| {
-            let workers: Vec<_> = parts
-                .map(|from| scope.spawn(move || self.part(from, (from + share).min(self.seeds))))
-                .collect();
-            workers
-                .into_iter()
-                .map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-                .collect()
-        });
-        Ok(Findings::of(&briefs?.concat()))
+    pub fn run(&self, threads: Option<NonZeroUsize>) -> Result<Findings, RunError> {
+        let briefs: Result<Vec<_>, _> =
+            share_out(self.seeds as usize, threads, |index| self.brief(index)).into_iter().collect();
+        Ok(Findings::of(&briefs?))
     }
 
-    fn part(&self, from: u32, to: u32) -> Result<Vec<Brief>, RunError> {
-        let one = |index: u32| {
-            let terms = Terms { seed: self.terms.seed.wrapping_add(u64::from(index)), ..self.terms };
-            let run = run(&terms, Detail::Outcome)?;
-            let actions = run.actions.moves + run.actions.picks + run.actions.placings;
-            let (success, believed) = (run.success, run.believed);
-            Ok(Brief { success, believed, ticks: run.ticks, retries: run.retries, actions })
-        };
-        (from..to).map(one).collect()
+    fn brief(&self, index: usize) -> Result<Brief, RunError> {
+        let terms = Terms { seed: self.terms.seed.wrapping_add(index as u64), ..self.terms };
+        let run = run(&terms, Detail::Outcome)?;
+        let actions = run.actions.moves + run.actions.picks + run.actions.placings;
+        let (success, believed) = (run.success, run.believed);
+        Ok(Brief { success, believed, ticks: run.ticks, retries: run.retries, actions })
     }
 }
 

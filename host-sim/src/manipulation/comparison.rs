@@ -54,17 +54,17 @@ pub const CONTENDERS: [Contender; 7] = [
     conventional("table 6, 3 equal readings", Trees::Table6, Trust::Equal(3)),
 ];
 
-/// Runs `seeds` seeds from `seed` on for every level and contender, level by level, on so many threads.
+/// Runs `seeds` seeds from `seed` on for every level and contender, level by level.
 ///
 /// # Errors
 /// None that can occur with the built-in trees.
-pub fn compare(seed: u64, seeds: u32, threads: usize) -> Result<Vec<Compared>, RunError> {
+pub fn compare(seed: u64, seeds: u32) -> Result<Vec<Compared>, RunError> {
     let pairs = LEVELS.into_iter().flat_map(|level| CONTENDERS.map(|contender| (level, contender)));
     let one = |(level, contender): (f64, Contender)| {
         let disturbances = Disturbances { wrong_readings: level, failed_grasps: level, ..Disturbances::NONE };
         let Contender { name, trees, order, trust } = contender;
         let terms = Terms { trees, order, trust, disturbances, ..Terms::new(seed) };
-        let findings = Campaign { terms, seeds }.run(threads)?;
+        let findings = Campaign { terms, seeds }.run(None)?;
         Ok(Compared { contender: name, level, findings })
     };
     pairs.map(one).collect()

@@ -7,10 +7,12 @@ use crate::beyond::{Learned, Mixed, Unlike};
 use crate::campaign::Score;
 use crate::library;
 use crate::scenario::Scenario;
-use crate::statistics::{Difference, Distribution};
+use crate::statistics::Difference;
 
 /// The missions that are drawn, and the series that are flown.
 const SEEDS: u64 = 300;
+
+const SERVED: &str = "part of the robots that was served";
 
 /// What both come to.
 pub(super) fn measure(run: &Run<'_>) -> Section {
@@ -105,55 +107,43 @@ fn learned_items(learned: &Learned, judged: bool) -> [Item; 4] {
 }
 
 fn ticks(mixed: &[Mixed]) -> Figure {
-    let estimate = |scores: &[Score]| {
-        let Distribution { mean, interval: [low, high], .. } = Mixed::ticks(scores);
-        Some(Estimate { value: mean, low, high })
-    };
     let row = |mixed: &Mixed| IntervalRow {
         label: match mixed.unlike {
             Unlike::Both => "paces and sensors".to_owned(),
             Unlike::Paces => "paces".to_owned(),
             Unlike::Sensors => "sensors".to_owned(),
         },
-        values: vec![
-            ("known".to_owned(), estimate(&mixed.known)),
-            ("taken for equal".to_owned(), estimate(&mixed.alike)),
-        ],
+        values: [("known", &mixed.known), ("taken for equal", &mixed.alike)]
+            .map(|(name, scores)| (name.to_owned(), Estimate::of_mean(&Mixed::ticks(scores))))
+            .into(),
     };
-    let intervals = Intervals {
-        title: "Until all stand at their goals".to_owned(),
-        unit: "ticks".to_owned(),
-        rows: mixed.iter().map(row).collect(),
-    };
+    let rows: Vec<_> = mixed.iter().map(row).collect();
     Figure::new(
         "Unlike robots: the ticks of a mission, means and 95 % intervals.",
-        [Panel::Intervals(intervals)],
+        [Panel::Intervals(Intervals::new("Until all stand at their goals", "ticks", rows))],
     )
 }
 
 fn curve(learned: &Learned) -> Figure {
-    let (on, off) = (Learned::curve(&learned.learning), Learned::curve(&learned.not));
+    let series = [("learning", &learned.learning), ("not learning", &learned.not)];
     let lines = Lines {
         title: "Robots served".to_owned(),
         x: "mission".to_owned(),
-        y: "part of the robots that was served".to_owned(),
-        at: (1..=on.len()).map(|mission| mission as f64).collect(),
-        series: vec![Series::new("learning", on), Series::new("not learning", off)],
+        y: SERVED.to_owned(),
+        at: (1..=Learned::curve(&learned.learning).len()).map(|mission| mission as f64).collect(),
+        series: series.map(|(name, series)| Series::new(name, Learned::curve(series))).into(),
     };
-    let row = |label: &str, series: &[crate::beyond::Served]| {
-        let Distribution { mean, interval: [low, high], .. } = Learned::last_third(series);
-        (label.to_owned(), Some(Estimate { value: mean, low, high }))
-    };
-    let intervals = Intervals {
-        title: "In the last third of the missions".to_owned(),
-        unit: "part of the robots that was served".to_owned(),
-        rows: vec![IntervalRow {
-            label: "deliveries".to_owned(),
-            values: vec![row("learning", &learned.learning), row("not learning", &learned.not)],
-        }],
+    let row = IntervalRow {
+        label: "deliveries".to_owned(),
+        values: series
+            .map(|(name, series)| (name.to_owned(), Estimate::of_mean(&Learned::last_third(series))))
+            .into(),
     };
     Figure::new(
         "Preferences learned online: who was served, mission after mission, the mean over all series.",
-        [Panel::Lines(lines), Panel::Intervals(intervals)],
+        [
+            Panel::Lines(lines),
+            Panel::Intervals(Intervals::shares("In the last third of the missions", SERVED, [row])),
+        ],
     )
 }

@@ -3,8 +3,8 @@
 use super::Run;
 use super::figure::{Estimate, Figure, IntervalRow, Intervals, Panel};
 use super::report::{Item, Section, number};
-use crate::campaign::{Campaign, Disturbance, Report, Row, Summary, cost};
-use crate::statistics::Difference;
+use crate::campaign::{Campaign, Comparison, Disturbance, Report, Row, Summary, cost};
+use crate::statistics::{Difference, Share};
 use crate::{Pilot, library};
 use std::env;
 
@@ -22,7 +22,7 @@ pub(super) fn compare(run: &Run<'_>) -> Section {
         "The conventional tree is figure 8's, with leaves as an engineer would write them by hand for the same sensors, radio and \
          maps: table 3's counts, no probabilities, no rounds. Both fly the same seeds with the same trouble. A mission is \
          accomplished when all robots stand at different goals without a single collision, which an independent validator judges \
-         from the cells they were in. Intervals are 95 %.",
+         from the cells they were in; together means that the last arrived at most two ticks after the first. Intervals are 95 %.",
     );
     for mission in MISSIONS {
         let report = fly(mission, run);
@@ -52,16 +52,17 @@ fn items(mission: &str, row: &Row) -> Vec<Item> {
     let mut items = vec![
         Item::measured(
             format!("{mission}, {name}: accomplished, of {seeds}"),
-            side_by_side(|summary| {
-                let share = summary.accomplished;
-                format!("{} ({:.3} to {:.3})", share.count, share.interval[0], share.interval[1])
-            }),
+            side_by_side(|summary| share(&summary.accomplished)),
         ),
         Item::claim(
             format!("{mission}, {name}: flights with a collision"),
             "inference: none",
             side_by_side(|summary| summary.collided.count.to_string()),
             inference.collided.count == 0,
+        ),
+        Item::measured(
+            format!("{mission}, {name}: arrived together, of the accomplished"),
+            side_by_side(|summary| share(&summary.together)),
         ),
         Item::measured(format!("{mission}, {name}: ticks"), side_by_side(ticks)),
         Item::measured(
@@ -75,9 +76,14 @@ fn items(mission: &str, row: &Row) -> Vec<Item> {
     ];
     if let Some(comparison) = &row.comparison {
         let what = format!("{mission}, {name}: who wins");
-        items.push(Item::measured(what, winner(&comparison.accomplished, &comparison.ticks)));
+        items.push(Item::measured(what, winner(comparison)));
     }
     items
+}
+
+fn share(share: &Share) -> String {
+    let [low, high] = share.interval;
+    format!("{} ({low:.3} to {high:.3})", share.count)
 }
 
 fn ticks(summary: &Summary) -> String {
@@ -89,25 +95,25 @@ fn ticks(summary: &Summary) -> String {
 }
 
 /// Who is better beyond chance in what, by the differences of inference and conventional tree on the same seeds.
-fn winner(accomplished: &Difference, ticks: &Difference) -> String {
-    let side = |difference: &Difference, more_is_better: bool| {
-        let [low, high] = difference.interval;
-        match (low > 0.0, high < 0.0) {
-            (true, _) => Some(more_is_better),
-            (_, true) => Some(!more_is_better),
-            _ => None,
-        }
-    };
-    let name = |inference: Option<bool>| match inference {
-        Some(true) => "inference",
-        Some(false) => "the conventional tree",
-        None => "nobody",
-    };
-    let success = name(side(accomplished, true));
-    if ticks.pairs == 0 {
+fn winner(comparison: &Comparison) -> String {
+    let success = who(&comparison.accomplished, true);
+    if comparison.ticks.pairs == 0 {
         return format!("in success {success}");
     }
-    format!("in success {success}, in ticks {} (by {})", name(side(ticks, false)), number(ticks.mean.abs()))
+    format!(
+        "in success {success}, in arriving together {}, in ticks {} (by {})",
+        who(&comparison.together, true),
+        who(&comparison.ticks, false),
+        number(comparison.ticks.mean.abs())
+    )
+}
+
+fn who(difference: &Difference, more_is_better: bool) -> &'static str {
+    match difference.is_significant() {
+        false => "nobody",
+        true if (difference.mean > 0.0) == more_is_better => "inference",
+        true => "the conventional tree",
+    }
 }
 
 /// What a tick costs, counted by valgrind where there is one.
@@ -123,7 +129,7 @@ fn instructions(mission: &str, pilot: Pilot) -> Item {
 }
 
 fn figure(mission: &str, report: &Report) -> Figure {
-    let panel = |title: &str, unit: &str, estimate: &dyn Fn(&Summary) -> Option<Estimate>| {
+    let rows = |estimate: fn(&Summary) -> Option<Estimate>| {
         let row = |row: &Row| IntervalRow {
             label: row.disturbance.name().to_owned(),
             values: row
@@ -132,25 +138,25 @@ fn figure(mission: &str, report: &Report) -> Figure {
                 .map(|summary| (summary.pilot.name().to_owned(), estimate(summary)))
                 .collect(),
         };
-        Panel::Intervals(Intervals {
-            title: title.to_owned(),
-            unit: unit.to_owned(),
-            rows: report.rows.iter().map(row).collect(),
-        })
+        report.rows.iter().map(row).collect::<Vec<_>>()
     };
-    let share = |share: &crate::statistics::Share| {
-        Some(Estimate { value: share.ratio, low: share.interval[0], high: share.interval[1] })
+    let share = |title: &str, of: &str, share: fn(&Summary) -> Option<Estimate>| {
+        Panel::Intervals(Intervals::shares(title, of, rows(share)))
     };
+    let all = "share of all flights";
     Figure::new(
         format!("{mission}: {} seeds for each disturbance and tree.", report.seeds),
         [
-            panel("Accomplished", "share of all flights", &|summary| share(&summary.accomplished)),
-            panel("Time", "ticks of accomplished flights", &|summary| {
-                let ticks = &summary.ticks;
-                let [low, high] = ticks.interval;
-                (ticks.count > 0).then_some(Estimate { value: ticks.mean, low, high })
+            share("Accomplished", all, |summary| Some(Estimate::of_share(&summary.accomplished))),
+            share("Flights with a collision", all, |summary| Some(Estimate::of_share(&summary.collided))),
+            share("All arrived together", "share of accomplished flights", |summary| {
+                (summary.together.of > 0).then(|| Estimate::of_share(&summary.together))
             }),
-            panel("Flights with a collision", "share of all flights", &|summary| share(&summary.collided)),
+            Panel::Intervals(Intervals::new(
+                "Time",
+                "ticks of accomplished flights",
+                rows(|summary| Estimate::of_mean(&summary.ticks)),
+            )),
         ],
     )
 }

@@ -1,5 +1,6 @@
 //! The figures of the report, as data.
 
+use crate::statistics::{Distribution, Share};
 use crate::{Record, RobotRecord};
 use iibt_core::grid::Cell;
 use serde::Serialize;
@@ -115,6 +116,8 @@ pub struct Intervals {
     pub title: String,
     /// What is measured, and its unit.
     pub unit: String,
+    /// Where the axis ends; `None` for the largest value.
+    pub most: Option<f64>,
     /// The lines.
     pub rows: Vec<IntervalRow>,
 }
@@ -137,6 +140,38 @@ pub struct Estimate {
     pub low: f64,
     /// The upper end.
     pub high: f64,
+}
+
+impl Intervals {
+    /// Numbers from zero up.
+    pub fn new(title: impl Into<String>, unit: impl Into<String>, rows: impl Into<Vec<IntervalRow>>) -> Self {
+        Self { title: title.into(), unit: unit.into(), most: None, rows: rows.into() }
+    }
+
+    /// Shares of a whole.
+    pub fn shares(
+        title: impl Into<String>,
+        of: impl Into<String>,
+        rows: impl Into<Vec<IntervalRow>>,
+    ) -> Self {
+        Self { most: Some(1.0), ..Self::new(title, of, rows) }
+    }
+}
+
+impl Estimate {
+    /// A ratio.
+    #[must_use]
+    pub const fn of_share(share: &Share) -> Self {
+        let [low, high] = share.interval;
+        Self { value: share.ratio, low, high }
+    }
+
+    /// A mean; `None` of no values.
+    #[must_use]
+    pub fn of_mean(distribution: &Distribution) -> Option<Self> {
+        let [low, high] = distribution.interval;
+        (distribution.count > 0).then_some(Self { value: distribution.mean, low, high })
+    }
 }
 
 /// A behavior tree, from the root down in preorder.

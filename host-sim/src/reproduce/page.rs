@@ -1,8 +1,10 @@
 //! The report as a page, complete in itself: text, tables, and figures in SVG.
 
+mod axis;
 mod bars;
 mod grid;
 mod intervals;
+mod legend;
 mod lines;
 mod svg;
 mod tree;
@@ -56,10 +58,20 @@ fn legend() -> String {
 fn section(section: &Section) -> String {
     let mut text =
         format!("<section id=\"s{0}\">\n<h2><small>{0}</small> {1}</h2>\n", section.id, section.title);
-    section.text.iter().for_each(|paragraph| text += &format!("<p>{}</p>\n", escaped(paragraph)));
+    section.text.iter().for_each(|paragraph| text += &format!("<p>{}</p>\n", prose(paragraph)));
     section.figures.iter().for_each(|part| text += &figure(part));
     text += &items(&section.items);
     text + "</section>\n"
+}
+
+/// Text in which names of the library stand between backticks.
+fn prose(text: &str) -> String {
+    let parts = text.split('`').enumerate();
+    let part = |(index, part)| match index % 2 {
+        0 => escaped(part),
+        _ => format!("<code>{}</code>", escaped(part)),
+    };
+    parts.map(part).collect()
 }
 
 fn items(items: &[Item]) -> String {

@@ -8,7 +8,6 @@ use crate::manipulation::{
 };
 use crate::words::counted;
 use iibt_core::iibt::manipulation::Preset;
-use std::thread;
 
 /// The policies whose probabilities the paper prints, and those.
 const REPORTED: [(usize, f64); 4] = [(3, 0.255), (7, 0.205), (12, 0.255), (13, 0.205)];
@@ -116,7 +115,7 @@ fn joint_policies(mission: &Mission) -> usize {
 fn campaign(run: &Run<'_>) -> [Item; 4] {
     let seeds = run.seeds(SEEDS) as u32;
     let terms = Terms { disturbances: Disturbances::TENTH, ..Terms::new(0) };
-    let findings = Campaign { terms, seeds }.run(threads()).expect("the built-in trees run");
+    let findings = Campaign { terms, seeds }.run(None).expect("the built-in trees run");
     let under = format!("{}, 10 % failed grasps, 10 % wrong readings", counted(seeds, "seed"));
     let success = findings.success;
     [
@@ -130,10 +129,6 @@ fn campaign(run: &Run<'_>) -> [Item; 4] {
     ]
 }
 
-fn threads() -> usize {
-    thread::available_parallelism().map_or(1, usize::from)
-}
-
 fn share(ratio: f64, [low, high]: [f64; 2]) -> String {
     format!("{:.1} % ({:.1} to {:.1})", 100.0 * ratio, 100.0 * low, 100.0 * high)
 }
@@ -143,7 +138,7 @@ fn mean(mean: f64, [low, high]: [f64; 2]) -> String {
 }
 
 fn compared(run: &Run<'_>) -> Vec<Compared> {
-    manipulation::compare(0, run.seeds(SEEDS_COMPARED) as u32, threads()).expect("the built-in trees run")
+    manipulation::compare(0, run.seeds(SEEDS_COMPARED) as u32).expect("the built-in trees run")
 }
 
 fn contenders(compared: &[Compared]) -> Vec<Item> {
@@ -211,32 +206,23 @@ fn beliefs() -> Figure {
 
 /// Success and time of all contenders.
 fn levels(compared: &[Compared]) -> Figure {
-    let row = |level: f64, estimate: &dyn Fn(&Compared) -> Option<Estimate>| IntervalRow {
-        label: format!("{:.0} %", 100.0 * level),
-        values: compared
-            .iter()
-            .filter(|part| part.level == level)
-            .map(|part| (part.contender.to_owned(), estimate(part)))
-            .collect(),
-    };
-    let panel = |title: &str, unit: &str, estimate: &dyn Fn(&Compared) -> Option<Estimate>| {
-        Panel::Intervals(Intervals {
-            title: title.to_owned(),
-            unit: unit.to_owned(),
-            rows: LEVELS.map(|level| row(level, estimate)).into(),
+    let rows = |estimate: &dyn Fn(&Compared) -> Option<Estimate>| {
+        LEVELS.map(|level| IntervalRow {
+            label: format!("{:.0} %", 100.0 * level),
+            values: compared
+                .iter()
+                .filter(|part| part.level == level)
+                .map(|part| (part.contender.to_owned(), estimate(part)))
+                .collect(),
         })
     };
-    let estimate = |value, [low, high]: [f64; 2]| Some(Estimate { value, low, high });
+    let success = rows(&|part| Some(Estimate::of_share(&part.findings.success)));
+    let ticks = rows(&|part| Estimate::of_mean(&part.findings.ticks));
     Figure::new(
         "Inference trees and conventional ones, by the share of failed grasps and wrong readings, with 95 % intervals.",
         [
-            panel("Success", "share of all missions", &|part| {
-                estimate(part.findings.success.ratio, part.findings.success.interval)
-            }),
-            panel("Time", "ticks of successful missions", &|part| {
-                let ticks = part.findings.ticks;
-                (ticks.count > 0).then_some(ticks).and_then(|ticks| estimate(ticks.mean, ticks.interval))
-            }),
+            Panel::Intervals(Intervals::shares("Success", "share of all missions", success)),
+            Panel::Intervals(Intervals::new("Time", "ticks of successful missions", ticks)),
         ],
     )
 }

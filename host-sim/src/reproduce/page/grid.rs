@@ -1,5 +1,6 @@
 //! Paths on a map.
 
+use super::legend::{Legend, Mark};
 use super::svg::{Anchor, Svg, colour};
 use crate::reproduce::figure::{Grid, Track};
 use iibt_core::grid::Cell;
@@ -10,14 +11,13 @@ const SIDE: f64 = 38.0;
 /// Room around the map.
 const MARGIN: f64 = 4.0;
 
-/// The line of names below the map.
-const LEGEND: f64 = 22.0;
-
 pub(super) fn draw(grid: &Grid) -> String {
     let (columns, rows) = (f64::from(grid.width), f64::from(grid.height));
-    let names: f64 = grid.paths.iter().map(|track| name_width(&track.name)).sum();
-    let width = (columns * SIDE + 2.0 * MARGIN).max(names + 2.0 * MARGIN);
-    let mut svg = Svg::new(width, rows * SIDE + 2.0 * MARGIN + LEGEND);
+    let (width, bottom) = (columns * SIDE + 2.0 * MARGIN, rows * SIDE + 2.0 * MARGIN);
+    let tracks = grid.paths.iter().enumerate();
+    let legend =
+        Legend::new(Mark::Dot, width, tracks.map(|(index, track)| (track.name.as_str(), colour(index + 1))));
+    let mut svg = Svg::new(width, bottom + legend.height());
     floor(grid, &mut svg);
     for (index, track) in grid.paths.iter().enumerate() {
         path(grid, track, index, &mut svg);
@@ -25,33 +25,25 @@ pub(super) fn draw(grid: &Grid) -> String {
     for &cell in &grid.conflicts {
         svg.circle("conflict", centre(grid, cell), SIDE * 0.46);
     }
-    let mut x = MARGIN;
-    for (index, track) in grid.paths.iter().enumerate() {
-        let y = rows * SIDE + 2.0 * MARGIN + LEGEND / 2.0;
-        svg.circle(&format!("dot {}", colour(index + 1)), (x + 5.0, y), 5.0);
-        svg.text("label", (x + 14.0, y + 4.0), Anchor::Start, &track.name);
-        x += name_width(&track.name);
-    }
+    legend.draw((MARGIN, bottom), &mut svg);
     svg.finish(&grid.title)
-}
-
-fn name_width(name: &str) -> f64 {
-    super::svg::width_of(name) + 26.0
 }
 
 fn floor(grid: &Grid, svg: &mut Svg) {
     for index in 0..grid.width * grid.height {
         let cell = Cell(index);
         let corner = corner(grid, cell);
+        let is_blocked = grid.blocked.contains(&cell);
         let class = match () {
-            () if grid.blocked.contains(&cell) => "cell blocked",
+            () if is_blocked => "cell blocked",
             () if grid.goals.contains(&cell) => "cell goal",
             () if grid.chargers.contains(&cell) => "cell charger",
             () if grid.way_points.contains(&cell) => "cell point",
             () => "cell",
         };
         svg.rectangle(class, corner, (SIDE, SIDE), 0.0);
-        svg.text("number", (corner.0 + 3.0, corner.1 + 10.0), Anchor::Start, index);
+        let number = if is_blocked { "number light" } else { "number" };
+        svg.text(number, (corner.0 + 3.0, corner.1 + 10.0), Anchor::Start, index);
     }
 }
 

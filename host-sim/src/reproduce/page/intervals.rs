@@ -1,74 +1,74 @@
 //! Values with their intervals, a line for each.
 
+use super::axis::Axis;
+use super::legend::{Legend, Mark};
 use super::svg::{Anchor, Svg, colour, width_of};
 use crate::reproduce::figure::{Estimate, Intervals};
 use crate::reproduce::report::number;
 
-const WIDTH: f64 = 340.0;
-const VALUES: f64 = 130.0;
-const TOP: f64 = 26.0;
+const WIDTH: f64 = 320.0;
 const LINE: f64 = 15.0;
 const GAP: f64 = 9.0;
 const BELOW: f64 = 34.0;
+const BESIDE: f64 = 10.0;
+
+/// The size of figures over that of labels.
+const FIGURES: f64 = 0.82;
 
 pub(super) fn draw(intervals: &Intervals) -> String {
-    let labels = intervals.rows.iter().map(|row| width_of(&row.label)).fold(40.0, f64::max) + 12.0;
+    let estimates = || intervals.rows.iter().flat_map(|row| &row.values).map(|(_, estimate)| *estimate);
+    let left = intervals.rows.iter().map(|row| width_of(&row.label)).fold(40.0, f64::max) + 12.0;
+    let right =
+        BESIDE + FIGURES * estimates().map(|estimate| width_of(&figures(estimate))).fold(0.0, f64::max);
+    let names = intervals.rows.first().into_iter().flat_map(|row| &row.values).enumerate();
+    let legend = Legend::new(
+        Mark::Dot,
+        WIDTH + right,
+        names.map(|(index, (name, _))| (name.as_str(), colour(index + 1))),
+    );
+    let top = legend.height() + 8.0;
     let row_height = |values: usize| LINE * values as f64 + GAP;
-    let rows: f64 = intervals.rows.iter().map(|row| row_height(row.values.len())).sum();
-    let mut svg = Svg::new(labels + WIDTH + VALUES, TOP + rows + BELOW);
-    let (low, high) = range(intervals);
-    let place = |value: f64| labels + WIDTH * (value - low) / (high - low);
-    for step in 0..=4 {
-        let value = low + f64::from(step) / 4.0 * (high - low);
-        svg.line("axis", (place(value), TOP), (place(value), TOP + rows));
-        svg.text("value", (place(value), TOP + rows + 13.0), Anchor::Middle, number(value));
+    let bottom = top + intervals.rows.iter().map(|row| row_height(row.values.len())).sum::<f64>();
+    let mut svg = Svg::new(left + WIDTH + right, bottom + BELOW);
+    let largest = estimates().flatten().map(|estimate| estimate.high);
+    let axis = match intervals.most {
+        Some(most) => Axis::over([0.0, most]),
+        None => Axis::over(largest.chain([0.0])).rounded(),
+    };
+    let place = |value: f64| left + WIDTH * axis.part(value);
+    for mark in axis.marks() {
+        svg.line("axis", (place(mark), top), (place(mark), bottom));
+        svg.text("value", (place(mark), bottom + 13.0), Anchor::Middle, number(mark));
     }
-    svg.text("label", (labels + WIDTH / 2.0, TOP + rows + 29.0), Anchor::Middle, &intervals.unit);
-    legend(intervals, labels, &mut svg);
-    let mut y = TOP + GAP / 2.0;
+    svg.text("label", (left + WIDTH / 2.0, bottom + 29.0), Anchor::Middle, &intervals.unit);
+    legend.draw((left, 0.0), &mut svg);
+    let mut y = top + GAP / 2.0;
     for row in &intervals.rows {
         let middle = y + LINE * row.values.len() as f64 / 2.0;
-        svg.text("label", (labels - 8.0, middle + 4.0), Anchor::End, &row.label);
+        svg.text("label", (left - 8.0, middle + 4.0), Anchor::End, &row.label);
         for (index, (_, estimate)) in row.values.iter().enumerate() {
             let line = y + LINE * (index as f64 + 0.5);
-            mark(*estimate, line, &colour(index), labels + WIDTH + 8.0, &place, &mut svg);
+            if let Some(estimate) = estimate {
+                mark(estimate, line, &colour(index + 1), &place, &mut svg);
+            }
+            svg.text("value", (left + WIDTH + BESIDE, line + 4.0), Anchor::Start, figures(*estimate));
         }
         y += row_height(row.values.len());
     }
     svg.finish(&intervals.title)
 }
 
-/// An interval, the value in it, and both in figures at `right`.
-fn mark(
-    estimate: Option<Estimate>,
-    y: f64,
-    class: &str,
-    right: f64,
-    place: &impl Fn(f64) -> f64,
-    svg: &mut Svg,
-) {
-    let Some(Estimate { value, low, high }) = estimate else {
-        svg.text("value", (right, y + 4.0), Anchor::Start, "none");
-        return;
-    };
-    svg.line(&format!("whisker {class}"), (place(low), y), (place(high), y));
-    svg.circle(&format!("dot {class}"), (place(value), y), 4.0);
-    let text = format!("{} ({} to {})", number(value), number(low), number(high));
-    svg.text("value", (right, y + 4.0), Anchor::Start, text);
+/// An interval and the value in it.
+fn mark(estimate: &Estimate, y: f64, class: &str, place: &impl Fn(f64) -> f64, svg: &mut Svg) {
+    svg.line(&format!("whisker {class}"), (place(estimate.low), y), (place(estimate.high), y));
+    svg.circle(&format!("dot {class}"), (place(estimate.value), y), 4.0);
 }
 
-fn legend(intervals: &Intervals, mut x: f64, svg: &mut Svg) {
-    let Some(row) = intervals.rows.first() else { return };
-    for (index, (name, _)) in row.values.iter().enumerate() {
-        svg.circle(&format!("dot {}", colour(index)), (x + 5.0, 9.0), 4.0);
-        svg.text("label", (x + 14.0, 13.0), Anchor::Start, name);
-        x += width_of(name) + 30.0;
+fn figures(estimate: Option<Estimate>) -> String {
+    match estimate {
+        Some(Estimate { value, low, high }) => {
+            format!("{} ({} to {})", number(value), number(low), number(high))
+        }
+        None => "none".to_owned(),
     }
-}
-
-fn range(intervals: &Intervals) -> (f64, f64) {
-    let estimates =
-        intervals.rows.iter().flat_map(|row| row.values.iter().filter_map(|(_, estimate)| *estimate));
-    let high = estimates.map(|estimate| estimate.high).fold(0.0, f64::max);
-    (0.0, if high > 0.0 { high } else { 1.0 })
 }

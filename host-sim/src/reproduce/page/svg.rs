@@ -88,9 +88,15 @@ pub(super) fn width_of(text: &str) -> f64 {
     7.0 * text.chars().count() as f64
 }
 
-/// The class of the colour of series or robot `index`.
+/// How many colours there are beside the paper's grey.
+const COLOURS: usize = 7;
+
+/// The class of a colour: 0 is the paper's, from 1 on are ours, a robot or series each.
 pub(super) fn colour(index: usize) -> String {
-    format!("c{}", index % 5)
+    match index.checked_sub(1) {
+        None => "c0".to_owned(),
+        Some(ours) => format!("c{}", ours % COLOURS + 1),
+    }
 }
 
 /// Text that may stand in HTML and SVG, in quotes too.

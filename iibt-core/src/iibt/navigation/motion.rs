@@ -1,7 +1,7 @@
 //! What the robot has learned of its own drive: how often each move fails.
 //!
-//! A move that fails is made again, and the whole team waits for it, because its robots follow their paths in step. So a slip does
-//! not lead off the path; it spoils its timing. A path is kept in step with the probability
+//! A move that fails is made again: whoever is to enter the cell afterwards waits, and so do all before their last moves. So a slip
+//! does not lead off the path; it spoils its timing. A path is kept in time with the probability
 //!
 //! P(s_1 ... s_T as planned | π) = Π B(s_t | s_t-1, u_t) = Π (1 - slip(u_t)),
 //!
