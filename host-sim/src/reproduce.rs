@@ -13,6 +13,7 @@ mod decision;
 mod figure;
 mod page;
 mod report;
+mod safety;
 mod section_5;
 mod section_6_1;
 mod section_6_2;
@@ -87,6 +88,7 @@ pub const CHAPTERS: &[Chapter] = &[
     Chapter { id: "6.1", about: "three robots, obstacles, way-points, batteries", run: section_6_1::mission },
     Chapter { id: "6.2", about: "a bottle and a plate", run: section_6_2::manipulate },
     Chapter { id: "tables", about: "how large the trees are", run: tables::count },
+    Chapter { id: "safety", about: "every mission under the validator", run: safety::validate },
     Chapter { id: "comparison", about: "inference and conventional trees", run: comparison::compare },
     Chapter { id: "beyond", about: "unlike robots, learned preferences", run: beyond::measure },
 ];

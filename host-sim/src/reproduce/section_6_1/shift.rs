@@ -1,11 +1,12 @@
 //! Section 6.1 as one flight in the default mode.
 
-use crate::campaign::{Campaign, Disturbance, Trace};
+use crate::campaign::{Disturbance, Trace};
 use crate::reproduce::Run;
 use crate::reproduce::figure::{Figure, Grid, Lines, Panel, Series, Track};
 use crate::reproduce::report::Item;
-use crate::words::{cause_words, counted};
-use crate::{Conditions, News, Outcome, Phase, Pilot, Record, Scenario, fly, library};
+use crate::reproduce::safety::{self, Flights};
+use crate::words::cause_words;
+use crate::{Conditions, News, Outcome, Phase, Record, Scenario, fly, library};
 use iibt_core::grid::Cell;
 use iibt_core::iibt::navigation::Cause;
 
@@ -119,18 +120,11 @@ fn in_turn(record: &Record) -> bool {
 
 /// The same with many seeds.
 fn seeds(scenario: &Scenario, run: &Run<'_>) -> Vec<Item> {
-    let disturbances = [Disturbance::None, Disturbance::Loss];
-    let seeds = run.seeds(SEEDS) as u32;
-    let campaign = Campaign { scenario, disturbances: &disturbances, pilots: &[Pilot::Inference], seeds };
-    let report = campaign.fly(None, run.progress).expect("its mission fits");
-    let item = |(row, radio): (&crate::campaign::Row, &str)| {
-        let summary = &row.summaries[0];
-        let (done, collided) = (summary.accomplished.count, summary.collided.count);
-        let what = format!("{}, {radio}: accomplished, and without a collision", counted(seeds, "seed"));
-        let ours = format!("{done} accomplished, {collided} with a collision");
-        Item::claim(what, "all, none", ours, done == seeds && collided == 0)
+    let claim = |flights: Flights| {
+        let what = format!("{}: accomplished, and without a collision", flights.what());
+        Item::claim(what, "all, none", flights.found(), flights.are_safe() && flights.are_accomplished())
     };
-    report.rows.iter().zip(["a perfect radio", "three frames in ten lost"]).map(item).collect()
+    safety::flown(scenario, run, SEEDS).into_iter().map(claim).collect()
 }
 
 /// What everybody chose, in each round that the team agreed on.
