@@ -9,14 +9,16 @@
 //! the robots tick does not matter.
 
 use crate::chance::{Chance, Purpose};
-use crate::news::{self, News};
+use crate::changes;
+use crate::news::News;
 use crate::phases::{self, Phase};
 use crate::progress::Progress;
 use crate::radio::{Radio, Traffic};
 use crate::record::{self, Activity, Dated, Outcome, Record, RobotRecord};
 use crate::referee::Collisions;
+use crate::robot::Robot;
 use crate::scenario::{self, Floor, Scenario, Wear};
-use crate::team::{Pilot, Robot, Team, with_team};
+use crate::team::{Pilot, Team, with_team};
 use crate::world::World;
 use firmware::{ControllerError, Report};
 use iibt_core::grid::{Cell, Move};
@@ -321,7 +323,7 @@ impl<'f, 'm> Flight<'f, 'm> {
         let obstacles = || self.world.obstacles().collect();
         phases::note(&mut self.phases, self.tick, &self.reports, self.world.floor(), obstacles);
         let mut news = self.ticked_off();
-        news.extend(news::between(&before, &self.reports, &self.world));
+        news.extend(changes::between(&before, &self.reports, &self.world));
         news
     }
 

@@ -1,11 +1,8 @@
 //! News: what happens in a tick that is worth telling.
 
-use crate::scenario::{Floor, Scenario};
+use crate::scenario::Scenario;
 use crate::words::route;
-use crate::world::World;
-use firmware::Report;
 use iibt_core::grid::Cell;
-use iibt_core::team::Status;
 use serde::Serialize;
 
 /// One thing that happened. Robots are named by their index in the scenario, from zero.
@@ -106,48 +103,6 @@ pub enum News {
         /// How often in this tick.
         times: u32,
     },
-}
-
-/// What the reports of two ticks in a row tell together.
-pub(crate) fn between(before: &[Report], after: &[Report], world: &World) -> Vec<News> {
-    let mut news = Vec::new();
-    for (robot, (old, new)) in before.iter().zip(after).enumerate() {
-        news.extend(leave(robot, old, new, world.battery(robot).percent()));
-        news.extend(choice(robot, old, new, world.floor()));
-        if new.status == Status::Arrived && old.status != Status::Arrived {
-            news.push(News::Arrived { robot, cell: world.cells()[robot] });
-        }
-    }
-    let round = agreed_round(after).filter(|&round| agreed_round(before) != Some(round));
-    news.extend(round.map(|round| News::Agreed { round }));
-    news
-}
-
-/// A choice is news when it is another one, or belongs to another round.
-fn choice(robot: usize, old: &Report, new: &Report, floor: &Floor) -> Option<News> {
-    let goal = new.goal.filter(|_| !matches!(new.status, Status::Deciding | Status::Away))?;
-    if old.round == new.round && old.path == new.path && old.goal == new.goal {
-        return None;
-    }
-    let path = new.path.cells(floor).collect();
-    Some(News::Chose { robot, round: new.round.0, goal, path, probability: new.probability })
-}
-
-/// Leaving the team to charge, and coming back.
-fn leave(robot: usize, old: &Report, new: &Report, charge: u8) -> Option<News> {
-    match (old.status == Status::Away, new.status == Status::Away) {
-        (false, true) => Some(News::Left { robot, charge }),
-        (true, false) => Some(News::Returned { robot, charge }),
-        _ => None,
-    }
-}
-
-/// The round that every robot has agreed to, if they all have.
-pub(crate) fn agreed_round(reports: &[Report]) -> Option<u16> {
-    let first = reports.first()?.round;
-    let agrees =
-        |report: &Report| report.round == first && matches!(report.status, Status::Agreed | Status::Arrived);
-    reports.iter().all(agrees).then_some(first.0)
 }
 
 impl News {

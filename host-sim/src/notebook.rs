@@ -8,6 +8,7 @@
 mod assembly;
 mod choices;
 mod convention;
+mod entries;
 mod fault;
 mod json;
 mod model;

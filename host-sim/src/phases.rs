@@ -1,6 +1,6 @@
 //! The phases of a flight: the rounds in which the team decided, or a robot charged.
 
-use crate::news::agreed_round;
+use crate::progress::agreed_round;
 use crate::scenario::Floor;
 use firmware::Report;
 use iibt_core::grid::Cell;

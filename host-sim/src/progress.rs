@@ -1,7 +1,7 @@
 //! How far the team has come: the joint plans that all have agreed to, and the moves made of the last.
 
-use crate::news::agreed_round;
 use firmware::Report;
+use iibt_core::team::Status;
 
 /// The progress of a team, by what its robots say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,4 +28,12 @@ impl Progress {
     pub(crate) const fn has_come_to(self, plans: u32, moves: u32) -> bool {
         self.plans > plans || (self.plans == plans && self.moves >= moves)
     }
+}
+
+/// The round that every robot has agreed to, if they all have.
+pub(crate) fn agreed_round(reports: &[Report]) -> Option<u16> {
+    let first = reports.first()?.round;
+    let agrees =
+        |report: &Report| report.round == first && matches!(report.status, Status::Agreed | Status::Arrived);
+    reports.iter().all(agrees).then_some(first.0)
 }

@@ -4,34 +4,14 @@
 
 use crate::body::Body;
 use crate::conventional::{Conventional, Figure};
-use crate::scenario::{Floor, MAX_CELLS, MAX_PATHS, Scenario};
-use firmware::{Controller, ControllerError, Report, Settings};
-use iibt_core::grid::{Cell, Map, Path, words};
+use crate::robot::{Robot, shrunk};
+use crate::scenario::{MAX_CELLS, MAX_PATHS, Scenario};
+use firmware::{Controller, ControllerError, Settings};
+use iibt_core::grid::{Cell, Path, words};
 use iibt_core::iibt::Mission;
-use iibt_core::iibt::navigation::MAX_GOALS;
 use iibt_core::inference::learning::Rates;
 use iibt_core::team::{Key, RobotId};
 use serde::Serialize;
-
-/// A robot that flies, whatever the size its controller is compiled for.
-pub(crate) trait Robot {
-    /// One tick of its controller.
-    fn tick(&mut self);
-    /// What its controller says of itself.
-    fn report(&self) -> Report;
-    /// The leaf of its tree that is running.
-    fn activity(&self) -> Option<&'static str>;
-    /// Tells it to visit a cell; returns whether it will.
-    fn visit(&mut self, cell: Cell) -> bool;
-    /// Has each goal worth so much to it; to a conventional one it makes no difference.
-    fn prefer(&mut self, _: &[f32; MAX_GOALS]) {}
-    /// The way-points that it is still to visit.
-    fn waypoints(&self) -> &[Cell];
-    /// How likely it takes itself to be in a cell.
-    fn belief(&self, cell: Cell) -> f32;
-    /// The body it works in.
-    fn body(&mut self) -> &mut Body;
-}
 
 /// The robots in the order of their numbers.
 pub(crate) type Team<'m> = Vec<Box<dyn Robot + 'm>>;
@@ -144,48 +124,5 @@ fn tune<const W: usize>(mission: &mut Mission<'_, W>, scenario: &Scenario) {
     }
     if let Some(learning) = wanted.learning {
         mission.learning = Rates::new(learning, mission.learning.forgetting());
-    }
-}
-
-/// The same map in fewer words.
-pub(crate) fn shrunk<const W: usize>(floor: &Floor) -> Map<W> {
-    let mut map = Map::new(floor.width(), floor.height()).unwrap_or_else(|_| unreachable!("W fits the map"));
-    for cell in (0..floor.len() as u16).map(Cell).filter(|&cell| !floor.is_free(cell)) {
-        map.block(cell);
-    }
-    map
-}
-
-impl<const S: usize, const W: usize, const P: usize> Robot for Controller<'_, Body, S, W, P> {
-    fn tick(&mut self) {
-        Controller::tick(self);
-    }
-
-    fn report(&self) -> Report {
-        Controller::report(self)
-    }
-
-    fn activity(&self) -> Option<&'static str> {
-        Controller::activity(self)
-    }
-
-    fn visit(&mut self, cell: Cell) -> bool {
-        Controller::visit(self, cell).is_ok()
-    }
-
-    fn prefer(&mut self, values: &[f32; MAX_GOALS]) {
-        Controller::prefer(self, values);
-    }
-
-    fn waypoints(&self) -> &[Cell] {
-        self.navigation().waypoints()
-    }
-
-    fn belief(&self, cell: Cell) -> f32 {
-        self.navigation().probability_of(cell)
-    }
-
-    fn body(&mut self) -> &mut Body {
-        self.hardware_mut()
     }
 }

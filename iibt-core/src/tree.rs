@@ -89,6 +89,7 @@ mod macros;
 mod memory;
 mod node;
 mod overdue;
+mod status;
 mod table;
 mod walk;
 
@@ -101,8 +102,9 @@ pub use census::Census;
 pub use check::{Rule, TreeError};
 pub use compiled::Compiled;
 pub use kinds::{Basic, Compat, Full, Kinds};
-pub use leaves::{Halt, Leaves, Status};
+pub use leaves::Leaves;
 pub use log::{Log, Transition};
 pub use memory::{Cell, Memory};
 pub use node::{Millis, Node, Times};
+pub use status::{Halt, Status};
 pub use table::{MAX_DEPTH, MAX_NODES, Next, Row, Tick, Tree, TreeRef};

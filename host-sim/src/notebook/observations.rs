@@ -1,10 +1,10 @@
 //! What was observed and done, as a notebook writes it.
 
+use super::entries::{Entries, list};
 use super::fault::{Fault, refuse};
 use super::json::Value;
 use super::model::{MAX_STEPS, Notebook, Observation, Observations, Step};
 use super::policies;
-use super::reading::{Entries, list};
 use super::tensor::{finite, place};
 use iibt_core::inference::Evidence;
 

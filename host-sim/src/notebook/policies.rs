@@ -1,9 +1,9 @@
 //! The policies of a notebook: read, or generated.
 
+use super::entries::{Entries, list};
 use super::fault::{Fault, refuse};
 use super::json::Value;
 use super::model::{MAX_POLICIES, Transition};
-use super::reading::{Entries, list};
 use super::tensor::{Tensor, place};
 use iibt_core::actions::HORIZON;
 use iibt_core::math;

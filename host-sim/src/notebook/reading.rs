@@ -1,5 +1,6 @@
 //! From JSON to a model: which keys there are, what they hold, and whether it fits together.
 
+use super::entries::{Entries, list};
 use super::fault::{Fault, refuse};
 use super::json::Value;
 use super::model::{Likelihood, MAX_STATES, Notebook, Observations, Transition};
@@ -34,30 +35,6 @@ const IGNORED: [&str; 2] = ["conventions", "model"];
 /// The precision of a file without one.
 const PRECISION: f64 = 16.0;
 
-/// The keys of a model and their values.
-pub(super) struct Entries<'a>(&'a [(String, Value)]);
-
-impl<'a> Entries<'a> {
-    pub(super) fn get(&self, key: &str) -> Option<&'a Value> {
-        self.0.iter().find(|(known, _)| known == key).map(|(_, value)| value)
-    }
-
-    fn required(&self, key: &str, what: &str) -> Result<&'a [Value], Fault> {
-        match self.get(key) {
-            Some(value) => list(value, || key.to_owned()),
-            None => refuse!("{key} is missing: {what}"),
-        }
-    }
-}
-
-/// The items of a list, or a refusal that names its place.
-pub(super) fn list(value: &Value, place: impl Fn() -> String) -> Result<&[Value], Fault> {
-    match value {
-        Value::List(items) => Ok(items),
-        other => refuse!("{} is {}, not a list", place(), other.shown()),
-    }
-}
-
 /// A model from a JSON value.
 pub(super) fn model(file: &str, value: &Value) -> Result<Notebook, Fault> {
     let Value::Object(entries) = value else { refuse!("a model is an object, not {}", value.kind()) };
@@ -66,7 +43,7 @@ pub(super) fn model(file: &str, value: &Value) -> Result<Notebook, Fault> {
             refuse!("\"{key}\" is no key of a model; the keys are {}", KEYS.join(", "));
         }
     }
-    let entries = Entries(entries);
+    let entries = Entries::new(entries);
     let transitions = transitions(&entries)?;
     let states: Vec<_> = transitions.iter().map(Transition::states).collect();
     let likelihoods = likelihoods(&entries, &states)?;

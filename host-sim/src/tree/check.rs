@@ -49,8 +49,21 @@ pub fn check(document: &Document, wanted: Option<&str>) -> Vec<Diagnostic> {
     remarks.into_sorted()
 }
 
+impl Instance {
+    /// The tree called `main` of a document, if nothing is wrong with it.
+    ///
+    /// # Errors
+    /// What is wrong.
+    pub fn of(document: &Document, main: &str) -> Result<Self, Vec<Diagnostic>> {
+        let mut remarks = document.remarks.clone();
+        let instance = document.instantiate(main, &mut remarks);
+        examine(&instance, &mut remarks);
+        if remarks.has_errors() { Err(remarks.into_sorted()) } else { Ok(instance) }
+    }
+}
+
 /// Remarks on the parameters of a tree's nodes.
-pub(super) fn examine(instance: &Instance, remarks: &mut Remarks) {
+fn examine(instance: &Instance, remarks: &mut Remarks) {
     for node in &instance.nodes {
         if let Err(error) = parameters(instance, node, remarks) {
             remarks.extend([error]);

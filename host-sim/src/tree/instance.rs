@@ -1,6 +1,6 @@
 //! A tree put together: every SubTree in its place, every node with its ports.
 
-use super::diagnostic::{Diagnostic, Place, Remarks};
+use super::diagnostic::{Place, Remarks};
 use super::document::Document;
 use super::model::{self, Class, Direction, Model, POST_CONDITIONS, PRE_CONDITIONS};
 use super::scope::{Scopes, constant_type};
@@ -388,17 +388,6 @@ impl Assembly<'_> {
 }
 
 impl Instance {
-    /// The tree called `main` of a document, if nothing is wrong with it.
-    ///
-    /// # Errors
-    /// What is wrong.
-    pub fn of(document: &Document, main: &str) -> Result<Self, Vec<Diagnostic>> {
-        let mut remarks = document.remarks.clone();
-        let instance = document.instantiate(main, &mut remarks);
-        super::check::examine(&instance, &mut remarks);
-        if remarks.has_errors() { Err(remarks.into_sorted()) } else { Ok(instance) }
-    }
-
     pub(super) fn children_of(&self, node: &Node) -> impl Iterator<Item = &Node> {
         node.children.iter().filter_map(|&child| self.nodes.get(child))
     }

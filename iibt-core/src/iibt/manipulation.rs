@@ -38,8 +38,8 @@ pub use deed::{
 pub use mission::{Ending, Mission, MissionError, Order, Place, Preset, Role, TEAM};
 pub use model::{RESULT_PREFERENCE, RESULTS};
 
-use self::model::Own;
-use self::tracking::{EMPTY, HOLDS, PLACED as IS_PLACED, Tracking};
+use self::model::{EMPTY, HOLDS, Own, PLACED as IS_PLACED, state};
+use self::tracking::Tracking;
 use super::{Logic, Task};
 use crate::inference::{Impossible, Preference};
 use crate::math;
@@ -199,7 +199,7 @@ impl Manipulation {
         self.track();
         let place = self.place().filter(|_| !self.percept.busy)?;
         let grip = sure(&self.tracking.grips())?;
-        Some((place, tracking::state(grip, place as usize, self.role.source)))
+        Some((place, state(grip, place as usize, self.role.source)))
     }
 
     /// Begins an action that somebody else has chosen.
@@ -292,7 +292,7 @@ impl Manipulation {
     pub fn announcement(&self) -> Announcement {
         let place = self.place().filter(|_| self.pending.is_none()).unwrap_or_default();
         let state = match sure(&self.tracking.grips()) {
-            Some(grip) => tracking::state(grip, place as usize, self.role.source),
+            Some(grip) => state(grip, place as usize, self.role.source),
             None => State::Free,
         };
         Announcement { place, state, deed: self.pending.map_or(Deed::Idle, |command| command.deed) }

@@ -3,7 +3,6 @@
 use super::estimation::{self, Impossible, Method, Update, Work};
 use super::evidence::Evidence;
 use super::model::Model;
-use super::published::{self, Sweeps};
 use crate::actions::Action;
 use crate::math;
 
@@ -138,13 +137,6 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         sweeps: u8,
     ) -> Result<Update, Impossible> {
         self.infer(model, evidence, Method::CoordinateAscent(sweeps))
-    }
-
-    /// The same by the sweeps of the field's older tools, which update all factors at once from uniform beliefs: kept to
-    /// reproduce their numbers, and the paper's. They may not come to rest, or at a bad place; see [`Sweeps`].
-    /// Nothing is impossible to them, because every probability has a floor.
-    pub fn update_in_parallel(&mut self, model: &Model, evidence: &[Evidence], sweeps: Sweeps) -> Update {
-        published::update(self, model, evidence, sweeps)
     }
 
     fn infer(&mut self, model: &Model, evidence: &[Evidence], method: Method) -> Result<Update, Impossible> {

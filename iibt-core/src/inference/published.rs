@@ -54,10 +54,19 @@ impl Sweeps {
     pub const JAX_PYMDP: Self = Self { most: 16, tolerance: 0.0, floor: Floor::Each };
 }
 
+impl<const S: usize, const G: usize> Beliefs<S, G> {
+    /// What an observation says, by the sweeps of the field's older tools, which update all factors at once from uniform beliefs: kept to
+    /// reproduce their numbers, and the paper's. They may not come to rest, or at a bad place; see [`Sweeps`].
+    /// Nothing is impossible to them, because every probability has a floor.
+    pub fn update_in_parallel(&mut self, model: &Model, evidence: &[Evidence], sweeps: Sweeps) -> Update {
+        update(self, model, evidence, sweeps)
+    }
+}
+
 /// What counts as no change for sweeps without a tolerance, when they say whether they came to rest.
 const AT_REST: f32 = 1e-3;
 
-pub(super) fn update<const S: usize, const G: usize>(
+fn update<const S: usize, const G: usize>(
     beliefs: &mut Beliefs<S, G>,
     model: &Model,
     evidence: &[Evidence],

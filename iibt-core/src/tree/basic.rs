@@ -5,9 +5,10 @@
 
 use super::interrupt::halt_among;
 use super::kinds::Kinds;
-use super::leaves::{Leaves, Status};
+use super::leaves::Leaves;
 use super::memory::Slot;
 use super::node::Node;
+use super::status::Status;
 use super::table::{ASK, LATER, NONE, Row, UP};
 use super::walk::Walk;
 

@@ -6,7 +6,8 @@
 //! the same [`Leaves`], ticked and halted in the same order as by a table of the [`Basic`](super::Basic) set. It reports no
 //! transitions, and every tree is code of its own: the table is smaller from about the second tree on.
 
-use super::leaves::{Leaves, Status};
+use super::leaves::Leaves;
+use super::status::Status;
 use super::walk::inverted;
 use crate::time::Instant;
 

@@ -2,9 +2,10 @@
 
 use super::full::Step;
 use super::kinds::Kinds;
-use super::leaves::{Leaves, Status};
+use super::leaves::Leaves;
 use super::memory::Slot;
 use super::node::{Millis, Node, Times};
+use super::status::Status;
 use super::table::Row;
 use super::walk::Walk;
 use Status::{Failure, Running, Skipped, Success};

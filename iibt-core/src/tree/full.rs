@@ -3,9 +3,10 @@
 use super::interrupt::kept_status;
 use super::kinds::Kinds;
 use super::kinds::sealed::Extra;
-use super::leaves::{Leaves, Status};
+use super::leaves::Leaves;
 use super::memory::{Cell, Slot};
 use super::node::{Millis, Node};
+use super::status::Status;
 use super::table::Row;
 use super::walk::Walk;
 use super::{composites, decorators};

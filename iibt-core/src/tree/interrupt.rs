@@ -1,9 +1,10 @@
 //! Halting.
 
 use super::kinds::Kinds;
-use super::leaves::{Halt, Leaves, Status};
+use super::leaves::Leaves;
 use super::memory::{Cell, Slot};
 use super::node::Node;
+use super::status::{Halt, Status};
 use super::table::Row;
 use super::walk::report;
 use crate::time::Instant;

@@ -1,6 +1,6 @@
 //! The transition log: what the nodes of a tree did, for a host to replay.
 
-use super::leaves::Status;
+use super::status::Status;
 use crate::time::Instant;
 
 /// A change of a node's status; 8 bytes.

@@ -1,6 +1,6 @@
 //! The kinds of nodes.
 
-use super::leaves::Status;
+use super::status::Status;
 
 /// One row of a tree's table; `L` names the caller's leaves.
 ///

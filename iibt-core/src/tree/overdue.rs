@@ -3,9 +3,10 @@
 use super::interrupt::halt_from;
 use super::kinds::Kinds;
 use super::kinds::sealed::Extra;
-use super::leaves::{Halt, Leaves};
+use super::leaves::Leaves;
 use super::memory::Cell;
 use super::node::Node;
+use super::status::Halt;
 use super::table::Row;
 use crate::time::Instant;
 

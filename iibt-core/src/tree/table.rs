@@ -3,9 +3,10 @@
 use super::check;
 use super::check::{Rule, TreeError};
 use super::kinds::{Basic, Kinds};
-use super::leaves::{Halt, Leaves, Status};
+use super::leaves::Leaves;
 use super::memory::{Cell, Memory};
 use super::node::Node;
+use super::status::{Halt, Status};
 use super::walk;
 use crate::time::Instant;
 use core::marker::PhantomData;

@@ -6,11 +6,12 @@
 
 use super::interrupt::{go_on_halting, halt_all, halt_from};
 use super::kinds::Kinds;
-use super::leaves::{Halt, Leaves, Status};
+use super::leaves::Leaves;
 use super::log::Transition;
 use super::memory::{Cell, Slot};
 use super::node::Node;
 use super::overdue::halt_overdue;
+use super::status::{Halt, Status};
 use super::table::{Next, Row, Tick};
 use super::{deadline, full};
 use crate::time::Instant;

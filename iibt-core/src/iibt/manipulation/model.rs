@@ -1,12 +1,23 @@
 //! The models behind a robot's belief and behind a decision.
 
-use super::deed::{Deed, STATES};
+use super::deed::{Deed, STATES, State};
 use super::mission::{Ending, Place, Preset};
-use super::tracking::{EMPTY, GRIPS, HOLDS, PLACED, PLACES};
 use crate::actions::Action;
 use crate::inference::{
     Control, Factor, IdentityNoise, Likelihood, Modality, Model, OutcomeTable, Shape, Transition,
 };
+
+/// How many places there are.
+pub(super) const PLACES: usize = Place::ALL.len();
+
+/// The grip is empty.
+pub(super) const EMPTY: usize = 0;
+/// The object is in the grip.
+pub(super) const HOLDS: usize = 1;
+/// The object was placed.
+pub(super) const PLACED: usize = 2;
+/// How many states the grip has.
+pub(super) const GRIPS: usize = 3;
 
 /// How likely an action is taken to succeed, when the robot works out what came of it.
 const RELIABILITY: f32 = 0.9;
@@ -16,6 +27,16 @@ pub const RESULTS: usize = 4;
 
 /// C of the result: success is wanted (the third row of equation 10).
 pub const RESULT_PREFERENCE: [f32; RESULTS] = [1.0, 0.0, 0.0, 0.0];
+
+/// The semantic state that a grip at a place amounts to.
+pub(super) const fn state(grip: usize, place: usize, source: Place) -> State {
+    match grip {
+        PLACED => State::Place,
+        HOLDS => State::Hold,
+        _ if place == source as usize => State::Loc,
+        _ => State::Free,
+    }
+}
 
 /// B of a decision: an action brings its state about, whatever was before; when it fails the robot is free.
 struct Reset {
@@ -150,7 +171,7 @@ struct Reading {
 impl Likelihood for Reading {
     fn probability(&self, outcome: usize, states: &[usize]) -> f32 {
         let &[grip, place] = states else { return 0.0 };
-        self.sensor.probability(outcome, &[super::tracking::state(grip, place, self.source) as usize])
+        self.sensor.probability(outcome, &[state(grip, place, self.source) as usize])
     }
 }
 

@@ -2,35 +2,13 @@
 
 use super::deed::{Command, Deed, STATES, State};
 use super::mission::Place;
-use super::model::Own;
+use super::model::{GRIPS, Own, PLACES, state};
 use crate::actions::Action;
 use crate::inference::{Beliefs, Evidence, Impossible};
 use crate::math;
 
-/// How many places there are.
-pub(super) const PLACES: usize = Place::ALL.len();
-
-/// The grip is empty.
-pub(super) const EMPTY: usize = 0;
-/// The object is in the grip.
-pub(super) const HOLDS: usize = 1;
-/// The object was placed.
-pub(super) const PLACED: usize = 2;
-/// How many states the grip has.
-pub(super) const GRIPS: usize = 3;
-
 const PLACE: usize = 0;
 const GRIP: usize = 1;
-
-/// The semantic state that a grip at a place amounts to.
-pub(super) const fn state(grip: usize, place: usize, source: Place) -> State {
-    match grip {
-        PLACED => State::Place,
-        HOLDS => State::Hold,
-        _ if place == source as usize => State::Loc,
-        _ => State::Free,
-    }
-}
 
 /// q over place and grip, the last action's effect and every reading included.
 #[derive(Clone, Debug)]
