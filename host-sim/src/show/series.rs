@@ -1,7 +1,8 @@
 //! A series of missions, a line each.
 
-use super::summary::outcome_line;
+use super::summary::ending;
 use crate::series::{Mission, Series};
+use crate::words::counted;
 
 /// A line for every mission: who stood where, who was served, and how it ended; with `brief`, one line for all.
 #[must_use]
@@ -9,8 +10,12 @@ pub fn series_lines(series: &Series, brief: bool) -> String {
     let missions = series.missions.len();
     let served: f64 = series.missions.iter().map(Mission::share).sum::<f64>() / missions.max(1) as f64;
     let done = series.missions.iter().filter(|mission| mission.record.outcome.is_success()).count();
-    let total =
-        format!("{done} of {missions} missions accomplished, {:.0} % of the robots served", 100.0 * served);
+    let collisions: u32 = series.missions.iter().map(|mission| mission.record.collisions.total()).sum();
+    let total = format!(
+        "{done} of {missions} missions accomplished, {:.0} % of the robots served, {}",
+        100.0 * served,
+        if collisions == 0 { "no collisions".to_owned() } else { counted(collisions, "collision") }
+    );
     if brief {
         return total;
     }
@@ -26,5 +31,5 @@ fn line(number: usize, mission: &Mission) -> String {
         None => format!("{} at no goal", robot.name),
     });
     let stood = stood.collect::<Vec<_>>().join(", ");
-    format!("mission {number:>3}  {stood}; {}", outcome_line(&mission.record))
+    format!("mission {number:>3}  {stood}; {}", ending(&mission.record))
 }

@@ -80,7 +80,8 @@ pub fn outcome_line(record: &Record) -> String {
     format!("{name}: {}; {}, {lost} (seed {})", ending(record), collisions(record), record.seed)
 }
 
-fn ending(record: &Record) -> String {
+/// How a flight ended, without its name.
+pub(super) fn ending(record: &Record) -> String {
     let (team, arrival, flown) = (team(record), record.last_arrival(), counted(record.ticks + 1, "tick"));
     match (record.outcome, record.spread()) {
         (Outcome::Together, _) if record.robots.len() == 1 => format!("{team} arrived at tick {arrival}"),
