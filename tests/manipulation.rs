@@ -462,6 +462,22 @@ mod missions {
     }
 
     #[test]
+    fn trees_that_count_readings_are_wrong_or_slow_and_a_belief_under_the_same_tree_is_neither() {
+        let compared = compare(0, 150).expect("sound");
+        let noisy = |name: &str| {
+            let of = compared.iter().find(|of| of.contender == name && of.level == 0.3).expect("a contender");
+            of.findings
+        };
+        let belief = noisy("conventional, the same belief");
+        let [hasty, careful] =
+            [2, 4].map(|readings| noisy(&format!("conventional, {readings} equal readings")));
+        assert!(hasty.success.interval[1] < belief.success.interval[0], "{hasty:?} {belief:?}");
+        assert!(careful.ticks.interval[0] > 2.0 * belief.ticks.mean, "{careful:?} {belief:?}");
+        let inference = noisy("inference, both at once");
+        assert!(belief.ticks.mean < 1.1 * inference.ticks.mean, "{belief:?} {inference:?}");
+    }
+
+    #[test]
     fn terms_that_make_no_sense_are_refused_by_name() {
         let refusal = |change: fn(&mut Terms)| {
             let mut terms = Terms::new(0);
