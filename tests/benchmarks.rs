@@ -34,7 +34,7 @@ fn assert_same<const S: usize>(robot: &mut Robot, benchmark: &Benchmark<S>) -> u
 
 #[test]
 fn the_benchmarks_have_the_same_bits_on_the_chip_and_keep_their_budgets() {
-    let mut robot = Robot::boot_counting(&image_with("benchmark", "release"));
+    let mut robot = Robot::boot_counting(&image_with("benchmark", "bench"));
     let first = assert_same(&mut robot, &t1::BENCHMARK);
     let second = assert_same(&mut robot, &t2::BENCHMARK);
     let line = robot.wait_for("digest:").message;
