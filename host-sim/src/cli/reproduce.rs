@@ -40,10 +40,11 @@ pub(super) struct Reproduce {
 impl Reproduce {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
         let effort = if self.quick { Effort::Quick } else { Effort::Full };
+        let page = self.out.join("index.html");
+        // Before the work, so that a folder that cannot be had costs no time.
+        fs::create_dir_all(&self.out).map_err(|error| cannot("make the folder", &self.out, &error))?;
         let chapters = CHAPTERS.iter().filter(|chapter| self.wants(chapter));
         let sections: Vec<Section> = chapters.map(|chapter| run(chapter, effort)).collect();
-        let page = self.out.join("index.html");
-        write(&self.out, &page, &reproduce::page(&sections))?;
         let text = if self.json {
             serde_json::to_string(&sections)? + "\n"
         } else {
@@ -51,6 +52,7 @@ impl Reproduce {
             reproduce::table(&sections, columns) + &format!("\nThe page: {}\n", page.display())
         };
         print(&text)?;
+        fs::write(&page, reproduce::page(&sections)).map_err(|error| cannot("write", &page, &error))?;
         let succeeds = reproduce::succeeds(&sections);
         Ok(if succeeds { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
     }
@@ -80,14 +82,51 @@ fn run(chapter: &Chapter, effort: Effort) -> Section {
     section
 }
 
-fn write(folder: &Path, page: &Path, text: &str) -> Result<(), Failure> {
-    let named = |path: &Path, error: io::Error| format!("{}: {error}", path.display());
-    fs::create_dir_all(folder).map_err(|error| named(folder, error))?;
-    fs::write(page, text).map_err(|error| named(page, error))?;
-    Ok(())
+fn cannot(what: &str, path: &Path, error: &io::Error) -> String {
+    format!("cannot {what} {}: {error}", path.display())
 }
 
 fn chapter(id: &str) -> Result<&'static Chapter, String> {
     let ids = || CHAPTERS.iter().map(|chapter| chapter.id).collect::<Vec<_>>().join(", ");
     reproduce::chapter(id).ok_or_else(|| format!("there is no section '{id}': the sections are {}", ids()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Cli, Verb};
+    use clap::Parser;
+    use std::process::ExitCode;
+    use std::{env, fs, process};
+
+    fn reproduce(arguments: &[&str]) -> Result<super::Reproduce, String> {
+        let all = [&["host-sim", "reproduce"], arguments].concat();
+        match Cli::try_parse_from(all).map_err(|error| error.to_string())?.verb {
+            Some(Verb::Reproduce(reproduce)) => Ok(reproduce),
+            _ => panic!("another verb"),
+        }
+    }
+
+    #[test]
+    fn sections_are_taken_by_name_and_an_unknown_one_is_refused_with_those_there_are() {
+        let some = reproduce(&["--only", "5.1", "--only", "tables"]).unwrap();
+        assert_eq!(some.only.iter().map(|chapter| chapter.id).collect::<Vec<_>>(), ["5.1", "tables"]);
+        assert!(reproduce(&[]).unwrap().only.is_empty());
+        let refusal = reproduce(&["--only", "7"]).unwrap_err();
+        assert!(refusal.contains("there is no section '7': the sections are 5.1, 5.2"), "{refusal}");
+    }
+
+    #[test]
+    fn a_page_is_written_and_a_folder_that_cannot_be_made_is_named_before_the_work() {
+        let folder = env::temp_dir().join(format!("host-sim-reproduce-{}", process::id()));
+        let out = folder.to_str().expect("it is text");
+        let one = reproduce(&["--only", "5.2", "--quick", "--out", out]).unwrap();
+        assert_eq!(one.run().expect("it can be written"), ExitCode::SUCCESS);
+        let page = folder.join("index.html");
+        assert!(fs::read_to_string(&page).expect("it is there").ends_with("</html>\n"));
+        let within = page.join("more");
+        let refused = reproduce(&["--out", within.to_str().expect("it is text")]).unwrap().run().unwrap_err();
+        let wanted = format!("cannot make the folder {}: ", within.display());
+        assert!(refused.to_string().starts_with(&wanted), "{refused}");
+        fs::remove_dir_all(folder).expect("it is there");
+    }
 }
