@@ -103,7 +103,8 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         let vain = usize::from(vain_rounds.saturating_sub(1));
         let at = |moves: &Moves| Some(usize::from(earliest_together(moves, team.len())?) + vain);
         let earliest = at(&moves);
-        let at_best = at(&only(&moves, mission.goals, best)).filter(|_| best.len() < mission.goals.len());
+        let at_best =
+            if best.len() < mission.goals.len() { at(&only(&moves, mission.goals, best)) } else { None };
         let at_best = at_best.filter(|&steps| Some(steps) != earliest);
         let later = earliest.map(|moves| moves + LEEWAY);
         up_to([earliest, at_best, later].into_iter().flatten().filter(|&moves| moves <= HORIZON))
@@ -166,26 +167,25 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         lead: &Runner,
         candidates: &mut Vec<Candidate, P>,
     ) {
-        let (map, pace) = (&situation.map, lead.pace);
-        let mut join = |lead: &Path, path: Option<Path>| {
-            if let Some(whole) = path.and_then(|path| lead.then(&path)) {
-                add(mission, candidates, whole);
+        let map = &situation.map;
+        // Last comes the earliest arrival. Where the lead is the same, so is the sweep: for a robot with a move in every step
+        // there is one.
+        let arrivals = situation.arrivals.iter().copied().map(Some).chain([None]);
+        let mut wanted = arrivals.filter_map(|arrival| Some((arrival, lead.delayed(arrival)?))).peekable();
+        while let Some(&(_, lead)) = wanted.peek() {
+            let done = lead.path.len();
+            let announced = rest_of(&situation.announced, map, done);
+            let standing = situation.standing_around(&lead.path);
+            let sweep = self.timed.sweep_among(lead.pace, map, lead.path.end(map), &announced, standing);
+            while let Some((arrival, _)) = wanted.next_if(|(_, other)| other.path.len() == done) {
+                for &goal in mission.goals {
+                    let moves = arrival.map_or_else(|| sweep.earliest(goal), |arrival| Some(arrival - done));
+                    let path = moves.and_then(|moves| sweep.path_to(goal, moves));
+                    if let Some(whole) = path.and_then(|path| lead.path.then(&path)) {
+                        add(mission, candidates, whole);
+                    }
+                }
             }
-        };
-        for &arrival in &situation.arrivals {
-            let Some(lead) = lead.delayed(arrival) else { continue };
-            let announced = rest_of(&situation.announced, map, lead.len());
-            let standing = situation.standing_around(&lead);
-            let sweep = self.timed.sweep_among(pace, map, lead.end(map), &announced, standing);
-            for &goal in mission.goals {
-                join(&lead, sweep.path_to(goal, arrival - lead.len()));
-            }
-        }
-        let announced = rest_of(&situation.announced, map, lead.path.len());
-        let standing = situation.standing_around(&lead.path);
-        let sweep = self.timed.sweep_among(pace, map, lead.path.end(map), &announced, standing);
-        for &goal in mission.goals {
-            join(&lead.path, sweep.earliest(goal).and_then(|arrival| sweep.path_to(goal, arrival)));
         }
         self.vary(mission, situation, lead, candidates);
     }
@@ -255,10 +255,12 @@ fn only(moves: &Moves, goals: &[Cell], best: &[Cell]) -> Moves {
 }
 
 impl Runner {
-    /// The path with as many waits after it as leave whole moves until `arrival`; `None` when it is longer.
-    fn delayed(&self, arrival: usize) -> Option<Path> {
-        let waits = arrival.checked_sub(self.path.len())? % self.pace;
-        self.path.with_waits(self.path.len() + waits, WaitPlace::BeforeMove(u8::MAX))
+    /// The same with as many waits after its path as leave whole moves until `arrival`, if one is given; `None` when the path
+    /// is longer.
+    fn delayed(&self, arrival: Option<usize>) -> Option<Self> {
+        let left = arrival.map_or(Some(0), |arrival| arrival.checked_sub(self.path.len()))?;
+        let total = self.path.len() + left % self.pace;
+        Some(Self { path: self.path.with_waits(total, WaitPlace::BeforeMove(u8::MAX))?, ..*self })
     }
 
     /// The path as it is when the robot sets out for every cell as early as it can.
