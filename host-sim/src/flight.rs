@@ -13,7 +13,7 @@ use crate::changes;
 use crate::news::News;
 use crate::phases::{self, Phase};
 use crate::progress::Progress;
-use crate::radio::{Radio, Traffic};
+use crate::radio::Radio;
 use crate::record::{self, Activity, Dated, Outcome, Record, RobotRecord};
 use crate::referee::Collisions;
 use crate::robot::Robot;
@@ -359,7 +359,7 @@ impl<'f, 'm> Flight<'f, 'm> {
             ticks: self.tick.saturating_sub(1),
             outcome,
             collisions: self.collisions,
-            frames: total(self.radio.traffic()),
+            frames: self.radio.traffic().iter().sum(),
             width: self.world.floor().width(),
             height: self.world.floor().height(),
             goals: self.scenario.goals.clone(),
@@ -419,12 +419,4 @@ fn act_in_turn(robot: &mut (dyn Robot + '_)) {
 #[inline(never)]
 fn has_acted() {
     std::hint::black_box(());
-}
-
-fn total(traffic: &[Traffic]) -> Traffic {
-    traffic.iter().fold(Traffic::default(), |sum, part| Traffic {
-        sent: sum.sent + part.sent,
-        delivered: sum.delivered + part.delivered,
-        lost: sum.lost + part.lost,
-    })
 }

@@ -25,6 +25,11 @@ pub fn find(name: &str) -> Option<Result<Scenario, ScenarioError>> {
     Some(Scenario::parse(name, text))
 }
 
+/// One that is known to be there.
+pub(crate) fn built_in(name: &str) -> Scenario {
+    find(name).expect("it is built in").expect("it is sound")
+}
+
 /// The name that somebody who typed `name` most likely meant.
 #[must_use]
 pub fn nearest(name: &str) -> Option<&'static str> {

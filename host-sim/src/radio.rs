@@ -2,8 +2,13 @@
 
 use crate::chance::{Chance, Purpose};
 use crate::scenario;
+use iibt_core::team::Key;
 use serde::Serialize;
 use std::collections::VecDeque;
+use std::iter::Sum;
+
+/// The key of every team. It keeps nothing secret: the radio is simulated.
+pub(crate) const KEY: Key = Key::new(*b"simulated robots");
 
 /// Every frame goes to every teammate, each copy with its own luck.
 #[derive(Debug)]
@@ -25,6 +30,16 @@ pub struct Traffic {
     pub delivered: u32,
     /// The copies that were lost on the way; a frame has one for every teammate.
     pub lost: u32,
+}
+
+impl<'t> Sum<&'t Self> for Traffic {
+    fn sum<I: Iterator<Item = &'t Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), |sum, part| Self {
+            sent: sum.sent + part.sent,
+            delivered: sum.delivered + part.delivered,
+            lost: sum.lost + part.lost,
+        })
+    }
 }
 
 #[derive(Debug)]

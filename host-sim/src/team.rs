@@ -4,13 +4,14 @@
 
 use crate::body::Body;
 use crate::conventional::{Conventional, Figure};
+use crate::radio::KEY;
 use crate::robot::{Robot, shrunk};
 use crate::scenario::{MAX_CELLS, MAX_PATHS, Scenario};
 use firmware::{Controller, ControllerError, Settings};
 use iibt_core::grid::{Cell, Path, words};
 use iibt_core::iibt::Mission;
 use iibt_core::inference::learning::Rates;
-use iibt_core::team::{Key, RobotId};
+use iibt_core::team::RobotId;
 use serde::Serialize;
 
 /// The robots in the order of their numbers.
@@ -18,7 +19,6 @@ pub(crate) type Team<'m> = Vec<Box<dyn Robot + 'm>>;
 
 const SMALL: usize = 49;
 const MEDIUM: usize = 256;
-const KEY: Key = Key::new(*b"simulated robots");
 const EPOCH: u32 = 1;
 
 /// What flies the robots.

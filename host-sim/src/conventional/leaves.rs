@@ -1,6 +1,6 @@
 //! The trees' leaves, bound by name to what the robot can do.
 
-use crate::tree::{Hooked, Instance, library};
+use crate::tree::{Hooked, library};
 use iibt_core::tree::{Basic, Row, TreeRef};
 use std::sync::OnceLock;
 
@@ -90,9 +90,8 @@ impl Bound {
 
 /// Loads a tree that is built in, lowers it to the core's table and binds its leaves.
 fn bind(file: &str) -> Result<Bound, String> {
-    let document = library::find(file).ok_or("there is no such tree")?.map_err(|error| error.to_string())?;
-    let main = document.main_tree(None).map_err(|error| error.to_string())?;
-    let instance = Instance::of(&document, &main).map_err(|_| "it is not sound")?;
+    let instance =
+        library::instance(file).ok_or("there is no such tree")?.map_err(|error| error.to_string())?;
     let hooked: Hooked = instance.hooked().map_err(|error| error.to_string())?;
     let skills = hooked.leaves.iter().map(|leaf| {
         let port = leaf.ports.first().map_or("", |(_, value)| value.as_str());

@@ -63,7 +63,7 @@ impl<const S: usize, const W: usize> Router<S, W> {
         let first = self.there(map, others, errand.from, via, 0)?;
         let after: Vec<Path> = others.iter().map(|other| other.rest(map, first.len())).collect();
         let second = self.there(map, &after, via, errand.goal, errand.pace.saturating_sub(first.len()))?;
-        joined(first, &second)
+        first.then(&second)
     }
 
     fn there(&mut self, map: &Map<W>, others: &[Path], from: Cell, to: Cell, pace: usize) -> Option<Path> {
@@ -77,7 +77,7 @@ impl<const S: usize, const W: usize> Router<S, W> {
             return self.planner.shortest(map, errand.from, errand.goal).ok();
         };
         let first = self.planner.shortest(map, errand.from, via).ok()?;
-        joined(first, &self.planner.shortest(map, via, errand.goal).ok()?)
+        first.then(&self.planner.shortest(map, via, errand.goal).ok()?)
     }
 }
 
@@ -115,11 +115,6 @@ fn later(path: &Path, waits: usize) -> Path {
         }
     }
     later
-}
-
-fn joined(first: Path, second: &Path) -> Option<Path> {
-    let mut path = first;
-    second.moves().try_for_each(|step| path.push(step)).ok().map(|()| path)
 }
 
 #[cfg(test)]

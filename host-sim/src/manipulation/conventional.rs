@@ -5,7 +5,7 @@ use super::sense::Sense;
 use super::skill::Skill;
 use iibt_core::iibt::Manipulation;
 use iibt_core::iibt::manipulation::{Announcement, Command, Deed, Percept, Place, State};
-use iibt_core::team::{Intention, RobotId, Roster, Round, Status as Doing};
+use iibt_core::team::{Intention, RobotId, Roster};
 use iibt_core::time::Instant;
 use iibt_core::tree::{Halt, Leaves, Status};
 
@@ -58,20 +58,8 @@ impl Skills for Conventional {
     fn intention(&self) -> Intention {
         let place = if self.doing.is_none() { self.sense.place() } else { Place::Elsewhere };
         let deed = self.doing.map_or(Deed::Idle, |command| command.deed);
-        Intention {
-            robot: self.robot,
-            epoch: 0,
-            sequence: 0,
-            tick: self.percept.now,
-            round: Round(0),
-            status: if self.doing.is_some() { Doing::Announced } else { Doing::Deciding },
-            plan: 0,
-            goal: None,
-            path: Announcement { place, state: self.sense.state(), deed }.path(),
-            step: 0,
-            probability: 1.0,
-            hazards: Default::default(),
-        }
+        let announcement = Announcement { place, state: self.sense.state(), deed };
+        announcement.intention(self.robot, self.percept.now, self.doing.is_some(), 1.0)
     }
 
     fn task(&self) -> Option<&Manipulation> {

@@ -7,18 +7,15 @@ use super::sense::Sense;
 use super::skill::Skill;
 use super::terms::{Terms, Trees, Trust};
 use super::world::{Spot, World};
-use crate::radio::{Radio, Traffic};
+use crate::radio::{KEY, Radio};
 use crate::scenario;
 use crate::tree::{Bound, Diagnostic};
 use iibt_core::iibt::Manipulation;
 use iibt_core::iibt::manipulation::{Command, Deed, Mission, MissionError, Percept, Place, State, TEAM};
-use iibt_core::team::{Deframer, Key, Limits, MAX_FRAME, Numbering, RobotId, Roster, SipHash64, encode};
+use iibt_core::team::{Deframer, Limits, MAX_FRAME, Numbering, RobotId, Roster, SipHash64, encode};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
 use std::fmt;
-
-/// The team's key. It keeps nothing secret: the radio is simulated.
-const KEY: Key = Key::new(*b"simulated robots");
 
 /// How much of a run is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -228,11 +225,6 @@ impl Show<'_> {
     }
 
     fn record(self, believed: bool) -> Run {
-        let frames = self.radio.traffic().iter().fold(Traffic::default(), |sum, part| Traffic {
-            sent: sum.sent + part.sent,
-            delivered: sum.delivered + part.delivered,
-            lost: sum.lost + part.lost,
-        });
         Run {
             seed: self.terms.seed,
             trees: self.terms.trees,
@@ -242,7 +234,7 @@ impl Show<'_> {
             ticks: self.tick,
             actions: self.actions,
             retries: self.retries,
-            frames,
+            frames: self.radio.traffic().iter().sum(),
             decisions: self.decisions,
             history: self.history,
         }

@@ -68,9 +68,7 @@ impl Trees {
 
 /// The built-in tree of a file; a test holds that all are sound.
 fn instance(name: &'static str) -> Result<Instance, Diagnostic> {
-    let document = library::find(name).unwrap_or_else(|| unreachable!("{name} is built in"))?;
-    let main = document.main_tree(None)?;
-    Instance::of(&document, &main).map_err(|mut remarks| remarks.remove(0))
+    library::instance(name).unwrap_or_else(|| unreachable!("{name} is built in"))
 }
 
 fn bind(name: &'static str, robot: usize) -> Result<Bound<Skill>, Diagnostic> {

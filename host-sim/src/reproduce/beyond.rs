@@ -5,8 +5,7 @@ use super::report::{Item, Section, number};
 use super::{Effort, Run};
 use crate::beyond::{Learned, Mixed, Unlike};
 use crate::campaign::Score;
-use crate::library;
-use crate::scenario::Scenario;
+use crate::library::built_in;
 use crate::statistics::Difference;
 
 /// The missions that are drawn, and the series that are flown.
@@ -40,10 +39,6 @@ pub(super) fn measure(run: &Run<'_>) -> Section {
     section.items.extend(learned_items(&learned, judged));
     section.figures = vec![ticks(&mixed), curve(&learned)];
     section
-}
-
-fn built_in(name: &str) -> Scenario {
-    library::find(name).expect("it is built in").expect("it is sound")
 }
 
 /// A gain that is claimed where enough is flown to tell, and measured otherwise.

@@ -2,10 +2,11 @@
 
 use super::Run;
 use super::figure::{Estimate, Figure, IntervalRow, Intervals, Panel};
-use super::report::{Item, Section, number};
+use super::report::{Item, Section, number, with_interval};
+use crate::Pilot;
 use crate::campaign::{Campaign, Comparison, Disturbance, Report, Row, Summary, cost};
+use crate::library::built_in;
 use crate::statistics::{Difference, Share};
-use crate::{Pilot, library};
 use std::env;
 
 /// The seeds of each mission, disturbance and pilot.
@@ -36,7 +37,7 @@ pub(super) fn compare(run: &Run<'_>) -> Section {
 }
 
 fn fly(mission: &str, run: &Run<'_>) -> Report {
-    let scenario = library::find(mission).expect("it is built in").expect("it is sound");
+    let scenario = built_in(mission);
     let seeds = run.seeds(SEEDS) as u32;
     let campaign = Campaign { scenario: &scenario, disturbances: &Disturbance::ALL, pilots: &PILOTS, seeds };
     campaign.fly(None, run.progress).expect("both accept the mission")
@@ -91,7 +92,7 @@ fn ticks(summary: &Summary) -> String {
     if ticks.count == 0 {
         return "none".to_owned();
     }
-    format!("{} ({} to {})", number(ticks.mean), number(ticks.interval[0]), number(ticks.interval[1]))
+    with_interval(ticks.mean, ticks.interval)
 }
 
 /// Who is better beyond chance in what, by the differences of inference and conventional tree on the same seeds.

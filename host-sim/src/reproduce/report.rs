@@ -192,6 +192,11 @@ impl std::fmt::Display for Tolerance {
     }
 }
 
+/// A number and its interval.
+pub(super) fn with_interval(value: f64, [low, high]: [f64; 2]) -> String {
+    format!("{} ({} to {})", number(value), number(low), number(high))
+}
+
 /// A number as people read it: four digits that count, small ones with an exponent.
 #[must_use]
 pub fn number(value: f64) -> String {

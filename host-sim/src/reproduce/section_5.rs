@@ -201,8 +201,7 @@ fn replanned(record: &Record) -> [Item; 3] {
 }
 
 fn flown(scenario: &str) -> Record {
-    let scenario = library::find(scenario).expect("it is built in").expect("it is sound");
-    fly(&scenario, Conditions::default(), &mut ()).expect("its mission fits")
+    fly(&library::built_in(scenario), Conditions::default(), &mut ()).expect("its mission fits")
 }
 
 fn candidates(decision: &Decision, obstacle: Option<Cell>, record: &Record) -> Figure {

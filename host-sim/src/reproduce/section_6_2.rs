@@ -2,7 +2,7 @@
 
 use super::Run;
 use super::figure::{Bars, Estimate, Figure, IntervalRow, Intervals, Lines, Panel, Scale, Series};
-use super::report::{Item, Section, Tolerance, number};
+use super::report::{Item, Section, Tolerance, with_interval};
 use crate::manipulation::{
     self, Campaign, Compared, Detail, Disturbances, LEVELS, Run as Mission, Terms, Thought, run as carry_out,
 };
@@ -124,17 +124,19 @@ fn campaign(run: &Run<'_>) -> [Item; 4] {
             format!("{under}: said to be done, and was not"),
             share(findings.mistaken.ratio, findings.mistaken.interval),
         ),
-        Item::measured(format!("{under}: ticks"), mean(findings.ticks.mean, findings.ticks.interval)),
-        Item::measured(format!("{under}: retries"), mean(findings.retries.mean, findings.retries.interval)),
+        Item::measured(
+            format!("{under}: ticks"),
+            with_interval(findings.ticks.mean, findings.ticks.interval),
+        ),
+        Item::measured(
+            format!("{under}: retries"),
+            with_interval(findings.retries.mean, findings.retries.interval),
+        ),
     ]
 }
 
 fn share(ratio: f64, [low, high]: [f64; 2]) -> String {
     format!("{:.1} % ({:.1} to {:.1})", 100.0 * ratio, 100.0 * low, 100.0 * high)
-}
-
-fn mean(mean: f64, [low, high]: [f64; 2]) -> String {
-    format!("{} ({} to {})", number(mean), number(low), number(high))
 }
 
 fn compared(run: &Run<'_>) -> Vec<Compared> {
@@ -151,7 +153,11 @@ fn contenders(compared: &[Compared]) -> Vec<Item> {
         let (success, ticks) = (part.findings.success, part.findings.ticks);
         Item::measured(
             what,
-            format!("{}; {}", share(success.ratio, success.interval), mean(ticks.mean, ticks.interval)),
+            format!(
+                "{}; {}",
+                share(success.ratio, success.interval),
+                with_interval(ticks.mean, ticks.interval)
+            ),
         )
     };
     compared.iter().map(item).collect()

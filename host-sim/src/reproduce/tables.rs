@@ -3,9 +3,10 @@
 use super::Run;
 use super::figure::{Figure, Panel, TreeNode, TreeNodeKind, TreePicture};
 use super::report::{Item, Section};
+use crate::library::built_in;
 use crate::manipulation::{Detail, Disturbances, Terms, Trees, run as carry_out};
-use crate::tree::{Class, Instance, Line, library as trees};
-use crate::{Conditions, Pilot, Scenario, When, fly, library};
+use crate::tree::{Class, Line, library as trees};
+use crate::{Conditions, Pilot, Scenario, When, fly};
 
 /// A tree of the paper and the numbers that the paper prints for it.
 struct Counted {
@@ -155,10 +156,6 @@ fn missions() -> Vec<Item> {
     flights.into_iter().map(flown).chain(Trees::ALL.into_iter().map(handled)).collect()
 }
 
-fn built_in(name: &str) -> Scenario {
-    library::find(name).expect("it is built in").expect("it is sound")
-}
-
 /// The mission of section 6.1 with events at fixed ticks, for pilots that make no joint plans: two obstacles, two way-points,
 /// two low batteries.
 fn shift_by_the_clock() -> Scenario {
@@ -184,9 +181,7 @@ fn counts(tree: &[TreeNode]) -> [usize; 6] {
 
 /// A built-in tree, its SubTrees put in.
 fn picture(name: &str) -> Vec<TreeNode> {
-    let document = trees::find(name).expect("it is built in").expect("it parses");
-    let main = document.main_tree(None).expect("it names its main tree");
-    let instance = Instance::of(&document, &main).expect("it is sound");
+    let instance = trees::instance(name).expect("it is built in").expect("it is sound");
     instance.lines().map(|line| TreeNode { level: line.level, kind: kind(&line), name: line.label }).collect()
 }
 

@@ -2,6 +2,7 @@
 
 use super::diagnostic::Diagnostic;
 use super::document::{Document, Extras};
+use super::instance::Instance;
 
 macro_rules! trees {
     ($($name:literal)*) => {
@@ -39,6 +40,16 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 pub fn find(name: &str) -> Option<Result<Document, Diagnostic>> {
     let (name, text) = TEXTS.iter().find(|(known, _)| *known == name)?;
     Some(Document::parse(name, text, &Extras::default()))
+}
+
+/// The same put together, its SubTrees put in. What is built in is sound; a test holds that.
+#[must_use]
+pub(crate) fn instance(name: &str) -> Option<Result<Instance, Diagnostic>> {
+    let put_together = |document: Document| {
+        let main = document.main_tree(None)?;
+        Instance::of(&document, &main).map_err(|mut remarks| remarks.remove(0))
+    };
+    Some(find(name)?.and_then(put_together))
 }
 
 /// The name that somebody who typed `name` most likely meant.

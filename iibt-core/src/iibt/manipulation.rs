@@ -43,10 +43,9 @@ use self::tracking::Tracking;
 use super::{Logic, Task};
 use crate::inference::{Impossible, Preference};
 use crate::math;
-use crate::team::{Intention, RobotId, Roster, Round, Status};
+use crate::team::{Intention, RobotId, Roster};
 use crate::time::Instant;
 use crate::tree;
-use heapless::Vec;
 
 /// What a robot senses in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -301,21 +300,8 @@ impl Manipulation {
     /// What this robot tells its teammate; the sender adds stamp and clock.
     #[must_use]
     pub fn intention(&self) -> Intention {
-        let announcement = self.announcement();
-        Intention {
-            robot: self.robot,
-            epoch: 0,
-            sequence: 0,
-            tick: self.percept.now,
-            round: Round(0),
-            status: if self.pending.is_some() { Status::Announced } else { Status::Deciding },
-            plan: 0,
-            goal: None,
-            path: announcement.path(),
-            step: 0,
-            probability: self.probability(),
-            hazards: Vec::new(),
-        }
+        let (tick, is_busy) = (self.percept.now, self.pending.is_some());
+        self.announcement().intention(self.robot, tick, is_busy, self.probability())
     }
 
     /// C as an aim has it (equation 10): its own state and, of the teammate, to be free, or to do what it announced when

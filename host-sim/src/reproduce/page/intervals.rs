@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::legend::{Legend, Mark};
 use super::svg::{Anchor, Svg, colour, width_of};
 use crate::reproduce::figure::{Estimate, Intervals};
-use crate::reproduce::report::number;
+use crate::reproduce::report::{number, with_interval};
 
 const WIDTH: f64 = 320.0;
 const LINE: f64 = 15.0;
@@ -66,9 +66,7 @@ fn mark(estimate: &Estimate, y: f64, class: &str, place: &impl Fn(f64) -> f64, s
 
 fn figures(estimate: Option<Estimate>) -> String {
     match estimate {
-        Some(Estimate { value, low, high }) => {
-            format!("{} ({} to {})", number(value), number(low), number(high))
-        }
+        Some(Estimate { value, low, high }) => with_interval(value, [low, high]),
         None => "none".to_owned(),
     }
 }

@@ -1,12 +1,13 @@
 //! Section 6.1 as one flight in the default mode.
 
 use crate::campaign::{Disturbance, Trace};
+use crate::library::built_in;
 use crate::reproduce::Run;
 use crate::reproduce::figure::{Figure, Grid, Lines, Panel, Series, Track};
 use crate::reproduce::report::Item;
 use crate::reproduce::safety::{self, Flights};
 use crate::words::cause_words;
-use crate::{Conditions, News, Outcome, Phase, Record, Scenario, fly, library};
+use crate::{Conditions, News, Outcome, Phase, Record, Scenario, fly};
 use iibt_core::grid::Cell;
 use iibt_core::iibt::navigation::Cause;
 
@@ -20,7 +21,7 @@ const CHARGING: [usize; 2] = [0, 2];
 
 /// The flight: what is claimed of it, and its pictures.
 pub(super) fn flown(run: &Run<'_>) -> (Vec<Item>, Vec<Figure>) {
-    let scenario = library::find("shift").expect("it is built in").expect("it is sound");
+    let scenario = built_in("shift");
     let record = fly(&scenario, Conditions::default(), &mut ()).expect("its mission fits");
     let mut items = phases(&scenario, &record);
     items.extend(seeds(&scenario, run));

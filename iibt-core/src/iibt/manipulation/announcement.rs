@@ -3,7 +3,9 @@
 use super::deed::{Deed, STATES, State};
 use super::mission::Place;
 use crate::grid::{Cell, Path};
-use crate::team::Intention;
+use crate::team::{Intention, RobotId, Round, Status};
+use crate::time::Instant;
+use heapless::Vec;
 
 /// Where a robot is, what it is, and what it does.
 ///
@@ -26,6 +28,25 @@ impl Announcement {
     pub fn path(self) -> Path {
         let code = STATES * self.place as usize + self.state as usize;
         Path { start: Cell(code as u16), actions: self.deed.policy() }
+    }
+
+    /// It as what a robot tells its teammate, at work on an action or not; the sender adds stamp and clock.
+    #[must_use]
+    pub fn intention(self, robot: RobotId, tick: Instant, is_busy: bool, probability: f32) -> Intention {
+        Intention {
+            robot,
+            epoch: 0,
+            sequence: 0,
+            tick,
+            round: Round(0),
+            status: if is_busy { Status::Announced } else { Status::Deciding },
+            plan: 0,
+            goal: None,
+            path: self.path(),
+            step: 0,
+            probability,
+            hazards: Vec::new(),
+        }
     }
 
     /// What an intention says; `None` when it is about something else.
