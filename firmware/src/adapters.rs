@@ -2,16 +2,18 @@
 //!
 //! [`IoLink`] makes a link of two `embedded-io` streams, [`DifferentialDrive`] a drive of two motors behind
 //! `embedded-hal` outputs, and [`DeadReckoning`] a localiser of nothing but the moves that were made.
-//! [`Absent`] stands for a sensor that the robot does not have.
+//! [`Body`] puts a robot's parts together; [`Absent`] stands for a sensor that it does not have.
 //! [`FrameQueue`] is the buffer between a sender that must not wait and a slow port.
 
 mod absent;
+mod body;
 mod dead_reckoning;
 mod differential_drive;
 mod frame_queue;
 mod io_link;
 
 pub use absent::Absent;
+pub use body::Body;
 pub use dead_reckoning::{Counted, DeadReckoning};
 pub use differential_drive::{Chassis, DifferentialDrive, Motor, Wheel};
 pub use frame_queue::FrameQueue;

@@ -1,152 +1,77 @@
-//! One robot: senses, ticks its behavior tree, moves, and tells its teammates.
+//! One robot's loop: listens, senses, ticks its behavior tree, acts, and tells its teammates.
 
-use crate::hardware::{Battery, Clock, Drive, Hardware, Link, Localiser, Scanner};
-use crate::pilot;
-use crate::pilot::{NODES, Pilot, TREE};
-use crate::{Report, Settings};
-use iibt_core::grid::Cell;
-use iibt_core::iibt::navigation::{MAX_GOALS, MissionError, Percept, VisitError};
-use iibt_core::iibt::{Mission, Navigation, Node};
+use crate::hardware::{Clock, Link};
+use crate::{LinkReport, Robot, Settings};
 use iibt_core::team::{
-    Deframer, Intention, Limits, LimitsError, MAX_FRAME, MAX_TEAM, Numbering, RobotId, Roster, RosterError,
-    SipHash64, Stamp, encode,
+    Context, Deframer, Envelope, MAX_FRAME, MAX_TEAM, Numbering, Peers, Roster, SipHash64, encode,
 };
 use iibt_core::time::{Duration, Instant};
-use iibt_core::tree::{Memory, Status};
+use iibt_core::tree::Status;
 
-/// The most bytes that one tick takes from the link: two frames of every robot. Whoever floods the link delays
+/// The most bytes that one tick takes from the link: two frames of every robot. A flood of bytes delays
 /// frames, but no tick.
 const BYTES_PER_TICK: usize = 2 * MAX_TEAM * MAX_FRAME;
 
-/// A robot of a team on hardware `H`, for maps of up to `S` cells in `W` words, weighing up to `P` candidates.
+/// The one loop that runs every robot: any [`Robot`] on any hardware with a [`Link`] and a [`Clock`].
 ///
-/// `W` is [`words`](iibt_core::grid::words) of the map's width and height. A decision takes memory for `P * S`
-/// predicted probabilities twice over and time for `P * P` pairs with each teammate; 16 candidates serve three or
-/// four goals. Robots with the same `P` choose alike, whatever their `S`. Call [`tick`](Self::tick) at a
-/// fixed period, on the real time of [`Settings`]. The smallest hardware there is stands in
-/// `tests/support/rig.rs`.
+/// Call [`tick`](Self::tick) at the period of its [`Settings`], on the real time of the robot's clock.
+/// The work of a tick is that of the robot's own methods, at most `BYTES_PER_TICK` (2,032) bytes
+/// received, and one frame sent. [`Robot`] has an example.
 #[derive(Clone, Debug)]
-pub struct Controller<'m, H, const S: usize, const W: usize, const P: usize> {
+pub struct Controller<R: Robot<H>, H> {
     hardware: H,
-    pilot: Pilot<'m, S, W, P>,
-    memory: Memory<NODES>,
+    robot: R,
+    roster: Roster<R::Message>,
     deframer: Deframer,
     auth: SipHash64,
+    context: Context,
     numbering: Numbering,
-    beacon: Duration,
+    period: Duration,
     last_sent: Option<Instant>,
     sent: u32,
     unsent: u32,
 }
 
-/// Why there is no such controller.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum ControllerError {
-    /// The mission does not fit.
-    Mission(MissionError),
-    /// The team does not fit.
-    Team(RosterError),
-    /// The time between frames is too long.
-    Beacon(LimitsError),
-}
-
-impl<'m, H: Hardware, const S: usize, const W: usize, const P: usize> Controller<'m, H, S, W, P> {
-    /// A robot at the start of its mission.
-    ///
-    /// # Errors
-    /// [`ControllerError`] when mission, team or settings do not fit.
-    pub fn new(
-        mission: &'m Mission<'m, W>,
-        robot: RobotId,
-        settings: Settings,
-        hardware: H,
-    ) -> Result<Self, ControllerError> {
-        let limits = Limits::for_beacons(settings.beacon).map_err(ControllerError::Beacon)?;
-        let roster = Roster::new(robot, mission.starts.len(), limits).map_err(ControllerError::Team)?;
-        let navigation =
-            Navigation::new(mission, robot, settings.epoch, roster).map_err(ControllerError::Mission)?;
-        Ok(Self {
+impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
+    /// A robot that has heard nobody yet.
+    #[must_use]
+    pub fn new(robot: R, settings: Settings, hardware: H) -> Self {
+        Self {
             hardware,
-            pilot: Pilot {
-                navigation,
-                node: Node::new(settings.timeout),
-                charge: 100,
-                low_battery: settings.low_battery,
-                charged: settings.charged,
-            },
-            memory: Memory::new(),
+            context: Context::of::<R::Message>(settings.channel(), robot.mission()),
+            robot,
+            roster: Roster::new(settings.member(), settings.limits()),
             deframer: Deframer::new(),
-            auth: SipHash64::new(settings.key),
-            numbering: Numbering::new(settings.epoch),
-            beacon: settings.beacon,
+            auth: SipHash64::new(settings.key().clone()),
+            numbering: Numbering::new(settings.epoch()),
+            period: settings.tick(),
             last_sent: None,
             sent: 0,
             unsent: 0,
-        })
+        }
     }
 
-    /// Senses, decides, moves and sends, once; returns what the tree returned. Bounded work, never waits.
+    /// Listens, senses, decides, acts and sends, once; returns what the tree returned. Bounded work, never
+    /// waits.
     pub fn tick(&mut self) -> Status {
-        let now = self.hardware.clock().now();
+        let now = self.hardware.now();
         self.listen(now);
-        self.sense(now);
-        let status = TREE.tick(&mut self.memory, &mut self.pilot, now).status;
-        if let Some(step) = self.pilot.navigation.command() {
-            self.hardware.drive().go(step);
-        }
+        self.robot.sense(&mut self.hardware, now);
+        let status = self.robot.tick(self.roster.at(now), now);
+        self.robot.act(&mut self.hardware);
         self.announce(now);
         status
     }
 
-    /// Has the robot visit a cell before its goal; see [`Navigation::visit`].
-    ///
-    /// # Errors
-    /// [`VisitError`] when it cannot, or has too many to visit already.
-    pub fn visit(&mut self, cell: Cell) -> Result<(), VisitError> {
-        self.pilot.navigation.visit(cell)
-    }
-
-    /// Has each goal of the mission worth so much from the next decision on; see [`Navigation::prefer`].
-    pub fn prefer(&mut self, values: &[f32; MAX_GOALS]) {
-        self.pilot.navigation.prefer(values);
-    }
-
-    /// The leaf of the tree that is running since the last tick.
+    /// The robot.
     #[must_use]
-    pub fn activity(&self) -> Option<&'static str> {
-        (0..NODES as u16).filter(|&node| self.memory.is_running(node)).find_map(pilot::activity)
+    pub const fn robot(&self) -> &R {
+        &self.robot
     }
 
-    /// The robot's state after the last tick.
-    #[must_use]
-    pub fn report(&self) -> Report {
-        let navigation = &self.pilot.navigation;
-        let agreement = navigation.agreement();
-        let (cell, confidence) = navigation.position();
-        Report {
-            status: navigation.status(),
-            round: agreement.round(),
-            goal: agreement.goal(),
-            path: *agreement.path(),
-            step: agreement.step(),
-            probability: agreement.probability(),
-            cell,
-            confidence,
-            surprise: navigation.surprise().ok(),
-            waypoint: navigation.waypoints().first().copied(),
-            cause: navigation.cause(),
-            sent: self.sent,
-            unsent: self.unsent,
-            dropped: self.deframer.dropped(),
-            received: *navigation.roster().counters(),
-        }
-    }
-
-    /// The task behind the inference node, with its last decision.
-    #[must_use]
-    pub const fn navigation(&self) -> &Navigation<'m, S, W, P> {
-        &self.pilot.navigation
+    /// The robot, to be told what it is to do.
+    pub const fn robot_mut(&mut self) -> &mut R {
+        &mut self.robot
     }
 
     /// The hardware.
@@ -160,65 +85,48 @@ impl<'m, H: Hardware, const S: usize, const W: usize, const P: usize> Controller
         &mut self.hardware
     }
 
+    /// The teammates at an instant.
+    #[must_use]
+    pub const fn peers(&self, now: Instant) -> Peers<'_, R::Message> {
+        self.roster.at(now)
+    }
+
+    /// What became of the frames sent and received.
+    #[must_use]
+    pub const fn link_report(&self) -> LinkReport {
+        LinkReport {
+            sent: self.sent,
+            unsent: self.unsent,
+            dropped: self.deframer.dropped(),
+            received: *self.roster.counters(),
+        }
+    }
+
     fn listen(&mut self, now: Instant) {
-        let roster = self.pilot.navigation.roster_mut();
-        roster.expire(now);
+        self.roster.expire(now);
+        let robot = &self.robot;
         for _ in 0..BYTES_PER_TICK {
-            let Some(byte) = self.hardware.link().receive() else { break };
+            let Some(byte) = self.hardware.receive() else { break };
             if let Some(frame) = self.deframer.feed(byte) {
+                let accepts = |message: &R::Message| robot.accepts(message);
                 // The roster counts what it refuses.
-                let _ = roster.receive(frame, &self.auth, now);
+                let _ = self.roster.receive(frame, &self.auth, self.context, now, accepts);
             }
         }
     }
 
-    fn sense(&mut self, now: Instant) {
-        self.pilot.charge = self.hardware.battery().charge();
-        let mut percept = Percept {
-            now,
-            reading: self.hardware.localiser().locate(),
-            moving: self.hardware.drive().is_moving(),
-            ..Percept::default()
-        };
-        while !percept.hazards.is_full() {
-            let Some(hazard) = self.hardware.scanner().scan() else { break };
-            // There is room: the list is not full.
-            let _ = percept.hazards.push(hazard);
-        }
-        self.pilot.navigation.perceive(percept);
-    }
-
-    /// Sends this robot's intention when a beacon is due.
+    /// Sends the robot's message when a frame is due.
     fn announce(&mut self, now: Instant) {
-        if self.last_sent.is_some_and(|sent| now.since(sent) < self.beacon) {
+        if self.last_sent.is_some_and(|sent| now.since(sent) < self.period) {
             return;
         }
         let Some(stamp) = self.numbering.next_stamp() else { return };
+        let envelope = Envelope { sender: self.roster.own(), stamp, message: self.robot.message() };
         let mut buffer = [0; MAX_FRAME];
-        let taken = encode(&self.intention(stamp, now), &self.auth, &mut buffer)
-            .is_ok_and(|frame| self.hardware.link().send(frame));
+        let taken = encode(&envelope, &self.auth, self.context, &mut buffer)
+            .is_ok_and(|frame| self.hardware.send(frame));
         let counter = if taken { &mut self.sent } else { &mut self.unsent };
         *counter = counter.saturating_add(1);
         self.last_sent = Some(now);
     }
-
-    fn intention(&self, stamp: Stamp, now: Instant) -> Intention {
-        let mut intention = self.pilot.navigation.intention();
-        intention.epoch = stamp.epoch;
-        intention.sequence = stamp.sequence;
-        intention.tick = now;
-        intention
-    }
 }
-
-impl core::fmt::Display for ControllerError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Mission(error) => error.fmt(f),
-            Self::Team(error) => error.fmt(f),
-            Self::Beacon(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for ControllerError {}

@@ -1,7 +1,9 @@
-//! What a robot controller asks of its hardware: a handful of small traits, and [`Hardware`] to hold them together.
+//! What robots ask of their hardware: a handful of small traits.
 //!
-//! None of the calls waits. A board implements them on its peripherals or takes the [`adapters`](crate::adapters);
-//! the simulator implements them on its world.
+//! A [`Controller`](crate::Controller) needs a [`Link`] and a [`Clock`]. The other traits are asked for by the
+//! robots that use them, so a robot without wheels names none. None of the calls waits. A board implements the
+//! traits on a type of its own, or puts [`adapters`](crate::adapters) together in a
+//! [`Body`](crate::adapters::Body); the simulator implements them on its world.
 
 use iibt_core::grid::{Cell, Move};
 use iibt_core::time::Instant;
@@ -15,7 +17,7 @@ pub trait Link {
     /// The next byte that has arrived, if there is one.
     fn receive(&mut self) -> Option<u8>;
 
-    /// Takes one whole encoded frame, delimiter included, of at most
+    /// Takes one whole encoded frame, delimiters included, of at most
     /// [`MAX_FRAME`](iibt_core::team::MAX_FRAME) bytes; returns whether the link could take it.
     fn send(&mut self, frame: &[u8]) -> bool;
 }
@@ -45,7 +47,7 @@ pub trait Localiser {
 /// What stands in the way.
 pub trait Scanner {
     /// A cell in view that no robot can enter, one at a time; `None` when there is no more. Asked up to
-    /// [`MAX_HAZARDS`](iibt_core::team::MAX_HAZARDS) times a tick; to name one again does no harm.
+    /// [`MAX_HAZARDS`](iibt_core::navigation::MAX_HAZARDS) times a tick; to name one again does no harm.
     ///
     /// For what stays: the team keeps off such a cell from then on. A teammate is no obstacle.
     fn scan(&mut self) -> Option<Cell>;
@@ -61,33 +63,4 @@ pub trait Battery {
 pub trait Clock {
     /// The present, in the ticks that the controller's [`Settings`](crate::Settings) are given in.
     fn now(&mut self) -> Instant;
-}
-
-/// A robot's hardware, part by part.
-pub trait Hardware {
-    /// The radio or wire to the teammates.
-    type Link: Link;
-    /// The wheels.
-    type Drive: Drive;
-    /// The positioning.
-    type Localiser: Localiser;
-    /// The obstacle sensor.
-    type Scanner: Scanner;
-    /// The battery gauge.
-    type Battery: Battery;
-    /// The clock.
-    type Clock: Clock;
-
-    /// The radio or wire to the teammates.
-    fn link(&mut self) -> &mut Self::Link;
-    /// The wheels.
-    fn drive(&mut self) -> &mut Self::Drive;
-    /// The positioning.
-    fn localiser(&mut self) -> &mut Self::Localiser;
-    /// The obstacle sensor.
-    fn scanner(&mut self) -> &mut Self::Scanner;
-    /// The battery gauge.
-    fn battery(&mut self) -> &mut Self::Battery;
-    /// The clock.
-    fn clock(&mut self) -> &mut Self::Clock;
 }

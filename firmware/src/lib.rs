@@ -1,13 +1,13 @@
 //! The robot controller: everything between the hardware's traits and the core's decisions.
 //!
 //! ```text
-//! Link ─► frames ─► Roster ┐                                  ┌─► Drive
-//! Localiser, Scanner ──────┼─► behavior tree ─► Navigation ───┤
-//! Battery, Clock ──────────┘   (one leaf infers)              └─► frame ─► Link
+//! Link ─► frames ─► Roster ──► peers ┐                            ┌─► act ─► Drive, gripper, lamp ...
+//! Localiser, Scanner ... ─► sense ───┼─► behavior tree ─► choice ─┤
+//! Clock ─────────────────────────────┘   (one leaf may infer)     └─► message ─► frame ─► Link
 //! ```
 //!
-//! [`Controller`] is generic over [`hardware::Hardware`]: a board, the simulator or a test stands behind it, and
-//! what is simulated is what is flashed.
+//! [`Controller`] runs any [`Robot`] on any hardware: a board, the simulator or a test stands behind it, and
+//! what is simulated is what is flashed. [`Navigator`] is the robot that goes to goals on a grid with its team.
 #![no_std]
 
 #[cfg(test)]
@@ -17,13 +17,16 @@ pub mod adapters;
 pub mod bench;
 #[cfg(all(feature = "stm32f405", target_os = "none"))]
 pub mod board;
-pub mod controller;
+mod controller;
 pub mod hardware;
+mod link_report;
 pub mod missions;
-mod pilot;
-mod report;
+mod navigator;
+mod robot;
 mod settings;
 
-pub use controller::{Controller, ControllerError};
-pub use report::Report;
+pub use controller::Controller;
+pub use link_report::LinkReport;
+pub use navigator::{Navigator, Thresholds};
+pub use robot::Robot;
 pub use settings::Settings;

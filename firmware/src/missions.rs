@@ -1,7 +1,7 @@
 //! Missions that images carry in flash.
 
 use iibt_core::grid::{Cell, Map, Path, words};
-use iibt_core::iibt::Mission;
+use iibt_core::navigation::Mission;
 
 /// The cells of the paper's grid, seven rows of seven.
 pub const CELLS: usize = 49;

@@ -1,33 +1,82 @@
-//! What differs from robot to robot and from team to team, apart from the mission.
+//! What differs from robot to robot and from team to team, apart from the task.
 
-use iibt_core::team::Key;
+use core::num::NonZero;
+use iibt_core::team::{Key, Limits, Member};
 use iibt_core::time::Duration;
 
-/// A robot's settings. Durations are in ticks of its clock.
+/// A robot's place in its team, its key, and its rhythm.
+///
+/// ```
+/// use core::num::NonZero;
+/// use firmware::Settings;
+/// use iibt_core::team::{Key, Member, RobotId};
+/// use iibt_core::time::Duration;
+///
+/// const KEY: Key = Key::new(*b"sixteen bytes...");
+/// const TICK: NonZero<u16> = NonZero::new(100).unwrap(); // ms, the period of `Controller::tick`
+///
+/// let settings = Settings::new(Member::new(RobotId(0), 3)?, KEY, 1, TICK);
+/// assert_eq!(settings.tick(), Duration(100));
+/// assert_eq!(settings.limits().fresh_for(), Duration(800)); // eight frames
+/// # Ok::<(), iibt_core::team::MemberError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The key that all robots of the team share.
-    pub key: Key,
-    /// How often this robot has started, counted in memory that outlives a restart; a number used before makes
-    /// teammates take its frames for replayed ones.
-    pub epoch: u32,
-    /// The time between two frames. A teammate is fresh for eight of them, and lost after sixteen.
-    pub beacon: Duration,
-    /// How long the inference node looks for a policy whose precondition holds before it fails.
-    pub timeout: Duration,
-    /// The charge in percent below which the robot leaves the team to charge.
-    pub low_battery: u8,
-    /// The charge in percent at which it comes back.
-    pub charged: u8,
+    member: Member,
+    key: Key,
+    epoch: u32,
+    tick: NonZero<u16>,
+    channel: u32,
 }
 
 impl Settings {
-    /// Settings for a controller whose clock counts its own ticks: a frame at every tick.
+    /// The settings of a member of a team.
     ///
-    /// On a clock that counts milliseconds, set `beacon` to the period of the controller's ticks and `timeout` to
-    /// some seconds: with the values from here, a teammate would be stale after eight milliseconds.
+    /// `key` is shared by the team. `epoch` counts this robot's starts, in memory that outlives a restart;
+    /// with a number used before, teammates take its frames for replayed ones. `tick` is the period of
+    /// [`Controller::tick`](crate::Controller::tick) in ticks of the robot's clock. The robot sends a frame
+    /// in each of them; a teammate is fresh for eight, and lost after sixteen.
     #[must_use]
-    pub const fn new(key: Key, epoch: u32) -> Self {
-        Self { key, epoch, beacon: Duration(1), timeout: Duration(100), low_battery: 20, charged: 90 }
+    pub const fn new(member: Member, key: Key, epoch: u32, tick: NonZero<u16>) -> Self {
+        Self { member, key, epoch, tick, channel: 0 }
+    }
+
+    /// The same for one of several teams that share a key: frames of other channels are refused.
+    #[must_use]
+    pub const fn on_channel(mut self, channel: u32) -> Self {
+        self.channel = channel;
+        self
+    }
+
+    /// The robot and its team.
+    #[must_use]
+    pub const fn member(&self) -> Member {
+        self.member
+    }
+
+    /// The number of this start.
+    #[must_use]
+    pub const fn epoch(&self) -> u32 {
+        self.epoch
+    }
+
+    /// The period of the controller's ticks.
+    #[must_use]
+    pub const fn tick(&self) -> Duration {
+        Duration(self.tick.get() as u32)
+    }
+
+    /// When a teammate stops being fresh, and when it is lost.
+    #[must_use]
+    pub const fn limits(&self) -> Limits {
+        Limits::every(self.tick)
+    }
+
+    pub(crate) const fn key(&self) -> &Key {
+        &self.key
+    }
+
+    pub(crate) const fn channel(&self) -> u32 {
+        self.channel
     }
 }

@@ -3,20 +3,24 @@
 //! Within a tick a body is alone. The world puts in what the sensors read before the controller ticks, and
 //! carries out what the controller has commanded afterwards.
 
-use firmware::hardware;
+use firmware::{adapters, hardware};
 use iibt_core::grid::{Cell, Move};
 use iibt_core::time::Instant;
 use std::collections::VecDeque;
 
 /// The hardware of one simulated robot.
-#[derive(Debug, Default)]
-pub(crate) struct Body {
-    pub(crate) antenna: Antenna,
-    pub(crate) wheels: Wheels,
-    pub(crate) localiser: Localiser,
-    pub(crate) scanner: Scanner,
-    pub(crate) battery: Battery,
-    pub(crate) clock: Clock,
+pub(crate) type Body = adapters::Body<Antenna, Clock, Wheels, Localiser, Scanner, Battery>;
+
+/// A body at the beginning of time.
+pub(crate) fn body() -> Body {
+    Body {
+        link: Antenna::default(),
+        clock: Clock::default(),
+        drive: Wheels::default(),
+        localiser: Localiser::default(),
+        scanner: Scanner::default(),
+        battery: Battery::default(),
+    }
 }
 
 /// The robot's end of the radio.
@@ -118,39 +122,6 @@ impl hardware::Battery for Battery {
 impl hardware::Clock for Clock {
     fn now(&mut self) -> Instant {
         Instant(self.now)
-    }
-}
-
-impl hardware::Hardware for Body {
-    type Link = Antenna;
-    type Drive = Wheels;
-    type Localiser = Localiser;
-    type Scanner = Scanner;
-    type Battery = Battery;
-    type Clock = Clock;
-
-    fn link(&mut self) -> &mut Antenna {
-        &mut self.antenna
-    }
-
-    fn drive(&mut self) -> &mut Wheels {
-        &mut self.wheels
-    }
-
-    fn localiser(&mut self) -> &mut Localiser {
-        &mut self.localiser
-    }
-
-    fn scanner(&mut self) -> &mut Scanner {
-        &mut self.scanner
-    }
-
-    fn battery(&mut self) -> &mut Battery {
-        &mut self.battery
-    }
-
-    fn clock(&mut self) -> &mut Clock {
-        &mut self.clock
     }
 }
 

@@ -32,8 +32,8 @@ pub use validator::{Faults, Trace};
 use crate::flight::{Conditions, fly};
 use crate::scenario::Scenario;
 use crate::team::Pilot;
+use crate::team::TeamError;
 use crate::workers::share_out;
-use firmware::ControllerError;
 use serde::Serialize;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -93,12 +93,12 @@ impl Campaign<'_> {
     /// done and how many there are, from any thread.
     ///
     /// # Errors
-    /// [`ControllerError`] when a pilot does not accept the mission.
+    /// [`TeamError`] when a pilot does not accept the mission.
     pub fn fly(
         &self,
         threads: Option<NonZeroUsize>,
         progress: &(dyn Fn(usize, usize) + Sync),
-    ) -> Result<Report, ControllerError> {
+    ) -> Result<Report, TeamError> {
         let scores = self.scores(threads, progress)?;
         let mut batches = scores.chunks_exact(self.seeds.max(1) as usize);
         let rows = self.disturbances.iter().map(|&disturbance| {
@@ -127,7 +127,7 @@ impl Campaign<'_> {
         &self,
         threads: Option<NonZeroUsize>,
         progress: &(dyn Fn(usize, usize) + Sync),
-    ) -> Result<Vec<Score>, ControllerError> {
+    ) -> Result<Vec<Score>, TeamError> {
         let (done, flights) = (AtomicUsize::new(0), self.flights());
         let scores = share_out(flights, threads, |flight| {
             let score = self.score(flight);
@@ -138,7 +138,7 @@ impl Campaign<'_> {
     }
 
     /// Flies one of them.
-    fn score(&self, flight: usize) -> Result<Score, ControllerError> {
+    fn score(&self, flight: usize) -> Result<Score, TeamError> {
         let (batch, seed) = (flight / self.seeds as usize, (flight % self.seeds as usize) as u64);
         let disturbance = self.disturbances[batch / self.pilots.len()];
         let scenario = disturbance.applied(self.scenario, seed);

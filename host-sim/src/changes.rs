@@ -4,8 +4,7 @@ use crate::news::News;
 use crate::progress::agreed_round;
 use crate::scenario::Floor;
 use crate::world::World;
-use firmware::Report;
-use iibt_core::team::Status;
+use iibt_core::navigation::{Report, Stage};
 
 /// What the reports of two ticks in a row tell together.
 pub(crate) fn between(before: &[Report], after: &[Report], world: &World) -> Vec<News> {
@@ -13,7 +12,7 @@ pub(crate) fn between(before: &[Report], after: &[Report], world: &World) -> Vec
     for (robot, (old, new)) in before.iter().zip(after).enumerate() {
         news.extend(leave(robot, old, new, world.battery(robot).percent()));
         news.extend(choice(robot, old, new, world.floor()));
-        if new.status == Status::Arrived && old.status != Status::Arrived {
+        if new.stage == Stage::Arrived && old.stage != Stage::Arrived {
             news.push(News::Arrived { robot, cell: world.cells()[robot] });
         }
     }
@@ -24,7 +23,7 @@ pub(crate) fn between(before: &[Report], after: &[Report], world: &World) -> Vec
 
 /// A choice is news when it is another one, or belongs to another round.
 fn choice(robot: usize, old: &Report, new: &Report, floor: &Floor) -> Option<News> {
-    let goal = new.goal.filter(|_| !matches!(new.status, Status::Deciding | Status::Away))?;
+    let goal = new.goal.filter(|_| !matches!(new.stage, Stage::Deciding | Stage::Away))?;
     if old.round == new.round && old.path == new.path && old.goal == new.goal {
         return None;
     }
@@ -34,7 +33,7 @@ fn choice(robot: usize, old: &Report, new: &Report, floor: &Floor) -> Option<New
 
 /// Leaving the team to charge, and coming back.
 fn leave(robot: usize, old: &Report, new: &Report, charge: u8) -> Option<News> {
-    match (old.status == Status::Away, new.status == Status::Away) {
+    match (old.stage == Stage::Away, new.stage == Stage::Away) {
         (false, true) => Some(News::Left { robot, charge }),
         (true, false) => Some(News::Returned { robot, charge }),
         _ => None,

@@ -38,180 +38,157 @@ use self::leaves::Bound;
 use self::navigator::{Navigator, Orders};
 use self::teammate::Teammate;
 use crate::body::Body;
-use crate::robot::{Robot, shrunk};
+use crate::robot::{AnyRobot, shrunk};
 use crate::scenario::Scenario;
-use firmware::hardware::{Battery, Drive, Link, Localiser, Scanner};
-use firmware::{ControllerError, Report, Settings};
+use firmware::hardware::{Battery, Drive, Localiser, Scanner};
+use firmware::{Controller, LinkReport, Robot, Settings, Thresholds};
 use heapless::Vec as Bounded;
 use iibt_core::grid::{Cell, Map};
-use iibt_core::iibt::navigation::{MAX_GOALS, MissionError};
-use iibt_core::team::{
-    Counters, Deframer, Freshness, Intention, Limits, MAX_FRAME, MAX_HAZARDS, MAX_TEAM, Numbering, Peer,
-    RobotId, Roster, Round, SipHash64, encode,
-};
-use iibt_core::time::{Duration, Instant};
+use iibt_core::navigation::{Intention, MAX_GOALS, MAX_HAZARDS, MissionError, Report, Round};
+use iibt_core::team::{Freshness, Invalid, MAX_TEAM, Peers, RobotId};
+use iibt_core::time::Instant;
 use iibt_core::tree::{self, Basic, Halt, Leaves};
+use std::num::NonZero;
 
 /// A robot that ticks a conventional tree.
 pub(crate) struct Conventional<const S: usize, const W: usize> {
-    body: Body,
     bound: &'static Bound,
     memory: Vec<tree::Cell<Basic>>,
     navigator: Navigator<S, W>,
-    roster: Roster,
-    deframer: Deframer,
-    auth: SipHash64,
-    numbering: Numbering,
     /// The ticks from one control cycle to the next: what a frame takes.
     period: u32,
     /// When it acted last.
     acted: Option<Instant>,
     /// The cell that each teammate was last heard to be in, and since when.
     seen: [(Cell, Instant); MAX_TEAM],
-    sent: u32,
+    /// What its tree returned in this tick.
+    status: tree::Status,
+}
+
+/// The ticks from one control cycle of a conventional robot to the next.
+pub(crate) fn period(scenario: &Scenario) -> NonZero<u16> {
+    // Scenarios have delays of up to a thousand ticks.
+    u16::try_from(scenario.radio.delay).ok().and_then(NonZero::new).unwrap_or(NonZero::<u16>::MIN)
 }
 
 impl<const S: usize, const W: usize> Conventional<S, W> {
-    /// Robot `robot` of a scenario's team.
+    /// A robot of a scenario's team.
     ///
     /// # Errors
-    /// [`ControllerError`] when the team or the goals do not fit, or the tree is for two goals only.
+    /// [`MissionError`] when the goals do not fit, or the tree is for two goals only.
     pub(crate) fn new(
         scenario: &Scenario,
         figure: Figure,
-        robot: u8,
-        settings: Settings,
-    ) -> Result<Self, ControllerError> {
-        let period = scenario.radio.delay.max(1);
-        let limits = Limits::for_beacons(Duration(period)).map_err(ControllerError::Beacon)?;
-        let team = scenario.robots.len();
-        let roster = Roster::new(RobotId(robot), team, limits).map_err(ControllerError::Team)?;
+        settings: &Settings,
+    ) -> Result<Self, MissionError> {
+        let robot = settings.member().robot().index();
         let is_for_two = figure == Figure::Five;
         if (is_for_two && scenario.goals.len() != 2) || scenario.goals.len() > MAX_GOALS {
-            return Err(ControllerError::Mission(MissionError::GoalCount));
+            return Err(MissionError::GoalCount);
         }
         let orders = Orders {
-            robot: usize::from(robot),
+            robot,
             map: shrunk::<W>(&scenario.map),
             starts: scenario.robots.iter().map(|robot| robot.start).collect(),
             goals: scenario.goals.iter().copied().collect(),
-            charger: scenario.robots.get(usize::from(robot)).and_then(|robot| robot.charger),
-            low_battery: settings.low_battery,
-            charged: settings.charged,
+            charger: scenario.robots.get(robot).and_then(|robot| robot.charger),
+            low_battery: Thresholds::DEFAULT.low,
+            charged: Thresholds::DEFAULT.charged,
             has_fixed_goals: is_for_two,
         };
         let bound = figure.bound();
         Ok(Self {
-            body: Body::default(),
             bound,
             memory: (0..bound.nodes).map(|_| tree::Cell::NEW).collect(),
             navigator: Navigator::new(orders),
-            roster,
-            deframer: Deframer::new(),
-            auth: SipHash64::new(settings.key),
-            numbering: Numbering::new(settings.epoch),
-            period,
+            period: settings.tick().0,
             acted: None,
             seen: [(Cell(u16::MAX), Instant(0)); MAX_TEAM],
-            sent: 0,
+            status: tree::Status::Running,
         })
     }
 
-    fn act(&mut self, now: Instant) {
-        self.listen(now);
-        self.sense(now);
-        let mut hands = Hands { bound: self.bound, navigator: &mut self.navigator };
-        let status = self.bound.tree.tick(&mut self.memory, &mut hands, now).status;
-        if let Some(step) = self.navigator.release(status) {
-            self.body.wheels.go(step);
-        }
-        self.announce(now);
-    }
-
-    fn listen(&mut self, now: Instant) {
-        self.roster.expire(now);
-        while let Some(byte) = self.body.antenna.receive() {
-            if let Some(frame) = self.deframer.feed(byte) {
-                // The roster counts what it refuses.
-                let _ = self.roster.receive(frame, &self.auth, now);
-            }
-        }
-    }
-
-    fn sense(&mut self, now: Instant) {
-        let on_time = self.acted.replace(now).is_some_and(|acted| now.since(acted).0 == self.period);
-        let navigator = &mut self.navigator;
-        if !on_time {
-            navigator.withdraw();
-        }
-        navigator.charge = self.body.battery.charge();
-        navigator.locate(self.body.localiser.locate());
-        for hazard in (0..MAX_HAZARDS).map_while(|_| self.body.scanner.scan()) {
-            navigator.notice(hazard);
-        }
-        let map = navigator.orders().map;
-        for hazard in sound(&self.roster, &map).flat_map(|peer| peer.intention().hazards.iter().copied()) {
-            navigator.notice(hazard);
-        }
-        self.navigator.team = self.teammates(&map, now);
-    }
-
     /// Every teammate as it stands by its newest frame.
-    fn teammates(&mut self, map: &Map<W>, now: Instant) -> Bounded<Teammate, MAX_TEAM> {
-        let orders = self.navigator.orders();
+    fn teammates(&mut self, map: &Map<W>, peers: Peers<'_, Intention>) -> Bounded<Teammate, MAX_TEAM> {
+        let (orders, now) = (self.navigator.orders(), peers.now());
         let mut team: Bounded<Teammate, MAX_TEAM> = Bounded::new();
         for (robot, &start) in orders.starts.iter().enumerate().filter(|&(robot, _)| robot != orders.robot) {
-            let peer = sound(&self.roster, map).find(|peer| peer.intention().robot.index() == robot);
-            let mut mate = peer.map_or(Teammate::unheard(robot, start), |peer| {
-                Teammate::heard(map, peer.intention(), now.since(peer.heard()).0 / self.period + 1)
+            let id = RobotId(robot as u8);
+            let mut mate = peers.get(id).map_or(Teammate::unheard(robot, start), |peer| {
+                Teammate::heard(map, peer.envelope(), now.since(peer.heard()).0 / self.period + 1)
             });
             let (cell, since) = &mut self.seen[robot];
             if std::mem::replace(cell, mate.cells[0]) != mate.cells[0] {
                 *since = now;
             }
             mate.still = now.since(*since).0 / self.period;
-            mate.is_lost = self.roster.freshness(RobotId(robot as u8), now) == Freshness::Lost;
+            mate.is_lost = peers.freshness(id) == Freshness::Lost;
             // There is room: the team has at most MAX_TEAM robots.
             let _ = team.push(mate);
         }
         team
     }
+}
 
-    fn announce(&mut self, now: Instant) {
-        let Some(stamp) = self.numbering.next_stamp() else { return };
+impl<H, const S: usize, const W: usize> Robot<H> for Conventional<S, W>
+where
+    H: Drive + Localiser + Scanner + Battery,
+{
+    type Message = Intention;
+
+    fn accepts(&self, intention: &Intention) -> Result<(), Invalid> {
+        let map = &self.navigator.orders().map;
+        if intention.fits(map.len()) && intention.path.is_open(map) {
+            Ok(())
+        } else {
+            Err(Invalid("it speaks of another map"))
+        }
+    }
+
+    fn sense(&mut self, hardware: &mut H, now: Instant) {
+        let on_time = self.acted.replace(now).is_some_and(|acted| now.since(acted).0 == self.period);
+        let navigator = &mut self.navigator;
+        if !on_time {
+            navigator.withdraw();
+        }
+        navigator.charge = hardware.charge();
+        navigator.locate(hardware.locate());
+        for hazard in (0..MAX_HAZARDS).map_while(|_| hardware.scan()) {
+            navigator.notice(hazard);
+        }
+    }
+
+    fn tick(&mut self, peers: Peers<'_, Intention>, now: Instant) -> tree::Status {
+        let map = self.navigator.orders().map;
+        for hazard in peers.iter().flat_map(|peer| peer.message().hazards.iter().copied()) {
+            self.navigator.notice(hazard);
+        }
+        self.navigator.team = self.teammates(&map, peers);
+        let mut hands = Hands { bound: self.bound, navigator: &mut self.navigator };
+        self.status = self.bound.tree.tick(&mut self.memory, &mut hands, now).status;
+        self.status
+    }
+
+    fn act(&mut self, hardware: &mut H) {
+        if let Some(step) = self.navigator.release(self.status) {
+            hardware.go(step);
+        }
+    }
+
+    fn message(&self) -> Intention {
         let navigator = &self.navigator;
         let newest = navigator.hazards.len().saturating_sub(MAX_HAZARDS);
-        let intention = Intention {
-            robot: self.roster.own(),
-            epoch: stamp.epoch,
-            sequence: stamp.sequence,
-            tick: now,
+        Intention {
             round: Round(0),
-            status: navigator.status,
+            stage: navigator.stage,
             plan: 0,
             goal: navigator.goal,
             path: navigator.path,
             step: navigator.step.min(navigator.path.len()) as u8,
             probability: 1.0,
             hazards: navigator.hazards.iter().skip(newest).copied().collect(),
-        };
-        let mut buffer = [0; MAX_FRAME];
-        if let Ok(frame) = encode(&intention, &self.auth, &mut buffer) {
-            self.sent += u32::from(self.body.antenna.send(frame));
         }
     }
-
-    fn counters(&self) -> Counters {
-        *self.roster.counters()
-    }
-}
-
-/// The teammates that speak of the same map.
-fn sound<'r, const W: usize>(roster: &'r Roster, map: &'r Map<W>) -> impl Iterator<Item = &'r Peer> {
-    roster.peers().filter(|peer| {
-        let said = peer.intention();
-        said.fits(map.len()) && said.path.is_open(map)
-    })
 }
 
 /// The skills as the leaves of the tree.
@@ -239,18 +216,17 @@ impl<const S: usize, const W: usize> Leaves<u16> for Hands<'_, S, W> {
     }
 }
 
-impl<const S: usize, const W: usize> Robot for Conventional<S, W> {
+impl<const S: usize, const W: usize> AnyRobot for Controller<Conventional<S, W>, Body> {
     fn tick(&mut self) {
-        let now = Instant(self.body.clock.now);
-        if now.0.is_multiple_of(self.period) {
-            self.act(now);
+        if self.hardware().clock.now.is_multiple_of(self.robot().period) {
+            Controller::tick(self);
         }
     }
 
     fn report(&self) -> Report {
-        let navigator = &self.navigator;
+        let navigator = &self.robot().navigator;
         Report {
-            status: navigator.status,
+            stage: navigator.stage,
             round: Round(0),
             goal: navigator.goal,
             path: navigator.path,
@@ -261,29 +237,30 @@ impl<const S: usize, const W: usize> Robot for Conventional<S, W> {
             surprise: Some(0.0),
             waypoint: navigator.waypoints.first().copied(),
             cause: None,
-            sent: self.sent,
-            unsent: 0,
-            dropped: self.deframer.dropped(),
-            received: self.counters(),
         }
     }
 
+    fn link_report(&self) -> LinkReport {
+        Controller::link_report(self)
+    }
+
     fn activity(&self) -> Option<&'static str> {
-        self.navigator.last.map(|skill| skill.name())
+        self.robot().navigator.last.map(|skill| skill.name())
     }
 
     fn visit(&mut self, cell: Cell) -> bool {
-        let is_free = self.navigator.orders().map.is_free(cell) && !self.navigator.hazards.contains(&cell);
-        is_free && self.navigator.waypoints.push(cell).is_ok()
+        let navigator = &mut self.robot_mut().navigator;
+        let is_free = navigator.orders().map.is_free(cell) && !navigator.hazards.contains(&cell);
+        is_free && navigator.waypoints.push(cell).is_ok()
     }
 
     fn waypoints(&self) -> &[Cell] {
-        &self.navigator.waypoints
+        &self.robot().navigator.waypoints
     }
 
     /// It believes in one cell, or in two while a move is under way.
     fn belief(&self, cell: Cell) -> f32 {
-        let position = &self.navigator.position;
+        let position = &self.robot().navigator.position;
         let is_likely = position.last() == cell;
         match position.here() {
             Some(_) => f32::from(u8::from(is_likely)),
@@ -292,6 +269,6 @@ impl<const S: usize, const W: usize> Robot for Conventional<S, W> {
     }
 
     fn body(&mut self) -> &mut Body {
-        &mut self.body
+        self.hardware_mut()
     }
 }

@@ -16,14 +16,12 @@ use crate::progress::Progress;
 use crate::radio::Radio;
 use crate::record::{self, Activity, Dated, Outcome, Record, RobotRecord};
 use crate::referee::Collisions;
-use crate::robot::Robot;
+use crate::robot::AnyRobot;
 use crate::scenario::{self, Floor, Scenario, Wear};
-use crate::team::{Pilot, Team, with_team};
+use crate::team::{Pilot, Team, TeamError, with_team};
 use crate::world::World;
-use firmware::{ControllerError, Report};
 use iibt_core::grid::{Cell, Move};
-use iibt_core::iibt::navigation::MAX_GOALS;
-use iibt_core::team::Status;
+use iibt_core::navigation::{MAX_GOALS, Report, Stage};
 
 /// What a flight depends on besides its scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -87,12 +85,12 @@ impl<A: Audience> Audience for (Box<dyn Audience + '_>, Option<A>) {
 /// Flies a scenario to its end.
 ///
 /// # Errors
-/// [`ControllerError`] when the controllers do not accept the mission or the team.
+/// [`TeamError`] when the controllers do not accept the mission or the team.
 pub fn fly(
     scenario: &Scenario,
     conditions: Conditions,
     audience: &mut dyn Audience,
-) -> Result<Record, ControllerError> {
+) -> Result<Record, TeamError> {
     fly_preferring(scenario, conditions, &[], audience)
 }
 
@@ -102,7 +100,7 @@ pub(crate) fn fly_preferring(
     conditions: Conditions,
     preferences: &[[f32; MAX_GOALS]],
     audience: &mut dyn Audience,
-) -> Result<Record, ControllerError> {
+) -> Result<Record, TeamError> {
     with_team(scenario, conditions.tree, |team| {
         for (robot, values) in team.iter_mut().zip(preferences) {
             robot.prefer(values);
@@ -200,7 +198,7 @@ impl<'f, 'm> Flight<'f, 'm> {
     }
 
     fn is_over(&self) -> bool {
-        let arrived = self.reports.iter().all(|report| report.status == Status::Arrived);
+        let arrived = self.reports.iter().all(|report| report.stage == Stage::Arrived);
         let accomplished = arrived && record::at_different_goals(&self.scenario.goals, self.world.cells());
         accomplished || self.tick >= self.scenario.limit
     }
@@ -259,12 +257,12 @@ impl<'f, 'm> Flight<'f, 'm> {
             body.clock.now = self.tick;
             body.battery.charge = self.world.battery(index).percent();
             body.localiser.reading = Some(reading);
-            body.wheels.moving = self.world.is_moving(index);
+            body.drive.moving = self.world.is_moving(index);
             body.scanner.look(in_view);
         }
         for (receiver, frame) in self.radio.arrivals(self.tick) {
             if !self.world.is_stopped(receiver) {
-                self.team[receiver].body().antenna.received.extend(frame);
+                self.team[receiver].body().link.received.extend(frame);
             }
         }
         news
@@ -279,7 +277,7 @@ impl<'f, 'm> Flight<'f, 'm> {
 
     fn transmit(&mut self) {
         for (sender, robot) in self.team.iter_mut().enumerate() {
-            for frame in robot.body().antenna.sent.drain(..) {
+            for frame in robot.body().link.sent.drain(..) {
                 self.radio.send(self.tick, sender, &frame);
             }
         }
@@ -287,7 +285,7 @@ impl<'f, 'm> Flight<'f, 'm> {
 
     /// Makes the moves that the robots have commanded, as far as their drives let them.
     fn drive(&mut self) -> Option<News> {
-        let command = |robot: &mut Box<dyn Robot + 'm>| robot.body().wheels.command.take();
+        let command = |robot: &mut Box<dyn AnyRobot + 'm>| robot.body().drive.command.take();
         self.commands = self.team.iter_mut().map(command).collect();
         let commands: Vec<_> = (0..self.team.len()).map(|robot| self.made(robot)).collect();
         let (before, faults) = (self.world.cells().to_vec(), self.collisions.total());
@@ -383,6 +381,7 @@ impl<'f, 'm> Flight<'f, 'm> {
 
     fn robot(&self, index: usize) -> RobotRecord {
         let (setup, report) = (&self.scenario.robots[index], &self.reports[index]);
+        let received = self.team[index].link_report().received;
         let cells: Vec<_> = self.history.iter().map(|cells| cells[index]).collect();
         let cell = self.world.cells()[index];
         RobotRecord {
@@ -401,8 +400,8 @@ impl<'f, 'm> Flight<'f, 'm> {
             charged: record::times_charged(&self.news, index),
             stopped: self.world.is_stopped(index),
             tree: self.tree[index].clone(),
-            accepted: report.received.accepted,
-            rejected: report.received.refused(),
+            accepted: received.accepted,
+            rejected: received.refused(),
         }
     }
 }
@@ -410,7 +409,7 @@ impl<'f, 'm> Flight<'f, 'm> {
 /// One tick of one robot: what [`campaign::cost`](crate::campaign::cost) counts, from the call of this function to that of
 /// [`has_acted`].
 #[inline(never)]
-fn act_in_turn(robot: &mut (dyn Robot + '_)) {
+fn act_in_turn(robot: &mut (dyn AnyRobot + '_)) {
     robot.tick();
     has_acted();
 }

@@ -2,10 +2,9 @@
 
 use crate::progress::agreed_round;
 use crate::scenario::Floor;
-use firmware::Report;
 use iibt_core::grid::Cell;
-use iibt_core::iibt::navigation::Cause;
-use iibt_core::team::Status;
+use iibt_core::navigation::Cause;
+use iibt_core::navigation::{Report, Stage};
 use serde::Serialize;
 
 /// One round: who opened it and why, and what everybody chose.
@@ -55,7 +54,7 @@ pub(crate) fn note(
         if is_opener && !is_known && (report.cause.is_some() || report.round.0 == 0) {
             phases.push(Phase::opened(robot, report, tick, size));
         }
-        let chosen = matches!(report.status, Status::Announced | Status::Agreed | Status::Arrived);
+        let chosen = matches!(report.stage, Stage::Announced | Stage::Agreed | Stage::Arrived);
         let Some(phase) = phases.iter_mut().find(|phase| phase.round == report.round.0) else { continue };
         if chosen && phase.choices[robot].is_none() {
             phase.choices[robot] = Some(Chosen::by(report, tick, floor));

@@ -1,7 +1,6 @@
 //! How far the team has come: the joint plans that all have agreed to, and the moves made of the last.
 
-use firmware::Report;
-use iibt_core::team::Status;
+use iibt_core::navigation::{Report, Stage};
 
 /// The progress of a team, by what its robots say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,6 +33,6 @@ impl Progress {
 pub(crate) fn agreed_round(reports: &[Report]) -> Option<u16> {
     let first = reports.first()?.round;
     let agrees =
-        |report: &Report| report.round == first && matches!(report.status, Status::Agreed | Status::Arrived);
+        |report: &Report| report.round == first && matches!(report.stage, Stage::Agreed | Stage::Arrived);
     reports.iter().all(agrees).then_some(first.0)
 }

@@ -6,9 +6,8 @@ use crate::radio::Traffic;
 use crate::referee::Collisions;
 use crate::scenario::Scenario;
 use crate::team::Pilot;
-use firmware::Report;
 use iibt_core::grid::Cell;
-use iibt_core::team::Status;
+use iibt_core::navigation::{Report, Stage};
 use serde::Serialize;
 
 /// A flight from its first to its last tick. Cells are numbered row by row from the top left, from zero.
@@ -214,12 +213,12 @@ pub(crate) fn is_close(arrivals: impl Iterator<Item = u32> + Clone) -> bool {
 
 /// A status in one word.
 pub(crate) const fn status(report: &Report) -> &'static str {
-    match report.status {
-        Status::Deciding => "deciding",
-        Status::Announced => "announced",
-        Status::Agreed => "agreed",
-        Status::Arrived => "arrived",
-        Status::Away => "away",
+    match report.stage {
+        Stage::Deciding => "deciding",
+        Stage::Announced => "announced",
+        Stage::Agreed => "agreed",
+        Stage::Arrived => "arrived",
+        Stage::Away => "away",
     }
 }
 

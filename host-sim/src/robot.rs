@@ -2,25 +2,27 @@
 
 use crate::body::Body;
 use crate::scenario::Floor;
-use firmware::{Controller, Report};
+use firmware::{Controller, LinkReport, Navigator};
 use iibt_core::grid::{Cell, Map};
-use iibt_core::iibt::navigation::MAX_GOALS;
+use iibt_core::navigation::{MAX_GOALS, Report};
 
 /// A robot that flies, whatever the size its controller is compiled for.
-pub(crate) trait Robot {
+pub(crate) trait AnyRobot {
     /// One tick of its controller.
     fn tick(&mut self);
-    /// What its controller says of itself.
+    /// What it says of itself.
     fn report(&self) -> Report;
+    /// What became of its frames.
+    fn link_report(&self) -> LinkReport;
     /// The leaf of its tree that is running.
     fn activity(&self) -> Option<&'static str>;
     /// Tells it to visit a cell; returns whether it will.
     fn visit(&mut self, cell: Cell) -> bool;
-    /// Has each goal worth so much to it; to a conventional one it makes no difference.
+    /// Sets its preference for each goal; to a conventional one it makes no difference.
     fn prefer(&mut self, _: &[f32; MAX_GOALS]) {}
     /// The way-points that it is still to visit.
     fn waypoints(&self) -> &[Cell];
-    /// How likely it takes itself to be in a cell.
+    /// The probability that it gives to a cell of being its own.
     fn belief(&self, cell: Cell) -> f32;
     /// The body it works in.
     fn body(&mut self) -> &mut Body;
@@ -35,33 +37,37 @@ pub(crate) fn shrunk<const W: usize>(floor: &Floor) -> Map<W> {
     map
 }
 
-impl<const S: usize, const W: usize, const P: usize> Robot for Controller<'_, Body, S, W, P> {
+impl<const S: usize, const W: usize, const P: usize> AnyRobot for Controller<Navigator<'_, S, W, P>, Body> {
     fn tick(&mut self) {
         Controller::tick(self);
     }
 
     fn report(&self) -> Report {
-        Controller::report(self)
+        self.robot().navigation().report()
+    }
+
+    fn link_report(&self) -> LinkReport {
+        Controller::link_report(self)
     }
 
     fn activity(&self) -> Option<&'static str> {
-        Controller::activity(self)
+        self.robot().activity()
     }
 
     fn visit(&mut self, cell: Cell) -> bool {
-        Controller::visit(self, cell).is_ok()
+        self.robot_mut().navigation_mut().visit(cell).is_ok()
     }
 
     fn prefer(&mut self, values: &[f32; MAX_GOALS]) {
-        Controller::prefer(self, values);
+        self.robot_mut().navigation_mut().prefer(values);
     }
 
     fn waypoints(&self) -> &[Cell] {
-        self.navigation().waypoints()
+        self.robot().navigation().waypoints()
     }
 
     fn belief(&self, cell: Cell) -> f32 {
-        self.navigation().probability_of(cell)
+        self.robot().navigation().probability_of(cell)
     }
 
     fn body(&mut self) -> &mut Body {

@@ -4,9 +4,9 @@ use crate::chance::{Chance, Purpose};
 use crate::flight::{Audience, Conditions, fly_preferring};
 use crate::record::Record;
 use crate::scenario::Scenario;
-use firmware::ControllerError;
+use crate::team::TeamError;
 use iibt_core::grid::Cell;
-use iibt_core::iibt::navigation::Experience;
+use iibt_core::navigation::Experience;
 use serde::Serialize;
 
 /// A series from its first to its last mission.
@@ -46,7 +46,7 @@ pub fn fly_series(
     conditions: Conditions,
     learning: bool,
     audience: &mut dyn Audience,
-) -> Result<Series, ControllerError> {
+) -> Result<Series, TeamError> {
     let mut experience = vec![Experience::default(); scenario.robots.len()];
     let mut chance = Chance::new(conditions.seed, Purpose::Service);
     let mut missions = Vec::new();

@@ -2,24 +2,58 @@
 //!
 //! A controller is compiled for a size of map. The sizes are chosen from here; nobody else sees them.
 
-use crate::body::Body;
-use crate::conventional::{Conventional, Figure};
+use crate::body::{Body, body};
+use crate::conventional::{Conventional, Figure, period};
 use crate::radio::KEY;
-use crate::robot::{Robot, shrunk};
+use crate::robot::{AnyRobot, shrunk};
 use crate::scenario::{MAX_CELLS, MAX_PATHS, Scenario};
-use firmware::{Controller, ControllerError, Settings};
+use firmware::{Controller, Navigator, Settings};
 use iibt_core::grid::{Cell, Path, words};
-use iibt_core::iibt::Mission;
 use iibt_core::inference::learning::Rates;
-use iibt_core::team::RobotId;
+use iibt_core::navigation::{Mission, MissionError};
+use iibt_core::team::{Member, MemberError, RobotId};
 use serde::Serialize;
+use std::fmt;
+use std::num::NonZero;
 
 /// The robots in the order of their numbers.
-pub(crate) type Team<'m> = Vec<Box<dyn Robot + 'm>>;
+pub(crate) type Team<'m> = Vec<Box<dyn AnyRobot + 'm>>;
 
 const SMALL: usize = 49;
 const MEDIUM: usize = 256;
 const EPOCH: u32 = 1;
+
+/// Why a scenario has no team.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TeamError {
+    /// The team is too large.
+    Member(MemberError),
+    /// The mission does not fit.
+    Mission(MissionError),
+}
+
+impl From<MemberError> for TeamError {
+    fn from(error: MemberError) -> Self {
+        Self::Member(error)
+    }
+}
+
+impl From<MissionError> for TeamError {
+    fn from(error: MissionError) -> Self {
+        Self::Mission(error)
+    }
+}
+
+impl fmt::Display for TeamError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Member(error) => error.fmt(f),
+            Self::Mission(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for TeamError {}
 
 /// What flies the robots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
@@ -61,7 +95,7 @@ pub(crate) fn with_team<R>(
     scenario: &Scenario,
     pilot: Pilot,
     fly: impl FnOnce(&mut Team<'_>) -> R,
-) -> Result<R, ControllerError> {
+) -> Result<R, TeamError> {
     let cells = scenario.map.len();
     if cells <= SMALL {
         sized::<SMALL, { words(SMALL, 1) }, R>(scenario, pilot, fly)
@@ -76,12 +110,13 @@ fn sized<const S: usize, const W: usize, R>(
     scenario: &Scenario,
     pilot: Pilot,
     fly: impl FnOnce(&mut Team<'_>) -> R,
-) -> Result<R, ControllerError> {
+) -> Result<R, TeamError> {
     if let Some(figure) = pilot.figure() {
         let mut team: Team<'_> = Vec::new();
         for robot in 0..scenario.robots.len() as u8 {
-            let settings = Settings::new(KEY, EPOCH);
-            team.push(Box::new(Conventional::<S, W>::new(scenario, figure, robot, settings)?));
+            let settings = settings(scenario, robot, period(scenario))?;
+            let robot = Conventional::<S, W>::new(scenario, figure, &settings)?;
+            team.push(Box::new(Controller::new(robot, settings, body())));
         }
         return Ok(fly(&mut team));
     }
@@ -102,12 +137,15 @@ fn sized<const S: usize, const W: usize, R>(
     }
     let mut team: Team<'_> = Vec::new();
     for robot in 0..starts.len() as u8 {
-        let settings = Settings::new(KEY, EPOCH);
-        let controller =
-            Controller::<Body, S, W, MAX_PATHS>::new(&mission, RobotId(robot), settings, Body::default())?;
-        team.push(Box::new(controller));
+        let settings = settings(scenario, robot, NonZero::<u16>::MIN)?;
+        let robot = Navigator::<S, W, MAX_PATHS>::new(&mission, &settings)?;
+        team.push(Box::new(Controller::<_, Body>::new(robot, settings, body())));
     }
     Ok(fly(&mut team))
+}
+
+fn settings(scenario: &Scenario, robot: u8, tick: NonZero<u16>) -> Result<Settings, TeamError> {
+    Ok(Settings::new(Member::new(RobotId(robot), scenario.robots.len())?, KEY, EPOCH, tick))
 }
 
 fn tune<const W: usize>(mission: &mut Mission<'_, W>, scenario: &Scenario) {

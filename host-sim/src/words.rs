@@ -1,7 +1,7 @@
 //! Words that people read, shared by all who write to them.
 
 use iibt_core::grid::{Cell, Move};
-use iibt_core::iibt::navigation::Cause;
+use iibt_core::navigation::Cause;
 
 /// A number and what it counts: `1 goal`, `2 goals`.
 pub(crate) fn counted(number: u32, thing: &str) -> String {

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | use behavior trees alone | [`mod@tree`] |
 //! | use active inference alone | [`inference`] |
-//! | have a team go to goals on a grid | [`iibt::Mission`], and `firmware::Controller` around it |
+//! | have a team go to goals on a grid | [`navigation::Mission`], and `firmware::Controller` around it |
 //! | bring a task of your own | [`iibt::Task`], which [`iibt::Node`] runs as Algorithm 1 |
 //!
 //! The modules, each of which knows only those above it:
@@ -14,8 +14,9 @@
 //! |---|---|
 //! | [`math`], [`time`], [`actions`] | logarithms and softmax; ticks that may wrap; sequences of action codes |
 //! | [`grid`], [`mod@tree`], [`inference`] | maps and planners; trees as tables; beliefs, free energies, policies |
-//! | [`team`] | intentions, authenticated frames, the roster of teammates, the agreement on one joint plan |
-//! | [`iibt`] | where trees and inference meet: the node, logic and preferences, the navigation task |
+//! | [`team`] | messages of any task, authenticated frames, the roster of teammates |
+//! | [`iibt`] | where trees and inference meet: the node, the task, logic and preferences |
+//! | [`navigation`] | the task of a team on a grid: intentions, agreement on one joint plan |
 //!
 //! Without the default feature `inference`, the library is [`mod@tree`] and [`time`] and depends on nothing.
 //!
@@ -39,6 +40,8 @@ pub mod iibt;
 pub mod inference;
 #[cfg(feature = "inference")]
 pub mod math;
+#[cfg(feature = "inference")]
+pub mod navigation;
 #[cfg(feature = "inference")]
 pub mod team;
 pub mod time;

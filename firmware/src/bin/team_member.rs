@@ -13,35 +13,31 @@ fn main() {
 
 #[cfg(target_os = "none")]
 mod image {
+    use core::num::NonZero;
     use cortex_m::singleton;
-    use firmware::adapters::{Absent, Chassis, Counted, DeadReckoning};
+    use firmware::adapters::{Body, Chassis, Counted, DeadReckoning};
     use firmware::board::{self, Board, Milliseconds, Motors, TeamLink};
-    use firmware::hardware::{Clock, Drive, Hardware};
+    use firmware::hardware::{Clock, Drive};
     use firmware::missions::{CANDIDATES, CELLS, SECTION_5_1, WORDS};
-    use firmware::{Controller, Report, Settings};
+    use firmware::{Controller, LinkReport, Navigator, Settings};
     use heapless::Vec;
     use iibt_core::actions::HORIZON;
-    use iibt_core::team::{Key, RobotId, Status};
+    use iibt_core::navigation::{Report, Stage};
+    use iibt_core::team::{Key, Member, RobotId};
     use iibt_core::time::Duration;
 
     const CHASSIS: Chassis = Chassis { cell: 0.5, track: 0.1, speed: 0.25, duty: 60 };
 
     /// Between two ticks of the controller, in milliseconds.
-    const TICK: Duration = Duration(100);
+    const TICK: NonZero<u16> = NonZero::new(100).unwrap();
 
     /// For the bench only: a team in the field has a key of its own.
     const KEY: Key = Key::new(*b"section 5.1 demo");
 
-    type Robot = Controller<'static, Body, CELLS, WORDS, CANDIDATES>;
+    type Hardware =
+        Body<TeamLink, Milliseconds, Counted<'static, Motors, WORDS>, &'static DeadReckoning<WORDS>>;
 
-    /// The robot's hardware: what the board has, and a reckoning in the place of a localiser.
-    struct Body {
-        link: TeamLink,
-        drive: Counted<'static, Motors, WORDS>,
-        localiser: &'static DeadReckoning<WORDS>,
-        absent: (Absent, Absent),
-        clock: Milliseconds,
-    }
+    type Robot = Controller<Navigator<'static, CELLS, WORDS, CANDIDATES>, Hardware>;
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
@@ -58,38 +54,34 @@ mod image {
         let start = *SECTION_5_1.starts.first()?;
         let reckoning: &'static DeadReckoning<WORDS> =
             singleton!(: DeadReckoning<WORDS> = DeadReckoning::new(SECTION_5_1.map, start))?;
-        let body = Body {
-            link: board.link,
-            drive: reckoning.count(board.drive),
-            localiser: reckoning,
-            absent: (Absent, Absent),
-            clock: board.clock,
-        };
+        let drive = reckoning.count(board.drive);
+        let body = Body::new(board.link, board.clock).driving(drive, reckoning);
         // The epoch belongs into memory that outlives a restart; this board has none wired up.
-        let settings = Settings { beacon: TICK, timeout: Duration(10_000), ..Settings::new(KEY, 1) };
-        let robot = Controller::new(&SECTION_5_1, RobotId(0), settings, body).ok()?;
+        let member = Member::new(RobotId(0), SECTION_5_1.starts.len()).ok()?;
+        let settings = Settings::new(member, KEY, 1, TICK);
+        let robot = Controller::new(Navigator::new(&SECTION_5_1, &settings).ok()?, settings, body);
         defmt::info!("boot: robot 1 of {=usize} on p{=u16}", SECTION_5_1.starts.len(), start.0);
         singleton!(: Robot = robot)
     }
 
     fn run(robot: &'static mut Robot) -> ! {
-        let mut due = robot.hardware_mut().clock.now();
+        let mut due = robot.hardware_mut().now();
         let (mut ticks, mut longest) = (0_u32, 0);
-        let mut before = robot.report();
+        let mut before = tell_of(robot);
         loop {
             // Asking the drive is what ends a turn or a move, so it is asked at every millisecond.
-            robot.hardware_mut().drive.is_moving();
-            let now = robot.hardware_mut().clock.now();
+            robot.hardware_mut().is_moving();
+            let now = robot.hardware_mut().now();
             if now.has_reached(due) {
-                due = now.after(TICK);
+                due = now.after(Duration(TICK.get().into()));
                 ticks = ticks.wrapping_add(1);
                 let clock = robot.hardware_mut().clock;
                 let started = clock.cycles();
                 robot.tick();
                 let cycles = clock.cycles().wrapping_sub(started);
-                let report = robot.report();
+                let report = tell_of(robot);
                 tell(robot, ticks, &before, &report);
-                if cycles > longest || report.status != before.status {
+                if cycles > longest || report.0.stage != before.0.stage {
                     defmt::info!("tick {=u32}: took {=u32} cycles", ticks, cycles);
                     longest = longest.max(cycles);
                 }
@@ -99,25 +91,31 @@ mod image {
         }
     }
 
+    /// How the robot and its link stand.
+    fn tell_of(robot: &Robot) -> (Report, LinkReport) {
+        (robot.robot().navigation().report(), robot.link_report())
+    }
+
     /// Logs what has changed in a tick.
-    fn tell(robot: &Robot, tick: u32, before: &Report, now: &Report) {
-        if now.received.accepted > 0 && before.received.accepted == 0 {
+    fn tell(robot: &Robot, tick: u32, before: &(Report, LinkReport), now: &(Report, LinkReport)) {
+        let ((before, heard_before), (now, heard)) = (before, now);
+        if heard.received.accepted > 0 && heard_before.received.accepted == 0 {
             defmt::info!("tick {=u32}: heard the team", tick);
         }
         if now.step != before.step {
             defmt::info!("tick {=u32}: step {=usize} done, on p{=u16}", tick, now.step, now.cell.0);
         }
-        if now.status != before.status {
-            if now.status == Status::Announced {
+        if now.stage != before.stage {
+            if now.stage == Stage::Announced {
                 tell_decision(robot, tick, now);
             }
-            defmt::info!("tick {=u32}: {} in round {=u16}", tick, now.status, now.round.0);
+            defmt::info!("tick {=u32}: {} in round {=u16}", tick, now.stage, now.round.0);
         }
     }
 
     /// Logs the posterior over the joint policies, bit by bit, and the choice.
     fn tell_decision(robot: &Robot, tick: u32, now: &Report) {
-        for (policy, row) in robot.navigation().decision().joint().iter().enumerate() {
+        for (policy, row) in robot.robot().navigation().decision().joint().iter().enumerate() {
             let [first, second, third, fourth] = row.map(f32::to_bits);
             defmt::info!(
                 "tick {=u32}: posterior of {=usize}: {=u32:08x} {=u32:08x} {=u32:08x} {=u32:08x}",
@@ -142,33 +140,5 @@ mod image {
             now.probability,
             cells.as_slice()
         );
-    }
-
-    impl Hardware for Body {
-        type Link = TeamLink;
-        type Drive = Counted<'static, Motors, WORDS>;
-        type Localiser = &'static DeadReckoning<WORDS>;
-        type Scanner = Absent;
-        type Battery = Absent;
-        type Clock = Milliseconds;
-
-        fn link(&mut self) -> &mut Self::Link {
-            &mut self.link
-        }
-        fn drive(&mut self) -> &mut Self::Drive {
-            &mut self.drive
-        }
-        fn localiser(&mut self) -> &mut Self::Localiser {
-            &mut self.localiser
-        }
-        fn scanner(&mut self) -> &mut Self::Scanner {
-            &mut self.absent.0
-        }
-        fn battery(&mut self) -> &mut Self::Battery {
-            &mut self.absent.1
-        }
-        fn clock(&mut self) -> &mut Self::Clock {
-            &mut self.clock
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! Which goal is whose: Min(Sum(Policy 1, Policy 2)) of the paper's figure 8, for any number of robots.
 
-use iibt_core::iibt::navigation::MAX_GOALS;
+use iibt_core::navigation::MAX_GOALS;
 use iibt_core::team::MAX_TEAM;
 
 /// The moves from each robot to each goal; `None` where no way leads.

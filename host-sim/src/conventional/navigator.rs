@@ -7,8 +7,9 @@ use super::route::{Errand, Router, is_in_the_way};
 use super::teammate::{Rank, Teammate};
 use heapless::Vec;
 use iibt_core::grid::{Cell, Map, Move, Path};
-use iibt_core::iibt::navigation::{MAX_GOALS, MAX_KNOWN_HAZARDS, MAX_WAYPOINTS};
-use iibt_core::team::{MAX_TEAM, Status as Doing};
+use iibt_core::navigation::Stage;
+use iibt_core::navigation::{MAX_GOALS, MAX_KNOWN_HAZARDS, MAX_WAYPOINTS};
+use iibt_core::team::MAX_TEAM;
 use iibt_core::tree::Status;
 
 /// What is given to a robot before it starts.
@@ -48,7 +49,7 @@ pub(super) struct Navigator<const S: usize, const W: usize> {
     /// Whether the last step of the path was a wait.
     waited: bool,
     recharging: bool,
-    pub(super) status: Doing,
+    pub(super) stage: Stage,
     /// The cells that it has announced to enter next.
     promised: [Option<Cell>; 2],
     router: Router<S, W>,
@@ -75,7 +76,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
             proposal: None,
             waited: false,
             recharging: false,
-            status: Doing::Deciding,
+            stage: Stage::Deciding,
             promised: [None; 2],
             router: Router::new(),
             last: None,
@@ -125,7 +126,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         match skill {
             Skill::BatteryEnough => self.charge >= self.orders.low_battery,
             Skill::AllArrived => {
-                self.has_arrived() && self.team.iter().all(|mate| mate.status == Doing::Arrived)
+                self.has_arrived() && self.team.iter().all(|mate| mate.stage == Stage::Arrived)
             }
             Skill::OneArrived => self.stands_on_a_goal(),
             Skill::ObstacleExists if self.orders.has_fixed_goals => self.is_blocked(&self.rest()),
@@ -166,23 +167,23 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
             }
         }
         let goes = step.is_some() || self.position.here().is_none();
-        self.status = self.doing(goes);
+        self.stage = self.doing(goes);
         let next = |more| Some(self.path.cell_at(&self.orders.map, self.step + more));
-        self.promised = [next(1), if self.status == Doing::Announced { None } else { next(2) }];
+        self.promised = [next(1), if self.stage == Stage::Announced { None } else { next(2) }];
         step
     }
 
-    fn doing(&self, goes: bool) -> Doing {
+    fn doing(&self, goes: bool) -> Stage {
         if self.recharging {
-            Doing::Away
+            Stage::Away
         } else if goes {
-            Doing::Agreed
+            Stage::Agreed
         } else if self.has_arrived() {
-            Doing::Arrived
+            Stage::Arrived
         } else if self.goal.is_some() {
-            Doing::Announced
+            Stage::Announced
         } else {
-            Doing::Deciding
+            Stage::Deciding
         }
     }
 
@@ -197,7 +198,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
 
     /// The rank that it has announced.
     const fn rank(&self) -> Rank {
-        Rank::new(self.orders.robot, self.status)
+        Rank::new(self.orders.robot, self.stage)
     }
 
     fn rest(&self) -> Path {

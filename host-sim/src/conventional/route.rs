@@ -120,7 +120,7 @@ fn later(path: &Path, waits: usize) -> Path {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use iibt_core::team::Status;
+    use iibt_core::navigation::Stage;
 
     type Small = Router<49, 2>;
 
@@ -129,17 +129,17 @@ mod tests {
     }
 
     fn errand(from: u16, goal: u16, pace: usize) -> Errand {
-        Errand { rank: Rank::new(1, Status::Agreed), from: Cell(from), via: None, goal: Cell(goal), pace }
+        Errand { rank: Rank::new(1, Stage::Agreed), from: Cell(from), via: None, goal: Cell(goal), pace }
     }
 
     fn cells(path: Option<Path>) -> Vec<u16> {
         path.map_or(Vec::new(), |path| path.cells(&map()).map(|cell| cell.0).collect())
     }
 
-    fn mate(robot: usize, cells: &[u16], status: Status) -> Teammate {
+    fn mate(robot: usize, cells: &[u16], stage: Stage) -> Teammate {
         let cells: Vec<Cell> = cells.iter().copied().map(Cell).collect();
         let rest = Path::through(&map(), &cells).unwrap();
-        Teammate { rest, status, age: Some(1), goal: Some(cells[0]), ..Teammate::unheard(robot, cells[0]) }
+        Teammate { rest, stage, age: Some(1), goal: Some(cells[0]), ..Teammate::unheard(robot, cells[0]) }
     }
 
     #[test]
@@ -158,19 +158,19 @@ mod tests {
     fn keeps_clear_of_who_has_the_right_of_way_only() {
         let crossing = [29, 22, 15];
         let clear = |robot, own: &[u16]| {
-            let team = [mate(robot, &crossing, Status::Agreed)];
+            let team = [mate(robot, &crossing, Stage::Agreed)];
             let path = Path::through(&map(), &own.iter().copied().map(Cell).collect::<Vec<_>>()).unwrap();
-            !is_in_the_way(&map(), &team, Rank::new(1, Status::Agreed), &path)
+            !is_in_the_way(&map(), &team, Rank::new(1, Stage::Agreed), &path)
         };
         assert!(!clear(0, &[21, 22]) && clear(2, &[21, 22]));
-        let team = [mate(0, &crossing, Status::Agreed)];
+        let team = [mate(0, &crossing, Stage::Agreed)];
         let path = Small::new().construct(&map(), &team, errand(21, 23, 0)).unwrap();
-        assert!(!is_in_the_way(&map(), &team, Rank::new(1, Status::Agreed), &path));
+        assert!(!is_in_the_way(&map(), &team, Rank::new(1, Stage::Agreed), &path));
     }
 
     #[test]
     fn goes_around_who_stands_and_through_nothing_else() {
-        let stands = [mate(2, &[29], Status::Away)];
+        let stands = [mate(2, &[29], Stage::Away)];
         assert_eq!(cells(Small::new().construct(&map(), &stands, errand(28, 30, 0))).len(), 5);
         let walled = map().avoiding([Cell(23), Cell(29), Cell(31), Cell(37)]);
         assert_eq!(Small::new().construct(&walled, &[], errand(28, 30, 0)), None);

@@ -1,10 +1,10 @@
 //! What a robot makes of its teammates' frames: where they can be, what they are about to do, and who has the right of way.
 //!
-//! A conventional robot says [`Status::Agreed`] when it makes the next step of its path in this tick, and
-//! [`Status::Announced`] when it stands and will make it later. It enters no cell that it has not announced a tick before.
+//! A conventional robot says [`Stage::Agreed`] when it makes the next step of its path in this tick, and
+//! [`Stage::Announced`] when it stands and will make it later. It enters no cell that it has not announced a tick before.
 
 use iibt_core::grid::{Cell, Map, Path};
-use iibt_core::team::{Intention, Status};
+use iibt_core::navigation::{Said, Stage};
 
 /// Who goes first where two robots want the same cell: the lesser of the two. Robots on their way to a charger go before all
 /// others, then the lower number. A robot counts as what it has announced, so that both judge alike.
@@ -15,8 +15,8 @@ pub(super) struct Rank {
 }
 
 impl Rank {
-    pub(super) const fn new(robot: usize, status: Status) -> Self {
-        Self { is_here: !matches!(status, Status::Away), robot }
+    pub(super) const fn new(robot: usize, stage: Stage) -> Self {
+        Self { is_here: !matches!(stage, Stage::Away), robot }
     }
 }
 
@@ -34,7 +34,7 @@ pub(super) struct Teammate {
     /// The goal it has announced.
     pub(super) goal: Option<Cell>,
     /// What it was doing.
-    pub(super) status: Status,
+    pub(super) stage: Stage,
     /// The ticks since it said so, at least one; `None` when it is lost or was never heard.
     pub(super) age: Option<u32>,
     /// Whether it is lost: it counts as standing where it was.
@@ -64,7 +64,7 @@ impl Teammate {
             next: [start; 2],
             rest: Path::at(start),
             goal: None,
-            status: Status::Deciding,
+            stage: Stage::Deciding,
             age: None,
             is_lost: false,
             still: 0,
@@ -72,17 +72,18 @@ impl Teammate {
     }
 
     /// What it said, `age` ticks ago.
-    pub(super) fn heard<const W: usize>(map: &Map<W>, said: &Intention, age: u32) -> Self {
-        let (step, moves) = (usize::from(said.step), usize::from(said.status == Status::Agreed));
+    pub(super) fn heard<const W: usize>(map: &Map<W>, from: &Said, age: u32) -> Self {
+        let said = &from.message;
+        let (step, moves) = (usize::from(said.step), usize::from(said.stage == Stage::Agreed));
         let [at, first, second] = [0, 1, 2].map(|more| said.path.cell_at(map, step + more));
-        let is_standing = said.status == Status::Announced;
+        let is_standing = said.stage == Stage::Announced;
         Self {
-            robot: said.robot.index(),
+            robot: from.sender.index(),
             cells: if is_standing { [at; 2] } else { [at, first] },
             next: if is_standing { [first; 2] } else { [first, second] },
             rest: said.path.rest(map, step + moves),
             goal: said.goal,
-            status: said.status,
+            stage: said.stage,
             age: Some(age.max(1)),
             is_lost: false,
             still: 0,
@@ -93,16 +94,16 @@ impl Teammate {
     /// for too long to say.
     pub(super) fn remaining(&self) -> Option<usize> {
         let age = self.age.filter(|&age| age <= TRUSTED)?;
-        let since = if self.status == Status::Agreed { age as usize - 1 } else { 0 };
+        let since = if self.stage == Stage::Agreed { age as usize - 1 } else { 0 };
         self.announced().map(|moves| moves.saturating_sub(since))
     }
 
     /// How many moves it had to go by its own word, the one it was making not counted; `None` when it is not on its way to
     /// a goal.
     pub(super) fn announced(&self) -> Option<usize> {
-        match self.status {
-            Status::Agreed | Status::Announced if self.goal.is_some() => Some(self.rest.len()),
-            Status::Arrived => Some(0),
+        match self.stage {
+            Stage::Agreed | Stage::Announced if self.goal.is_some() => Some(self.rest.len()),
+            Stage::Arrived => Some(0),
             _ => None,
         }
     }
@@ -125,7 +126,7 @@ impl Teammate {
 
     /// Its rank, as it has announced it.
     pub(super) const fn rank(&self) -> Rank {
-        Rank::new(self.robot, self.status)
+        Rank::new(self.robot, self.stage)
     }
 
     /// The cells that it may stand in if it goes no further. One that was lost may have made some moves unheard.
@@ -140,13 +141,13 @@ impl Teammate {
     /// Whether it will not go away by itself.
     pub(super) fn is_stuck(&self, own: Rank) -> bool {
         let patience = if self.rank() < own { STUCK } else { STANDING };
-        let waits = self.still >= patience && self.status != Status::Arrived;
-        self.is_lost || waits || (self.status == Status::Away && self.rest.is_empty())
+        let waits = self.still >= patience && self.stage != Stage::Arrived;
+        self.is_lost || waits || (self.stage == Stage::Away && self.rest.is_empty())
     }
 
     /// Whether it stands, for whatever reason.
     pub(super) fn is_standing(&self, own: Rank) -> bool {
-        self.is_stuck(own) || matches!(self.status, Status::Arrived | Status::Deciding)
+        self.is_stuck(own) || matches!(self.stage, Stage::Arrived | Stage::Deciding)
     }
 }
 
@@ -160,7 +161,7 @@ mod tests {
         Map::new(8, 1).unwrap()
     }
 
-    fn saying(cells: &[u16], status: Status) -> Intention {
+    fn saying(cells: &[u16], stage: Stage) -> Intention {
         let cells: Vec<Cell> = cells.iter().copied().map(Cell).collect();
         Intention {
             robot: RobotId(1),
@@ -168,7 +169,7 @@ mod tests {
             sequence: 1,
             tick: Instant(0),
             round: Round(0),
-            status,
+            stage,
             plan: 0,
             goal: cells.last().copied(),
             path: Path::through(&corridor(), &cells).unwrap(),
@@ -178,55 +179,55 @@ mod tests {
         }
     }
 
-    fn lets(own: usize, age: u32, status: Status, target: u16) -> bool {
-        let mate = Teammate::heard(&corridor(), &saying(&[2, 3, 4], status), age);
-        mate.lets(&corridor(), Rank::new(own, Status::Agreed), Cell(target))
+    fn lets(own: usize, age: u32, stage: Stage, target: u16) -> bool {
+        let mate = Teammate::heard(&corridor(), &saying(&[2, 3, 4], stage), age);
+        mate.lets(&corridor(), Rank::new(own, Stage::Agreed), Cell(target))
     }
 
     #[test]
     fn nobody_enters_where_a_teammate_can_be() {
         for own in [0, 2] {
-            assert!(!lets(own, 1, Status::Announced, 2) && !lets(own, 1, Status::Agreed, 2));
-            assert!(!lets(own, 1, Status::Agreed, 3), "it may be there by now");
-            assert!(lets(own, 1, Status::Announced, 4) && lets(own, 1, Status::Agreed, 5));
+            assert!(!lets(own, 1, Stage::Announced, 2) && !lets(own, 1, Stage::Agreed, 2));
+            assert!(!lets(own, 1, Stage::Agreed, 3), "it may be there by now");
+            assert!(lets(own, 1, Stage::Announced, 4) && lets(own, 1, Stage::Agreed, 5));
         }
     }
 
     #[test]
     fn the_lower_number_has_the_right_of_way() {
-        assert!(lets(0, 1, Status::Announced, 3) && !lets(2, 1, Status::Announced, 3));
-        assert!(lets(0, 1, Status::Agreed, 4) && !lets(2, 1, Status::Agreed, 4));
+        assert!(lets(0, 1, Stage::Announced, 3) && !lets(2, 1, Stage::Announced, 3));
+        assert!(lets(0, 1, Stage::Agreed, 4) && !lets(2, 1, Stage::Agreed, 4));
     }
 
     #[test]
     fn who_was_not_heard_may_have_come_further() {
-        assert!(!lets(0, 2, Status::Announced, 5) && lets(0, 2, Status::Announced, 6));
-        assert!(!lets(0, 3, Status::Announced, 6) && lets(0, 3, Status::Announced, 7));
+        assert!(!lets(0, 2, Stage::Announced, 5) && lets(0, 2, Stage::Announced, 6));
+        assert!(!lets(0, 3, Stage::Announced, 6) && lets(0, 3, Stage::Announced, 7));
         let unheard = Teammate::unheard(1, Cell(0));
-        assert!(!unheard.lets(&corridor(), Rank::new(0, Status::Agreed), Cell(7)), "it can be anywhere");
+        assert!(!unheard.lets(&corridor(), Rank::new(0, Stage::Agreed), Cell(7)), "it can be anywhere");
         let lost = Teammate { is_lost: true, ..unheard };
-        let lets = |mate: &Teammate, cell| mate.lets(&corridor(), Rank::new(0, Status::Agreed), Cell(cell));
+        let lets = |mate: &Teammate, cell| mate.lets(&corridor(), Rank::new(0, Stage::Agreed), Cell(cell));
         assert!(lets(&lost, 1) && !lets(&lost, 0));
-        let mut lost = Teammate::heard(&corridor(), &saying(&[0, 1, 2, 3, 4, 5], Status::Announced), 20);
+        let mut lost = Teammate::heard(&corridor(), &saying(&[0, 1, 2, 3, 4, 5], Stage::Announced), 20);
         lost.is_lost = true;
         assert!(!lets(&lost, 3) && lets(&lost, 4), "it may have made some moves unheard");
     }
 
     #[test]
     fn who_drives_to_a_charger_goes_first() {
-        let away = Teammate::heard(&corridor(), &saying(&[2, 3, 4], Status::Away), 1);
-        let lets = |cell| away.lets(&corridor(), Rank::new(0, Status::Agreed), Cell(cell));
+        let away = Teammate::heard(&corridor(), &saying(&[2, 3, 4], Stage::Away), 1);
+        let lets = |cell| away.lets(&corridor(), Rank::new(0, Stage::Agreed), Cell(cell));
         assert!(!lets(2) && !lets(3) && !lets(4) && lets(5));
-        assert!(Rank::new(3, Status::Away) < Rank::new(0, Status::Agreed));
+        assert!(Rank::new(3, Stage::Away) < Rank::new(0, Stage::Agreed));
     }
 
     #[test]
     fn a_teammate_on_its_way_is_taken_to_go_on() {
         let remaining =
-            |age, status| Teammate::heard(&corridor(), &saying(&[2, 3, 4, 5], status), age).remaining();
-        assert_eq!([1, 2, 4, 5].map(|age| remaining(age, Status::Agreed)), [Some(2), Some(1), Some(0), None]);
-        assert_eq!(remaining(4, Status::Announced), Some(3));
-        assert_eq!(remaining(1, Status::Arrived), Some(0));
-        assert_eq!(remaining(1, Status::Deciding), None);
+            |age, stage| Teammate::heard(&corridor(), &saying(&[2, 3, 4, 5], stage), age).remaining();
+        assert_eq!([1, 2, 4, 5].map(|age| remaining(age, Stage::Agreed)), [Some(2), Some(1), Some(0), None]);
+        assert_eq!(remaining(4, Stage::Announced), Some(3));
+        assert_eq!(remaining(1, Stage::Arrived), Some(0));
+        assert_eq!(remaining(1, Stage::Deciding), None);
     }
 }

@@ -3,17 +3,19 @@
 use super::robot::Skills;
 use super::sense::Sense;
 use super::skill::Skill;
+use crate::tree::Bound;
 use iibt_core::iibt::Manipulation;
-use iibt_core::iibt::manipulation::{Announcement, Command, Deed, Percept, Place, State};
-use iibt_core::team::{Intention, RobotId, Roster};
+use iibt_core::iibt::manipulation::{Announcement, Command, Deed, Percept, Place, STATES, State, TEAM};
+use iibt_core::inference::Preference;
+use iibt_core::team::Peers;
 use iibt_core::time::Instant;
 use iibt_core::tree::{Halt, Leaves, Status};
 
 /// A robot with a conventional tree.
 #[derive(Debug)]
 pub(super) struct Conventional {
-    robot: RobotId,
-    roster: Roster,
+    /// What the teammate has announced, while that is fresh.
+    teammate: Option<Announcement>,
     percept: Percept,
     sense: Sense,
     doing: Option<Command>,
@@ -21,8 +23,8 @@ pub(super) struct Conventional {
 }
 
 impl Conventional {
-    pub(super) fn new(robot: RobotId, roster: Roster, sense: Sense) -> Self {
-        Self { robot, roster, percept: Percept::default(), sense, doing: None, command: None }
+    pub(super) fn new(sense: Sense) -> Self {
+        Self { teammate: None, percept: Percept::default(), sense, doing: None, command: None }
     }
 
     fn begin(&mut self, deed: Deed, place: Place) -> Status {
@@ -33,36 +35,40 @@ impl Conventional {
     }
 
     fn teammate(&self) -> Option<Announcement> {
-        self.roster.fresh(self.percept.now).next().and_then(Announcement::read)
+        self.teammate
     }
 }
 
 impl Skills for Conventional {
-    fn perceive(&mut self, percept: Percept) {
+    fn perceive(&mut self, percept: Percept, peers: Peers<'_, Announcement>) {
+        self.teammate = peers.fresh().next().map(|peer| *peer.message());
         self.percept = percept;
         self.command = None;
         if !percept.busy {
             self.doing = None;
         }
-        self.sense.perceive(percept);
+        self.sense.perceive(percept, peers);
     }
 
     fn command(&self) -> Option<Command> {
         self.command
     }
 
-    fn roster_mut(&mut self) -> &mut Roster {
-        &mut self.roster
+    fn tick(&mut self, tree: &mut Bound<Skill>, _: Peers<'_, Announcement>, now: Instant) -> Status {
+        tree.tick(self, now)
     }
 
-    fn intention(&self) -> Intention {
+    fn announcement(&self) -> Announcement {
         let place = if self.doing.is_none() { self.sense.place() } else { Place::Elsewhere };
         let deed = self.doing.map_or(Deed::Idle, |command| command.deed);
-        let announcement = Announcement { place, state: self.sense.state(), deed };
-        announcement.intention(self.robot, self.percept.now, self.doing.is_some(), 1.0)
+        Announcement { place, state: self.sense.state(), deed }
     }
 
     fn task(&self) -> Option<&Manipulation> {
+        None
+    }
+
+    fn preferences(&self) -> Option<[Preference<STATES>; TEAM]> {
         None
     }
 }

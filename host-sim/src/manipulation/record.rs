@@ -2,7 +2,8 @@
 
 use super::terms::{Disturbances, Trees};
 use crate::radio::Traffic;
-use iibt_core::iibt::manipulation::{Deed, Joint, Manipulation, Place, State};
+use iibt_core::iibt::manipulation::{Deed, Joint, Manipulation, Place, STATES, State, TEAM};
+use iibt_core::inference::Preference;
 use serde::Serialize;
 
 /// Everything about a run.
@@ -126,13 +127,13 @@ impl Run {
 }
 
 impl Thought {
-    pub(super) fn of(task: &Manipulation) -> Self {
+    pub(super) fn of(task: &Manipulation, preferences: [Preference<STATES>; TEAM]) -> Self {
         let decision = task.decision();
         Self {
             states: task.states(),
             places: task.places(),
             raised: decision.map(|decision| decision.preferences),
-            preferences: task.preferences().each_ref().map(|row| row.values()),
+            preferences: preferences.map(|row| row.values()),
             posterior: decision.map(|decision| decision.posterior.to_vec()),
             choice: decision.map(|decision| decision.choice.number()),
         }

@@ -7,15 +7,20 @@ use super::sense::Sense;
 use super::skill::Skill;
 use super::terms::{Terms, Trees, Trust};
 use super::world::{Spot, World};
+use crate::body::{Antenna, Clock};
 use crate::radio::{KEY, Radio};
 use crate::scenario;
 use crate::tree::{Bound, Diagnostic};
+use firmware::{Controller, Robot, Settings, hardware};
 use iibt_core::iibt::Manipulation;
-use iibt_core::iibt::manipulation::{Command, Deed, Mission, MissionError, Percept, Place, State, TEAM};
-use iibt_core::team::{Deframer, Limits, MAX_FRAME, Numbering, RobotId, Roster, SipHash64, encode};
-use iibt_core::time::{Duration, Instant};
+use iibt_core::iibt::manipulation::{
+    Announcement, Command, Deed, Mission, MissionError, Percept, TEAM,
+};
+use iibt_core::team::{Member, Peers, RobotId};
+use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 use std::fmt;
+use std::num::NonZero;
 
 /// How much of a run is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +55,10 @@ pub fn run(terms: &Terms, detail: Detail) -> Result<Run, RunError> {
     mission = Mission::new([first, second], mission.meeting(), terms.preset, terms.order)
         .map_err(RunError::Mission)?;
     let [left, right] = terms.trees.bind().map_err(RunError::Tree)?;
-    let robots = [Robot::new(terms, mission, 0, left)?, Robot::new(terms, mission, 1, right)?];
+    let robots = [
+        controller(Arm::new(terms, mission, 0, left)?, 0),
+        controller(Arm::new(terms, mission, 1, right)?, 1),
+    ];
     let radio = scenario::Radio { loss: terms.disturbances.loss, delay: 1, duplicate: 0.0 };
     let mut show = Show {
         terms,
@@ -68,7 +76,7 @@ pub fn run(terms: &Terms, detail: Detail) -> Result<Run, RunError> {
     let mut believed = false;
     while !believed && show.tick < terms.max_ticks {
         show.tick();
-        believed = show.robots[0].status == Status::Success;
+        believed = show.robots[0].robot().status == Status::Success;
     }
     Ok(show.record(believed))
 }
@@ -86,64 +94,75 @@ fn check(terms: &Terms) -> Result<(), RunError> {
     wrong.map_or(Ok(()), |(name, _)| Err(RunError::Disturbance(name)))
 }
 
-/// One robot: its tree, what runs the leaves, and its end of the radio.
-struct Robot {
+/// One robot: its tree, and what runs the leaves.
+struct Arm {
     tree: Bound<Skill>,
     skills: Box<dyn Skills>,
-    deframer: Deframer,
-    auth: SipHash64,
-    numbering: Numbering,
     status: Status,
-    reading: Option<(Place, State)>,
+    percept: Percept,
 }
 
-impl Robot {
+/// The robot's hardware, filled and read by the world.
+#[derive(Default)]
+struct Body {
+    link: Antenna,
+    clock: Clock,
+    percept: Percept,
+    command: Option<Command>,
+}
+
+impl hardware::Link for Body {
+    fn receive(&mut self) -> Option<u8> {
+        self.link.receive()
+    }
+    fn send(&mut self, frame: &[u8]) -> bool {
+        self.link.send(frame)
+    }
+}
+
+impl hardware::Clock for Body {
+    fn now(&mut self) -> Instant {
+        self.clock.now()
+    }
+}
+
+impl Arm {
     fn new(terms: &Terms, mission: Mission, index: u8, tree: Bound<Skill>) -> Result<Self, RunError> {
-        let id = RobotId(index);
-        let limits = Limits::for_beacons(Duration(1)).unwrap_or_else(|_| unreachable!("a tick is short"));
-        let roster = Roster::new(id, TEAM, limits).unwrap_or_else(|_| unreachable!("a team of two"));
-        let task = Manipulation::new(mission, id, roster.clone()).map_err(RunError::Mission)?;
+        let task = Manipulation::new(mission, RobotId(index)).map_err(RunError::Mission)?;
         let skills: Box<dyn Skills> = match (terms.trees, terms.trust) {
             (Trees::Inference, _) => Box::new(Inferring::new(task)),
-            (_, Trust::Equal(enough)) => Box::new(Conventional::new(id, roster, Sense::debounced(enough))),
-            (_, Trust::Belief) => Box::new(Conventional::new(id, roster, Sense::believed(task))),
+            (_, Trust::Equal(enough)) => Box::new(Conventional::new(Sense::debounced(enough))),
+            (_, Trust::Belief) => Box::new(Conventional::new(Sense::believed(task))),
         };
-        Ok(Self {
-            tree,
-            skills,
-            deframer: Deframer::new(),
-            auth: SipHash64::new(KEY),
-            numbering: Numbering::new(1),
-            status: Status::Running,
-            reading: None,
-        })
+        Ok(Self { tree, skills, status: Status::Running, percept: Percept::default() })
+    }
+}
+
+impl Robot<Body> for Arm {
+    type Message = Announcement;
+
+    fn sense(&mut self, hardware: &mut Body, _: Instant) {
+        self.percept = hardware.percept;
     }
 
-    fn hear(&mut self, bytes: &[u8], now: Instant) {
-        for &byte in bytes {
-            if let Some(frame) = self.deframer.feed(byte) {
-                // The roster counts what it refuses.
-                let _ = self.skills.roster_mut().receive(frame, &self.auth, now);
-            }
-        }
+    fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
+        self.skills.perceive(self.percept, peers);
+        self.status = self.skills.tick(&mut self.tree, peers, now);
+        self.status
     }
 
-    fn tick(&mut self, busy: bool, read: (Place, State), now: Instant) -> Option<Command> {
-        self.reading = (!busy).then_some(read);
-        let (place, state) = self.reading.unzip();
-        self.skills.roster_mut().expire(now);
-        self.skills.perceive(Percept { now, place, state, busy });
-        self.status = self.tree.tick(&mut *self.skills, now);
-        self.skills.command()
+    fn act(&mut self, hardware: &mut Body) {
+        hardware.command = self.skills.command();
     }
 
-    fn frame(&mut self, now: Instant) -> Option<Vec<u8>> {
-        let stamp = self.numbering.next_stamp()?;
-        let mut intention = self.skills.intention();
-        (intention.epoch, intention.sequence, intention.tick) = (stamp.epoch, stamp.sequence, now);
-        let mut buffer = [0; MAX_FRAME];
-        encode(&intention, &self.auth, &mut buffer).ok().map(<[u8]>::to_vec)
+    fn message(&self) -> Announcement {
+        self.skills.announcement()
     }
+}
+
+fn controller(arm: Arm, index: u8) -> Controller<Arm, Body> {
+    let member = Member::new(RobotId(index), TEAM).unwrap_or_else(|_| unreachable!("a team of two"));
+    Controller::new(arm, Settings::new(member, KEY, 1, NonZero::<u16>::MIN), Body::default())
 }
 
 struct Show<'t> {
@@ -151,7 +170,7 @@ struct Show<'t> {
     detail: Detail,
     world: World,
     radio: Radio,
-    robots: [Robot; TEAM],
+    robots: [Controller<Arm, Body>; TEAM],
     tick: u32,
     /// The actions that robots have begun.
     begun: Vec<(usize, Command)>,
@@ -163,20 +182,22 @@ struct Show<'t> {
 
 impl Show<'_> {
     fn tick(&mut self) {
-        let now = Instant(self.tick);
         for (receiver, bytes) in self.radio.arrivals(self.tick) {
-            self.robots[receiver].hear(&bytes, now);
+            self.robots[receiver].hardware_mut().link.received.extend(bytes);
         }
         let commands = [0, 1].map(|index| {
             let busy = self.world.bodies[index].doing.is_some();
-            let read = self.world.read(index);
-            self.robots[index].tick(busy, read, now)
+            let (place, state) = Some(self.world.read(index)).filter(|_| !busy).unzip();
+            let body = self.robots[index].hardware_mut();
+            (body.percept, body.clock.now) = (Percept { place, state, busy }, self.tick);
+            self.robots[index].tick();
+            self.robots[index].hardware_mut().command.take()
         });
         for (index, command) in commands.into_iter().enumerate() {
             if let Some(command) = command {
                 self.begin(index, command);
             }
-            if let Some(frame) = self.robots[index].frame(now) {
+            for frame in self.robots[index].hardware_mut().link.sent.drain(..) {
                 self.radio.send(self.tick, index, &frame);
             }
         }
@@ -197,7 +218,7 @@ impl Show<'_> {
         }
         self.retries += u32::from(self.begun.contains(&(index, command)));
         self.begun.push((index, command));
-        if let Some(decision) = self.robots[index].skills.task().and_then(Manipulation::decision) {
+        if let Some(decision) = self.robots[index].robot().skills.task().and_then(Manipulation::decision) {
             let probability = decision.posterior.get(decision.choice.number()).copied().unwrap_or(0.0);
             self.decisions.push(Decided::of(self.tick, index, decision.choice, probability));
         }
@@ -205,11 +226,12 @@ impl Show<'_> {
 
     fn note(&mut self, commands: [Option<Command>; TEAM]) {
         let robots = [0, 1].map(|index| {
-            let (robot, body) = (&self.robots[index], self.world.bodies[index]);
+            let (robot, body) = (self.robots[index].robot(), self.world.bodies[index]);
+            let reading = robot.percept.place.zip(robot.percept.state);
             RobotTick {
                 place: place_name(body.place),
                 state: state_name(self.world.state(index)),
-                reading: robot.reading.map(|(place, state)| [place_name(place), state_name(state)]),
+                reading: reading.map(|(place, state)| [place_name(place), state_name(state)]),
                 begins: commands[index].map(|command| [deed_name(command.deed), place_name(command.place)]),
                 status: match robot.status {
                     Status::Success => "success",
@@ -217,7 +239,11 @@ impl Show<'_> {
                     Status::Running | Status::Skipped => "running",
                 },
                 leaf: robot.tree.running().map(|skill| skill.name()),
-                thought: robot.skills.task().map(Thought::of),
+                thought: robot
+                    .skills
+                    .task()
+                    .zip(robot.skills.preferences())
+                    .map(|(task, c)| Thought::of(task, c)),
             }
         });
         let [bottle, plate] = self.world.things.map(spot_name);

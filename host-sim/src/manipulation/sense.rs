@@ -1,7 +1,8 @@
 //! What a robot with a conventional tree takes for true of its place and state.
 
 use iibt_core::iibt::Manipulation;
-use iibt_core::iibt::manipulation::{Command, Percept, Place, State};
+use iibt_core::iibt::manipulation::{Announcement, Command, Percept, Place, State};
+use iibt_core::team::Peers;
 
 /// Readings made reliable in one way or another.
 #[derive(Debug)]
@@ -22,14 +23,14 @@ impl Sense {
         Self::Believed { belief: Box::new(belief), last, is_settled: false }
     }
 
-    pub(super) fn perceive(&mut self, percept: Percept) {
+    pub(super) fn perceive(&mut self, percept: Percept, peers: Peers<'_, Announcement>) {
         match self {
             Self::Debounced(place, state) => {
                 place.read(percept.place);
                 state.read(percept.state);
             }
             Self::Believed { belief, last, is_settled } => {
-                belief.perceive(percept);
+                belief.perceive(percept, peers);
                 let settled = belief.settled();
                 *is_settled = settled.is_some();
                 *last = settled.unwrap_or(*last);

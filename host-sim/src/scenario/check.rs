@@ -7,7 +7,7 @@ use super::values::{line_of_text, parameter, share, whole};
 use super::{Inference, MAX_TICKS, Radio, Robot, Scenario, Wear, file, reach};
 use crate::words::{self, counted};
 use iibt_core::grid::{Cell, Move};
-use iibt_core::iibt::navigation::MAX_GOALS;
+use iibt_core::navigation::MAX_GOALS;
 use std::ops::Range;
 use toml::Spanned;
 

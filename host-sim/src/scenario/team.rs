@@ -7,7 +7,8 @@ use super::values::{line_of_text, parameter, percent, share, whole};
 use super::{MAX_PATHS, Robot};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Path};
-use iibt_core::team::{MAX_PACE, MAX_TEAM};
+use iibt_core::navigation::MAX_PACE;
+use iibt_core::team::MAX_TEAM;
 use toml::Spanned;
 
 const LONGEST_NAME: usize = 12;

@@ -2,8 +2,8 @@
 
 use crate::flight::Scene;
 use anstyle::{AnsiColor, Style};
-use firmware::Report;
 use iibt_core::grid::Cell;
+use iibt_core::navigation::Report;
 
 /// How things are coloured, if at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -40,19 +40,16 @@ pub use model::{RESULT_PREFERENCE, RESULTS};
 
 use self::model::{EMPTY, HOLDS, Own, PLACED as IS_PLACED, state};
 use self::tracking::Tracking;
-use super::{Logic, Task};
+use super::Logic;
 use crate::inference::{Impossible, Preference};
 use crate::math;
-use crate::team::{Intention, RobotId, Roster};
-use crate::time::Instant;
+use crate::team::{Peers, RobotId};
 use crate::tree;
 
 /// What a robot senses in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Percept {
-    /// The time.
-    pub now: Instant,
     /// The localiser's reading, which may be wrong.
     pub place: Option<Place>,
     /// The semantic reading, which may be wrong: O^i of equation 9, the index of its one.
@@ -76,8 +73,6 @@ pub enum Aim {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Plan {
-    /// Be done: the stop policy, when the aim is reached.
-    Stop,
     /// Let the action under way end.
     Continue,
     /// Take another reading: the robot is not sure of its state.
@@ -103,13 +98,14 @@ pub struct Manipulation {
     mission: Mission,
     role: Role,
     robot: RobotId,
-    roster: Roster,
+    /// What the teammate has announced, while that is fresh.
+    teammate: Option<Announcement>,
+    connected: bool,
     aim: Aim,
     percept: Percept,
     /// Whether the percept was not taken in yet.
     fresh: bool,
     tracking: Tracking,
-    preferences: [Preference<STATES>; TEAM],
     decision: Option<Decision>,
     /// Where a move would lead.
     heading: Place,
@@ -125,13 +121,9 @@ impl Manipulation {
     /// A robot at the start of its mission: elsewhere, with an empty grip.
     ///
     /// # Errors
-    /// [`MissionError::NoSuchRobot`] when the mission has no such robot, or the roster is not this robot's or not for a team
-    /// of [`TEAM`].
-    pub fn new(mission: Mission, robot: RobotId, roster: Roster) -> Result<Self, MissionError> {
+    /// [`MissionError::NoSuchRobot`] when the mission has no such robot.
+    pub fn new(mission: Mission, robot: RobotId) -> Result<Self, MissionError> {
         let role = mission.role(robot.index()).ok_or(MissionError::NoSuchRobot)?;
-        if roster.team() != TEAM || roster.own() != robot {
-            return Err(MissionError::NoSuchRobot);
-        }
         let (meeting, to) = (mission.meeting(), Place::Elsewhere);
         let own =
             Own { sensor: mission.preset.sensor, source: role.source, meeting, ending: role.ending, to };
@@ -139,12 +131,12 @@ impl Manipulation {
             mission,
             role,
             robot,
-            roster,
+            teammate: None,
+            connected: false,
             aim: Aim::Hold,
             percept: Percept::default(),
             fresh: false,
             tracking: Tracking::new(own),
-            preferences: [Preference::new([0.0; STATES]); TEAM],
             decision: None,
             heading: role.source,
             pending: None,
@@ -152,8 +144,10 @@ impl Manipulation {
         })
     }
 
-    /// Takes in what was sensed since the last tick. Call it once before the tree's tick.
-    pub fn perceive(&mut self, percept: Percept) {
+    /// Takes in what was sensed and heard since the last tick. Call it once before the tree's tick.
+    pub fn perceive(&mut self, percept: Percept, peers: Peers<'_, Announcement>) {
+        self.teammate = peers.fresh().next().map(|peer| *peer.message());
+        self.connected = peers.all_connected();
         self.percept = percept;
         self.fresh = true;
         self.command = None;
@@ -186,7 +180,7 @@ impl Manipulation {
         if self.place() == Some(place) {
             return tree::Status::Success;
         }
-        if self.connected() && (place != self.mission.meeting() || self.leaves()) {
+        if self.connected && (place != self.mission.meeting() || self.leaves()) {
             self.begin(Command { deed: Deed::MoveTo, place });
         }
         tree::Status::Running
@@ -217,17 +211,6 @@ impl Manipulation {
         self.command
     }
 
-    /// The teammate.
-    #[must_use]
-    pub const fn roster(&self) -> &Roster {
-        &self.roster
-    }
-
-    /// The teammate, to tell the roster what it says.
-    pub const fn roster_mut(&mut self) -> &mut Roster {
-        &mut self.roster
-    }
-
     /// What the inference node is for now.
     #[must_use]
     pub const fn aim(&self) -> Aim {
@@ -238,12 +221,6 @@ impl Manipulation {
     #[must_use]
     pub const fn decision(&self) -> Option<&Decision> {
         self.decision.as_ref()
-    }
-
-    /// C of robots 0 and 1 as it is now, temporary raises included.
-    #[must_use]
-    pub const fn preferences(&self) -> &[Preference<STATES>; TEAM] {
-        &self.preferences
     }
 
     /// q(s) of this robot over the semantic states.
@@ -281,9 +258,8 @@ impl Manipulation {
 
     /// What the teammate has announced, while that is fresh.
     #[must_use]
-    pub fn teammate(&self) -> Option<Announcement> {
-        let mut fresh = self.roster.fresh(self.percept.now);
-        fresh.find(|said| said.robot != self.robot).and_then(Announcement::read)
+    pub const fn teammate(&self) -> Option<Announcement> {
+        self.teammate
     }
 
     /// What this robot announces.
@@ -295,13 +271,6 @@ impl Manipulation {
             None => State::Free,
         };
         Announcement { place, state, deed: self.pending.map_or(Deed::Idle, |command| command.deed) }
-    }
-
-    /// What this robot tells its teammate; the sender adds stamp and clock.
-    #[must_use]
-    pub fn intention(&self) -> Intention {
-        let (tick, is_busy) = (self.percept.now, self.pending.is_some());
-        self.announcement().intention(self.robot, tick, is_busy, self.probability())
     }
 
     /// C as an aim has it (equation 10): its own state and, of the teammate, to be free, or to do what it announced when

@@ -1,128 +1,104 @@
 //! The interactive inference node: Algorithm 1 of the paper, one tick.
 
-use super::Literal;
+use super::Task;
+use crate::team::Peers;
 use crate::time::{Duration, Instant};
 use crate::tree::Status;
 
-/// What the node asks of a task. Each method is a line of Algorithm 1, whose numbers are given.
+/// The interactive inference node of a task, with what it remembers between ticks.
 ///
-/// A task holds its percept, its candidates and its choice; the node decides the order.
-pub trait Task {
-    /// A policy the task can choose.
-    type Policy: Copy;
-
-    /// 3-4: take the task's own model and preferences.
-    fn prepare(&mut self);
-    /// 5: take the current observation.
-    fn observe(&mut self);
-    /// 6: update the belief, and the logic variables with it.
-    fn update(&mut self);
-    /// 7 and 20: build the robot's own candidates for the preferences as they are now.
-    fn candidates(&mut self);
-    /// 8-11 and 21-24: read the teammates' intentions and form the joint candidates.
-    fn intentions(&mut self);
-    /// 12 and 25: choose by interactive inference; `None` when there is nothing to choose from.
-    fn infer(&mut self) -> Option<Self::Policy>;
-    /// 13: whether this is the policy to stop.
-    fn is_stop(&self, policy: Self::Policy) -> bool;
-    /// 17: the first literal of the policy's precondition that does not hold.
-    fn unmet(&self, policy: Self::Policy) -> Option<Literal>;
-    /// 18-19: raise the preference for the evidence that would make it hold.
-    fn raise(&mut self, missing: Literal);
-    /// 31: whether all N - 1 teammates are connected.
-    fn connected(&self) -> bool;
-    /// 32: execute one step of the policy.
-    fn execute(&mut self, policy: Self::Policy);
-    /// 33: take every temporary preference back, exactly.
-    fn roll_back(&mut self);
-    /// 35: execute the wait policy.
-    fn wait(&mut self);
-    /// 37: whether executing the policy establishes the precondition of stopping.
-    fn reaches_stop(&self, policy: Self::Policy) -> bool;
-    /// 38: choose to stop at the next tick.
-    fn promote_stop(&mut self);
-}
-
-/// The node's memory between ticks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Node {
+/// It owns what Algorithm 1 owns: the preference with its temporary part, the roll-back, the precondition loop
+/// with its timeout, waiting, and the connection to the teammates. [`Task`] has an example.
+#[derive(Clone, Debug)]
+pub struct Node<T: Task> {
     timeout: Duration,
+    /// C with its temporary part L, while a precondition is unmet; rolled back by dropping it.
+    preference: Option<T::Preference>,
     unmet_since: Option<Instant>,
 }
 
-impl Node {
-    /// How often at the most one tick passes the precondition loop (lines 17-30). What is left unmet goes on
-    /// at the next tick, so a tick has bounded work and the timeout a clock to run on.
+/// What the precondition loop ends with.
+struct Decided<T: Task> {
+    candidates: T::Candidates,
+    /// The choice whose precondition holds, if there is one.
+    policy: Option<T::Policy>,
+}
+
+impl<T: Task> Node<T> {
+    /// The most passes of the precondition loop (lines 17-30) in one tick. What is left unmet goes on at the
+    /// next tick, so a tick has bounded work and the timeout a clock to run on.
     pub const PASSES: usize = 8;
 
     /// A node that fails when a precondition stays unmet for `timeout`.
     #[must_use]
     pub const fn new(timeout: Duration) -> Self {
-        Self { timeout, unmet_since: None }
+        Self { timeout, preference: None, unmet_since: None }
     }
 
     /// One tick of Algorithm 1; the comments are its lines.
-    pub fn tick<T: Task>(&mut self, task: &mut T, now: Instant) -> Status {
+    pub fn tick(
+        &mut self,
+        task: &mut T,
+        percept: &T::Percept,
+        peers: Peers<'_, T::Message>,
+        now: Instant,
+    ) -> Status {
         // 2: running, unless a line below says otherwise.
-        if self.unmet_since.is_none() {
-            task.prepare(); // 3-4
-        }
-        task.observe(); // 5
-        task.update(); // 6
-        task.candidates(); // 7
-        task.intentions(); // 8-11
-        let choice = task.infer(); // 12
-        if choice.is_some_and(|policy| task.is_stop(policy)) {
-            self.unmet_since = None;
+        task.observe(percept, peers); // 5-6
+        if task.is_done() {
+            self.forget();
             return Status::Success; // 13-15
         }
+        let mut preference = self.preference.take().unwrap_or_else(|| task.preference()); // 3-4
+        let decided = Self::decide(task, &mut preference, peers); // 7-12, 17-30
         let since = *self.unmet_since.get_or_insert(now);
-        match self.satisfy(task, choice) {
-            Some(policy) => {
-                self.unmet_since = None;
-                Self::act(task, policy); // 31-38
-            }
+        match decided.policy {
+            Some(policy) if peers.all_connected() => task.execute(policy, &decided.candidates, peers), // 31-32
+            Some(_) => task.wait(), // 34-36
             None if now.since(since) >= self.timeout => {
-                self.unmet_since = None;
+                self.forget();
                 task.wait();
                 return Status::Failure; // 26-28
             }
-            None => task.wait(),
+            None => {
+                // What was raised so far is kept: the loop goes on at the next tick.
+                self.preference = Some(preference);
+                task.wait();
+                return Status::Running;
+            }
         }
+        self.forget(); // 33: the temporary preference is dropped, the base is the task's own
         Status::Running // 40-41
     }
 
-    /// Forgets an unfinished precondition loop and takes back what it raised.
-    pub fn halt<T: Task>(&mut self, task: &mut T) {
-        self.unmet_since = None;
+    /// Stops an unfinished precondition loop, takes back what it raised, and has the task wait.
+    pub fn halt(&mut self, task: &mut T) {
+        self.forget();
         task.wait();
-        task.roll_back();
     }
 
-    /// Lines 17-30: raise, rebuild, read and infer again until the choice may be executed.
-    fn satisfy<T: Task>(&self, task: &mut T, mut choice: Option<T::Policy>) -> Option<T::Policy> {
+    /// C with what an unfinished precondition loop has raised; `None` while nothing is raised.
+    #[must_use]
+    pub const fn raised(&self) -> Option<&T::Preference> {
+        self.preference.as_ref()
+    }
+
+    fn forget(&mut self) {
+        (self.preference, self.unmet_since) = (None, None);
+    }
+
+    /// Lines 7-12 and 17-30: infer, then raise, rebuild, read and infer again until the choice may be executed.
+    fn decide(task: &mut T, preference: &mut T::Preference, peers: Peers<'_, T::Message>) -> Decided<T> {
+        let mut candidates = task.candidates(preference, peers); // 7
+        let mut choice = task.infer(&candidates, preference, peers); // 8-12
         for _ in 0..Self::PASSES {
-            let policy = choice?;
-            let Some(missing) = task.unmet(policy) else { return Some(policy) }; // 17
-            task.raise(missing); // 18-19
-            task.candidates(); // 20
-            task.intentions(); // 21-24
-            choice = task.infer(); // 25
+            let Some(policy) = choice else { break };
+            let Some(missing) = task.unmet(policy, &candidates) else { break }; // 17
+            task.raise(missing, &candidates, preference); // 18-19
+            candidates = task.candidates(preference, peers); // 20
+            choice = task.infer(&candidates, preference, peers); // 21-25
         }
-        choice.filter(|&policy| task.unmet(policy).is_none())
-    }
-
-    /// Lines 31-38: execute together or wait, roll back, and see whether that was the last step.
-    fn act<T: Task>(task: &mut T, policy: T::Policy) {
-        if !task.connected() {
-            task.wait(); // 35
-            return;
-        }
-        task.execute(policy); // 32
-        task.roll_back(); // 33
-        if task.reaches_stop(policy) {
-            task.promote_stop(); // 37-38
-        }
+        let policy = choice.filter(|&policy| task.unmet(policy, &candidates).is_none());
+        Decided { candidates, policy }
     }
 }

@@ -3,6 +3,7 @@
 //! A keyed 64-bit tag costs less than a table-free CRC on a Cortex-M4 and detects what a CRC detects, so there
 //! is no unauthenticated frame.
 
+use super::{Context, RobotId};
 use core::hash::Hasher;
 use siphasher::sip::SipHasher24;
 
@@ -17,13 +18,14 @@ pub type Tag = [u8; TAG_BYTES];
 /// A code with longer tags is truncated to [`TAG_BYTES`]: a blind forger at 100 frames a second then still
 /// needs 5.8e9 years.
 pub trait FrameAuth {
-    /// The tag of a message under a schema, which is authenticated without being sent: a sender with another
-    /// schema makes another tag.
-    fn tag(&self, schema: u64, message: &[u8]) -> Tag;
+    /// The tag of the signed bytes of a frame by `sender` in a context, which is authenticated without
+    /// being sent.
+    fn tag(&self, sender: RobotId, context: Context, signed: &[u8]) -> Tag;
 
-    /// Whether `tag` is the tag of the message, in a time that does not depend on where two tags differ.
-    fn verify(&self, schema: u64, message: &[u8], tag: &Tag) -> bool {
-        let expected = self.tag(schema, message);
+    /// Whether `tag` is the tag of the signed bytes, in a time that does not depend on where two tags
+    /// differ.
+    fn verify(&self, sender: RobotId, context: Context, signed: &[u8], tag: &Tag) -> bool {
+        let expected = self.tag(sender, context, signed);
         let differing = expected.iter().zip(tag).fold(0, |bits, (a, b)| bits | (a ^ b));
         // Keeps the compiler from turning the fold into a loop that stops at the first difference.
         core::hint::black_box(differing) == 0
@@ -55,7 +57,7 @@ impl defmt::Format for Key {
     }
 }
 
-/// SipHash-2-4 with a 64-bit tag over the schema (little-endian) and the message.
+/// SipHash-2-4 with a 64-bit tag over the context (little-endian) and the signed bytes.
 ///
 /// A frame of 40 bytes takes about 800 instructions on a Cortex-M4. SipHash is a pseudorandom function with
 /// short output (Aumasson and Bernstein, 2012), not a NIST-approved MAC, and hides nothing of the message.
@@ -66,18 +68,24 @@ pub struct SipHash64 {
 }
 
 impl SipHash64 {
-    /// The code under a key.
+    /// The code under the key of a team.
     #[must_use]
     pub const fn new(key: Key) -> Self {
         Self { key }
     }
+
+    /// The key of a sender's frames: for now the team's, whoever sends.
+    #[must_use]
+    pub const fn key_of(&self, _sender: RobotId) -> &Key {
+        &self.key
+    }
 }
 
 impl FrameAuth for SipHash64 {
-    fn tag(&self, schema: u64, message: &[u8]) -> Tag {
-        let mut hasher = SipHasher24::new_with_key(&self.key.0);
-        hasher.write(&schema.to_le_bytes());
-        hasher.write(message);
+    fn tag(&self, sender: RobotId, context: Context, signed: &[u8]) -> Tag {
+        let mut hasher = SipHasher24::new_with_key(&self.key_of(sender).0);
+        hasher.write(&context.to_bits().to_le_bytes());
+        hasher.write(signed);
         hasher.finish().to_le_bytes()
     }
 }
@@ -89,24 +97,26 @@ mod tests {
     const AUTH: SipHash64 = SipHash64::new(Key::new([
         0x00, 0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07, 0x08, 0x09, 0x0a, 0x0b, 0x0c, 0x0d, 0x0e, 0x0f,
     ]));
+    const SENDER: RobotId = RobotId(3);
 
     /// The worked example of the SipHash paper, appendix A: the bytes 0 to 14 under the key 0 to 15.
     #[test]
     fn is_siphash_2_4() {
-        let schema = u64::from_le_bytes([0, 1, 2, 3, 4, 5, 6, 7]);
-        let tag = AUTH.tag(schema, &[8, 9, 10, 11, 12, 13, 14]);
+        let context = Context::from_bits(u64::from_le_bytes([0, 1, 2, 3, 4, 5, 6, 7]));
+        let tag = AUTH.tag(SENDER, context, &[8, 9, 10, 11, 12, 13, 14]);
         assert_eq!(u64::from_le_bytes(tag), 0xa129_ca61_49be_45e5);
     }
 
     #[test]
     fn verifies_the_very_tag_only() {
-        let tag = AUTH.tag(7, b"message");
-        assert!(AUTH.verify(7, b"message", &tag));
-        assert!(!AUTH.verify(8, b"message", &tag));
-        assert!(!AUTH.verify(7, b"massage", &tag));
+        let [seven, eight] = [7, 8].map(Context::from_bits);
+        let tag = AUTH.tag(SENDER, seven, b"message");
+        assert!(AUTH.verify(SENDER, seven, b"message", &tag));
+        assert!(!AUTH.verify(SENDER, eight, b"message", &tag));
+        assert!(!AUTH.verify(SENDER, seven, b"massage", &tag));
         for bit in 0..64 {
             let other = (u64::from_le_bytes(tag) ^ (1 << bit)).to_le_bytes();
-            assert!(!AUTH.verify(7, b"message", &other), "bit {bit}");
+            assert!(!AUTH.verify(SENDER, seven, b"message", &other), "bit {bit}");
         }
     }
 

@@ -21,12 +21,14 @@ pub struct Counters {
     pub tag: u32,
     /// [`DecodeError::Body`] and [`DecodeError::Trailing`].
     pub body: u32,
-    /// [`DecodeError::Invalid`].
+    /// [`DecodeError::Sender`] and [`DecodeError::Invalid`].
     pub invalid: u32,
     /// [`Refused::Own`].
     pub own: u32,
     /// [`Refused::Unknown`].
     pub unknown: u32,
+    /// [`Refused::Foreign`].
+    pub foreign: u32,
     /// [`Refused::Duplicate`].
     pub duplicate: u32,
     /// [`Refused::Outdated`].
@@ -45,6 +47,7 @@ impl Counters {
         invalid: 0,
         own: 0,
         unknown: 0,
+        foreign: 0,
         duplicate: 0,
         outdated: 0,
     };
@@ -54,7 +57,7 @@ impl Counters {
     pub fn refused(&self) -> u32 {
         let decoding =
             [self.too_long, self.cobs, self.too_short, self.version, self.tag, self.body, self.invalid];
-        let hearing = [self.own, self.unknown, self.duplicate, self.outdated];
+        let hearing = [self.own, self.unknown, self.foreign, self.duplicate, self.outdated];
         decoding.into_iter().chain(hearing).fold(0, u32::saturating_add)
     }
 
@@ -69,6 +72,7 @@ impl Counters {
             Err(Refused::Frame(error)) => self.decoding(error),
             Err(Refused::Own) => &mut self.own,
             Err(Refused::Unknown) => &mut self.unknown,
+            Err(Refused::Foreign(_)) => &mut self.foreign,
             Err(Refused::Duplicate) => &mut self.duplicate,
             Err(Refused::Outdated) => &mut self.outdated,
         }
@@ -82,7 +86,7 @@ impl Counters {
             DecodeError::Version(_) => &mut self.version,
             DecodeError::Tag => &mut self.tag,
             DecodeError::Body | DecodeError::Trailing => &mut self.body,
-            DecodeError::Invalid(_) => &mut self.invalid,
+            DecodeError::Sender | DecodeError::Invalid(_) => &mut self.invalid,
         }
     }
 }
@@ -101,9 +105,10 @@ mod tests {
             Refused::Frame(DecodeError::Version(0)),
             Refused::Frame(DecodeError::Tag),
             Refused::Frame(DecodeError::Body),
-            Refused::Frame(DecodeError::Invalid(Invalid::Step)),
+            Refused::Frame(DecodeError::Invalid(Invalid(""))),
             Refused::Own,
             Refused::Unknown,
+            Refused::Foreign(Invalid("")),
             Refused::Duplicate,
             Refused::Outdated,
         ];
@@ -123,11 +128,12 @@ mod tests {
             invalid: 1,
             own: 1,
             unknown: 1,
+            foreign: 1,
             duplicate: 1,
             outdated: 1,
         };
         assert_eq!(counters, expected);
-        assert_eq!(counters.refused(), 11);
+        assert_eq!(counters.refused(), 12);
     }
 
     #[test]

@@ -4,14 +4,14 @@ use super::MAX_FRAME;
 
 /// Collects bytes up to the next delimiter (0x00).
 ///
-/// Garbage ends at the next delimiter, wherever the receiver came in: it spoils at most the one good frame
-/// that follows it without a delimiter between, and none when the sender also sends a delimiter first. What
-/// is longer than a frame can be is dropped as it comes and counted. A byte costs constant time; how many
-/// bytes to feed per tick is the caller's bound on its work.
+/// Noise ends at the next delimiter, wherever the receiver came in. Every frame begins with a
+/// delimiter, so noise between two frames spoils neither. What is longer than a frame can be is
+/// dropped as it comes and counted. A byte costs constant time; how many bytes to feed in a tick is the
+/// caller's bound on its work.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Deframer {
-    buffer: [u8; MAX_FRAME - 1],
+    buffer: [u8; MAX_FRAME - 2],
     length: usize,
     overlong: bool,
     dropped: u32,
@@ -21,7 +21,7 @@ impl Deframer {
     /// A deframer that has received nothing.
     #[must_use]
     pub const fn new() -> Self {
-        Self { buffer: [0; MAX_FRAME - 1], length: 0, overlong: false, dropped: 0 }
+        Self { buffer: [0; MAX_FRAME - 2], length: 0, overlong: false, dropped: 0 }
     }
 
     /// Takes one byte; at a delimiter, gives what came since the last one, without either, unless it is empty
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn drops_and_counts_what_is_too_long() {
         let mut deframer = Deframer::new();
-        let longest = [7; MAX_FRAME - 1];
+        let longest = [7; MAX_FRAME - 2];
         for (extra, kept, dropped) in [(0, 1, 0), (1, 0, 1), (1000, 0, 2)] {
             let stream = [&longest[..], &std::vec![9; extra], &[0]].concat();
             assert_eq!(frames(&mut deframer, &stream).len(), kept, "{extra} bytes too long");

@@ -1,46 +1,70 @@
-//! The frame: one intention as bytes for a radio or a serial line.
+//! The frame: one message as bytes for a radio or a serial line.
 //!
 //! ```text
-//! COBS( version 1 B | body: the intention in postcard format | tag 8 B ) | delimiter 0x00
+//! 0x00 | COBS( version 1 B | sender 1 B | epoch 1-5 B | sequence 1-5 B | message | tag 8 B ) | 0x00
 //! ```
 //!
-//! The tag covers version and body and, unsent, the [`SCHEMA`]: robots whose images disagree about the layout
-//! reject each other instead of misreading. There is no other frame version, nothing is negotiated and no
-//! frame goes without a tag. A frame has no bit to spare: any changed bit makes it invalid.
+//! Numbers of more than a byte are varints, as in the postcard format that the message is in. The
+//! delimiter before the frame ends whatever noise the line has carried since the last one.
+//!
+//! The tag covers everything before it and, unsent, the [`Context`]: frames of another team, another
+//! mission or another layout fail the check of the tag. There is no other version, nothing is
+//! negotiated, and no frame goes without a tag. A frame has no bit to spare: any changed bit
+//! makes it invalid.
 
-use super::{FrameAuth, Intention, Invalid, TAG_BYTES};
+use super::{Context, FrameAuth, Invalid, MAX_TEAM, Message, RobotId, Stamp, TAG_BYTES};
+use serde::{Deserialize, Serialize};
 
 /// The first byte of every frame, before COBS.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 
-/// The hash (FNV-1a) of a description of the body. Whoever changes the layout of [`Intention`] changes the
-/// description, so that images before and after the change do not understand each other.
-pub const SCHEMA: u64 = fnv1a(
-    "robot u8; epoch u32; sequence u32; tick u32; round u16; \
-     status Deciding Announced Agreed Arrived Away; plan u32; goal option cell u16; \
-     path start u16 moves count u8 nibbles Up Down Left Right Wait; step u8; probability f32; \
-     hazards sequence cell u16",
-);
+/// The longest frame in bytes, both delimiters included: what IEEE 802.15.4 carries.
+pub const MAX_FRAME: usize = 127;
 
-/// The longest body: an intention in which every number takes its most bytes.
-const MAX_BODY: usize = 83;
+/// Version, sender, epoch and sequence at their longest.
+const MAX_HEADER: usize = 1 + 1 + 5 + 5;
 
-const MAX_PLAIN: usize = 1 + MAX_BODY + TAG_BYTES;
+/// The longest content before COBS, which adds a byte.
+const MAX_PLAIN: usize = MAX_FRAME - 2 - 1;
 
-/// The longest frame in bytes, its delimiter included.
-pub const MAX_FRAME: usize = cobs::max_encoding_length(MAX_PLAIN) + 1;
+/// The longest encoding of a [`Message`] in bytes.
+pub const MAX_MESSAGE: usize = MAX_PLAIN - MAX_HEADER - TAG_BYTES;
 
 // A block of 254 bytes without a zero has two COBS forms; shorter frames have one.
-const _: () = assert!(MAX_FRAME < 255);
+const _: () = assert!(cobs::max_encoding_length(MAX_PLAIN) + 2 == MAX_FRAME && MAX_FRAME < 255);
 
-/// Why an intention was not encoded.
+/// A message with its sender and its place in the order of everything the sender has said.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Envelope<M> {
+    /// The sender: below [`MAX_TEAM`].
+    pub sender: RobotId,
+    /// The number of the frame.
+    pub stamp: Stamp,
+    /// The content.
+    pub message: M,
+}
+
+/// Version aside, what every frame begins with.
+#[derive(Serialize, Deserialize)]
+struct Header {
+    sender: RobotId,
+    epoch: u32,
+    sequence: u32,
+}
+
+/// Why a message was not encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum EncodeError {
-    /// Every receiver would reject it.
+    /// The sender is not below [`MAX_TEAM`].
+    Sender,
+    /// Every receiver would reject the message.
     Invalid(Invalid),
     /// The frame does not fit the buffer; [`MAX_FRAME`] bytes fit every one.
     BufferTooSmall,
+    /// The message takes more bytes than its [`MAX_BYTES`](Message::MAX_BYTES) say.
+    MessageTooLong,
 }
 
 /// Why bytes are no frame, in the order of the checks.
@@ -55,40 +79,53 @@ pub enum DecodeError {
     TooShort,
     /// Another version of the frame, which is given.
     Version(u8),
-    /// Damaged, or made with another key or another [`SCHEMA`].
+    /// Damaged, or made with another key or in another [`Context`].
     Tag,
-    /// Authentic, but the body does not read as an intention.
+    /// Authentic, but the body does not read as header and message.
     Body,
-    /// Authentic, but bytes follow the intention.
+    /// Authentic, but bytes follow the message.
     Trailing,
-    /// Authentic, but a value is out of its range.
+    /// Authentic, but the sender is not below [`MAX_TEAM`].
+    Sender,
+    /// Authentic, but a value of the message is out of its range.
     Invalid(Invalid),
 }
 
-/// Writes an intention and the delimiter to the front of `buffer`; returns the written bytes.
+/// Writes a frame with its delimiters to the front of `buffer` and returns the written bytes.
+///
+/// A message type that cannot fit a frame fails the build.
 ///
 /// # Errors
-/// [`EncodeError`] when the intention is invalid or the buffer too small.
-pub fn encode<'a>(
-    intention: &Intention,
+/// [`EncodeError`] when the message is invalid or the buffer is too small.
+pub fn encode<'a, M: Message>(
+    envelope: &Envelope<M>,
     auth: &impl FrameAuth,
+    context: Context,
     buffer: &'a mut [u8],
 ) -> Result<&'a [u8], EncodeError> {
-    intention.validate().map_err(EncodeError::Invalid)?;
+    const { assert!(M::MAX_BYTES <= MAX_MESSAGE, "the message does not fit a frame") }
+    if envelope.sender.index() >= MAX_TEAM {
+        return Err(EncodeError::Sender);
+    }
+    envelope.message.validate().map_err(EncodeError::Invalid)?;
     let mut plain = [0; MAX_PLAIN];
-    let length = seal(intention, auth, &mut plain).ok_or(EncodeError::BufferTooSmall)?;
+    let length = seal(envelope, auth, context, &mut plain).ok_or(EncodeError::MessageTooLong)?;
     let frame = plain.get(..length).and_then(|plain| stuff(plain, buffer));
     frame.ok_or(EncodeError::BufferTooSmall)
 }
 
-/// The intention in a frame, which is given without its delimiter.
+/// Reads the envelope in a frame, which is given without its delimiters.
 ///
-/// Takes any bytes, in a time bounded by [`MAX_FRAME`], and uses less than that on the stack beside the
-/// result.
+/// Takes any bytes, in a time bounded by [`MAX_FRAME`], and uses less than that on the stack beside
+/// the result.
 ///
 /// # Errors
 /// [`DecodeError`] names the first check that failed.
-pub fn decode(frame: &[u8], auth: &impl FrameAuth) -> Result<Intention, DecodeError> {
+pub fn decode<M: Message>(
+    frame: &[u8],
+    auth: &impl FrameAuth,
+    context: Context,
+) -> Result<Envelope<M>, DecodeError> {
     let mut plain = [0; MAX_PLAIN];
     let (signed, tag) =
         unstuff(frame, &mut plain)?.split_last_chunk::<TAG_BYTES>().ok_or(DecodeError::TooShort)?;
@@ -96,33 +133,47 @@ pub fn decode(frame: &[u8], auth: &impl FrameAuth) -> Result<Intention, DecodeEr
     if version != VERSION {
         return Err(DecodeError::Version(version));
     }
-    if !auth.verify(SCHEMA, signed, tag) {
+    let &sender = body.first().ok_or(DecodeError::TooShort)?;
+    if !auth.verify(RobotId(sender), context, signed, tag) {
         return Err(DecodeError::Tag);
     }
     open(body)
 }
 
-/// Version, body and tag at the front of `plain`; returns their length.
-fn seal(intention: &Intention, auth: &impl FrameAuth, plain: &mut [u8]) -> Option<usize> {
+/// Version, header, message and tag at the front of `plain`; returns their length.
+fn seal<M: Message>(
+    envelope: &Envelope<M>,
+    auth: &impl FrameAuth,
+    context: Context,
+    plain: &mut [u8],
+) -> Option<usize> {
+    let Stamp { epoch, sequence } = envelope.stamp;
+    let header = Header { sender: envelope.sender, epoch, sequence };
     let (version, rest) = plain.split_first_mut()?;
     *version = VERSION;
-    let length = 1 + postcard::to_slice(intention, rest).ok()?.len();
-    let (signed, rest) = plain.split_at_mut_checked(length)?;
-    *rest.first_chunk_mut()? = auth.tag(SCHEMA, signed);
-    Some(length + TAG_BYTES)
+    let length = postcard::to_slice(&header, rest).ok()?.len();
+    let message = postcard::to_slice(&envelope.message, rest.get_mut(length..)?).ok()?.len();
+    if message > M::MAX_BYTES {
+        return None;
+    }
+    let (signed, rest) = plain.split_at_mut_checked(1 + length + message)?;
+    *rest.first_chunk_mut()? = auth.tag(envelope.sender, context, signed);
+    Some(signed.len() + TAG_BYTES)
 }
 
 fn stuff<'a>(plain: &[u8], buffer: &'a mut [u8]) -> Option<&'a [u8]> {
-    let length = cobs::try_encode(plain, buffer).ok()?;
-    *buffer.get_mut(length)? = 0;
-    buffer.get(..=length)
+    let (first, rest) = buffer.split_first_mut()?;
+    *first = 0;
+    let length = cobs::try_encode(plain, rest).ok()?;
+    *rest.get_mut(length)? = 0;
+    buffer.get(..length + 2)
 }
 
 fn unstuff<'a>(frame: &[u8], plain: &'a mut [u8]) -> Result<&'a [u8], DecodeError> {
     if frame.is_empty() {
         return Err(DecodeError::TooShort);
     }
-    if frame.len() >= MAX_FRAME {
+    if frame.len() > MAX_FRAME - 2 {
         return Err(DecodeError::TooLong);
     }
     if frame.contains(&0) {
@@ -132,30 +183,27 @@ fn unstuff<'a>(frame: &[u8], plain: &'a mut [u8]) -> Result<&'a [u8], DecodeErro
     plain.get(..length).ok_or(DecodeError::TooLong)
 }
 
-fn open(body: &[u8]) -> Result<Intention, DecodeError> {
-    let (intention, rest): (Intention, _) = postcard::take_from_bytes(body).map_err(|_| DecodeError::Body)?;
+fn open<M: Message>(body: &[u8]) -> Result<Envelope<M>, DecodeError> {
+    let (header, rest): (Header, _) = postcard::take_from_bytes(body).map_err(|_| DecodeError::Body)?;
+    let (message, rest): (M, _) = postcard::take_from_bytes(rest).map_err(|_| DecodeError::Body)?;
     if !rest.is_empty() {
         return Err(DecodeError::Trailing);
     }
-    intention.validate().map_err(DecodeError::Invalid)?;
-    Ok(intention)
-}
-
-const fn fnv1a(text: &str) -> u64 {
-    let mut bytes = text.as_bytes();
-    let mut hash = 0xcbf2_9ce4_8422_2325;
-    while let [first, rest @ ..] = bytes {
-        hash = (hash ^ *first as u64).wrapping_mul(0x0000_0100_0000_01b3);
-        bytes = rest;
+    if header.sender.index() >= MAX_TEAM {
+        return Err(DecodeError::Sender);
     }
-    hash
+    message.validate().map_err(DecodeError::Invalid)?;
+    let stamp = Stamp { epoch: header.epoch, sequence: header.sequence };
+    Ok(Envelope { sender: header.sender, stamp, message })
 }
 
 impl core::fmt::Display for EncodeError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Invalid(invalid) => write!(f, "invalid intention: {invalid}"),
+            Self::Sender => f.write_str("the sender's number is not below the largest team"),
+            Self::Invalid(invalid) => write!(f, "invalid message: {invalid}"),
             Self::BufferTooSmall => f.write_str("the frame does not fit the buffer"),
+            Self::MessageTooLong => f.write_str("the message is longer than its type says"),
         }
     }
 }
@@ -167,26 +215,14 @@ impl core::fmt::Display for DecodeError {
             Self::Cobs => f.write_str("no COBS form"),
             Self::TooShort => f.write_str("too short for a version and a tag"),
             Self::Version(found) => write!(f, "frame version {found} instead of {VERSION}"),
-            Self::Tag => f.write_str("wrong tag: damaged, or another key or schema"),
-            Self::Body => f.write_str("the body is no intention"),
-            Self::Trailing => f.write_str("bytes follow the intention"),
-            Self::Invalid(invalid) => write!(f, "invalid intention: {invalid}"),
+            Self::Tag => f.write_str("wrong tag: damaged, or another key, team, mission or schema"),
+            Self::Body => f.write_str("the body does not read as a message"),
+            Self::Trailing => f.write_str("bytes after the message"),
+            Self::Sender => f.write_str("the sender's number is not below the largest team"),
+            Self::Invalid(invalid) => write!(f, "invalid message: {invalid}"),
         }
     }
 }
 
 impl core::error::Error for EncodeError {}
 impl core::error::Error for DecodeError {}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Values published with the hash function.
-    #[test]
-    fn the_schema_hash_is_fnv1a() {
-        assert_eq!(fnv1a(""), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(fnv1a("a"), 0xaf63_dc4c_8601_ec8c);
-        assert_eq!(fnv1a("foobar"), 0x8594_4171_f739_67e8);
-    }
-}

@@ -3,8 +3,9 @@
 //! Age has two limits: past the first, wait for the peer; past the second, do without it.
 
 use crate::time::Duration;
+use core::num::NonZero;
 
-/// How far a teammate's last intention can be relied on.
+/// How far a teammate's last message can be relied on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Freshness {
@@ -18,7 +19,7 @@ pub enum Freshness {
     Unheard,
 }
 
-/// The ages at which an intention stops being fresh and its sender is lost.
+/// The ages at which a message stops being fresh and its sender is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Limits {
@@ -40,7 +41,7 @@ impl Limits {
     /// The longest limit.
     pub const LONGEST: Duration = Duration(1 << 30);
 
-    /// The number of beacons that may be missed in a row before an intention is stale: with 30 % of the
+    /// The number of beacons that may be missed in a row before a message is stale: with 30 % of the
     /// frames lost, that happens once in 15,000 times.
     pub const FRESH_BEACONS: u32 = 8;
 
@@ -68,7 +69,14 @@ impl Limits {
         Self::new(Duration(fresh_for), Duration(fresh_for.saturating_mul(2)))
     }
 
-    /// The age up to and including which an intention is fresh.
+    /// The same for a period that is never too long: up to 65 seconds on a clock of milliseconds.
+    #[must_use]
+    pub const fn every(period: NonZero<u16>) -> Self {
+        let fresh_for = period.get() as u32 * Self::FRESH_BEACONS;
+        Self { fresh_for: Duration(fresh_for), lost_after: Duration(2 * fresh_for) }
+    }
+
+    /// The age up to and including which a message is fresh.
     #[must_use]
     pub const fn fresh_for(&self) -> Duration {
         self.fresh_for
@@ -80,7 +88,7 @@ impl Limits {
         self.lost_after
     }
 
-    /// What an intention of this age is: never [`Freshness::Unheard`].
+    /// What a message of this age is: never [`Freshness::Unheard`].
     #[must_use]
     pub const fn freshness(&self, age: Duration) -> Freshness {
         if age.0 > self.lost_after.0 {
@@ -116,6 +124,10 @@ mod tests {
         assert_eq!(limits(6, 5), Err(LimitsError::Order));
         assert_eq!(limits(6, (1 << 30) + 1), Err(LimitsError::TooLong));
         assert_eq!(Limits::for_beacons(Duration(100)), limits(800, 1600));
+        for period in [1, 100, u16::MAX] {
+            let every = Limits::every(NonZero::new(period).unwrap());
+            assert_eq!(Limits::for_beacons(Duration(period.into())), Ok(every));
+        }
         assert_eq!(Limits::for_beacons(Duration(u32::MAX)), Err(LimitsError::TooLong));
     }
 }

@@ -1,36 +1,37 @@
 //! The roster: what each teammate said last, and how long ago.
 
 use super::{
-    Counters, DecodeError, FrameAuth, Freshness, Intention, Limits, MAX_TEAM, RobotId, Stamp, Status, decode,
+    Context, Counters, DecodeError, Envelope, FrameAuth, Freshness, Invalid, Limits, MAX_TEAM, Member,
+    Message, Peers, RobotId, Stamp, decode,
 };
-use crate::time::{Duration, Instant};
+use crate::time::Instant;
 use core::cmp::Ordering;
 
-/// The newest intention of every teammate of one robot.
+/// The newest message of every teammate of one robot.
 ///
-/// Only what is newer than the newest intention of its sender gets in, so the roster is the replay window as
-/// well. It keeps what a lost peer said last: forgetting it would let a recording of it in again.
+/// Only what is newer than the newest message of its sender gets in, so the roster is the replay
+/// window as well. It keeps what a lost peer said last: forgetting it would let a recording of it in
+/// again. [`at`](Self::at) reads it at an instant.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Roster {
-    own: RobotId,
-    team: u8,
+pub struct Roster<M> {
+    member: Member,
     limits: Limits,
-    peers: [Option<Peer>; MAX_TEAM],
+    peers: [Option<Peer<M>>; MAX_TEAM],
     counters: Counters,
 }
 
 /// A teammate that has been heard.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Peer {
-    intention: Intention,
+pub struct Peer<M> {
+    envelope: Envelope<M>,
     heard: Instant,
     /// Set once the peer is lost, so that it does not seem fresh again when the clock has gone half around.
     lost: bool,
 }
 
-/// What an accepted intention is to the roster.
+/// What an accepted message is to the roster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Heard {
@@ -42,7 +43,7 @@ pub enum Heard {
     Update,
 }
 
-/// Why an intention was not taken.
+/// Why a message was not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
@@ -52,70 +53,58 @@ pub enum Refused {
     Own,
     /// The team has no such robot.
     Unknown,
+    /// The robot's task does not accept it.
+    Foreign(Invalid),
     /// The newest one of this peer once more.
     Duplicate,
     /// Older than the newest one of this peer: replayed or overtaken.
     Outdated,
 }
 
-/// Why there is no such roster.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum RosterError {
-    /// The team is larger than [`MAX_TEAM`].
-    TeamTooLarge,
-    /// The robot's number is not below the size of its team.
-    NotInTeam,
-}
-
-impl Roster {
-    /// The roster of robot `own` in a team of `team` robots, itself included, before it has heard anyone.
-    ///
-    /// # Errors
-    /// [`RosterError`] when the team is too large or the robot not in it.
-    pub const fn new(own: RobotId, team: usize, limits: Limits) -> Result<Self, RosterError> {
-        if team > MAX_TEAM {
-            return Err(RosterError::TeamTooLarge);
-        }
-        if own.index() >= team {
-            return Err(RosterError::NotInTeam);
-        }
-        Ok(Self {
-            own,
-            team: team as u8,
-            limits,
-            peers: [const { None }; MAX_TEAM],
-            counters: Counters::NONE,
-        })
+impl<M: Message> Roster<M> {
+    /// The roster of a robot that has heard nobody yet.
+    #[must_use]
+    pub const fn new(member: Member, limits: Limits) -> Self {
+        Self { member, limits, peers: [const { None }; MAX_TEAM], counters: Counters::NONE }
     }
 
-    /// Takes in a frame, without its delimiter, that was received now. Costs one [`decode`] and one pass
-    /// over the roster.
+    /// Takes in a frame, without its delimiters, that was received now and that the task accepts.
+    ///
+    /// Costs one [`decode`] and one pass over the roster.
     ///
     /// # Errors
-    /// [`Refused`], counted; the peers' intentions are as they were.
-    pub fn receive(&mut self, frame: &[u8], auth: &impl FrameAuth, now: Instant) -> Result<Heard, Refused> {
-        let outcome = match decode(frame, auth) {
-            Ok(intention) => self.admit(intention, now),
+    /// [`Refused`], counted; the peers' messages are as they were.
+    pub fn receive(
+        &mut self,
+        frame: &[u8],
+        auth: &impl FrameAuth,
+        context: Context,
+        now: Instant,
+        accepts: impl FnOnce(&M) -> Result<(), Invalid>,
+    ) -> Result<Heard, Refused> {
+        let outcome = match decode(frame, auth, context) {
+            Ok(envelope) => self.admit(envelope, now, accepts),
             Err(error) => Err(Refused::Frame(error)),
         };
         self.counters.count(outcome);
         outcome
     }
 
-    /// Takes in an intention that was received now and needs no check of authenticity.
+    /// Takes in a message that was received now and needs no check of authenticity.
     ///
     /// # Errors
-    /// [`Refused`], counted, for any reason but [`Refused::Frame`]; the peers' intentions are as they were.
-    pub fn hear(&mut self, intention: Intention, now: Instant) -> Result<Heard, Refused> {
-        let outcome = self.admit(intention, now);
+    /// [`Refused`], counted, for any reason but [`Refused::Frame`] and [`Refused::Foreign`]; the peers'
+    /// messages are as they were.
+    pub fn hear(&mut self, envelope: Envelope<M>, now: Instant) -> Result<Heard, Refused> {
+        let outcome = self.admit(envelope, now, |_| Ok(()));
         self.counters.count(outcome);
         outcome
     }
 
-    /// Writes off who is lost now, so that they stay [`Freshness::Lost`] until heard again. Must be called at
-    /// least every 2^30 ticks (12 days at 1 kHz), or else a clock that has gone half around makes a lost peer
-    /// fresh again; every tick is a good time.
+    /// Writes off who is lost now, so that they stay [`Freshness::Lost`] until heard again.
+    ///
+    /// Must be called at least every 2^30 ticks (12 days at 1 kHz), or else a clock that has gone half
+    /// around makes a lost peer fresh again; every tick is a good time.
     pub fn expire(&mut self, now: Instant) {
         let limits = self.limits;
         for peer in self.peers.iter_mut().flatten() {
@@ -123,61 +112,39 @@ impl Roster {
         }
     }
 
-    /// How far a robot's last intention can be relied on; [`Freshness::Unheard`] also for this robot itself
-    /// and for robots outside the team.
+    /// The teammates as they stand at an instant.
     #[must_use]
-    pub fn freshness(&self, robot: RobotId, now: Instant) -> Freshness {
-        self.peer(robot).map_or(Freshness::Unheard, |peer| peer.freshness(self.limits, now))
-    }
-
-    /// The time since a peer was heard, `None` before it was. Exact until the peer is lost, then at least
-    /// `lost_after`.
-    #[must_use]
-    pub fn age(&self, robot: RobotId, now: Instant) -> Option<Duration> {
-        let peer = self.peer(robot)?;
-        let age = now.since(peer.heard);
-        Some(if peer.lost { age.max(self.limits.lost_after()) } else { age })
-    }
-
-    /// How many peers take part now: fresh, and not [`Status::Away`].
-    #[must_use]
-    pub fn connected(&self, now: Instant) -> usize {
-        self.fresh(now).filter(|intention| intention.status != Status::Away).count()
-    }
-
-    /// Whether all the N-1 peers of a team of N take part now.
-    #[must_use]
-    pub fn all_connected(&self, now: Instant) -> bool {
-        self.connected(now) + 1 == self.team()
-    }
-
-    /// The fresh intentions, whatever their status, in the order of the robots.
-    pub fn fresh(&self, now: Instant) -> impl Iterator<Item = &Intention> {
-        let is_fresh = move |peer: &&Peer| peer.freshness(self.limits, now) == Freshness::Fresh;
-        self.peers().filter(is_fresh).map(Peer::intention)
+    pub const fn at(&self, now: Instant) -> Peers<'_, M> {
+        Peers::new(self, now)
     }
 
     /// The peers that have been heard, in the order of the robots.
-    pub fn peers(&self) -> impl Iterator<Item = &Peer> + Clone {
+    pub fn peers(&self) -> impl Iterator<Item = &Peer<M>> + Clone {
         self.peers.iter().flatten()
     }
 
     /// One peer, if it has been heard.
     #[must_use]
-    pub fn peer(&self, robot: RobotId) -> Option<&Peer> {
+    pub fn peer(&self, robot: RobotId) -> Option<&Peer<M>> {
         self.peers.get(robot.index())?.as_ref()
     }
 
     /// Whose roster this is.
     #[must_use]
     pub const fn own(&self) -> RobotId {
-        self.own
+        self.member.robot()
     }
 
     /// The number of robots in the team, this one included.
     #[must_use]
     pub const fn team(&self) -> usize {
-        self.team as usize
+        self.member.team()
+    }
+
+    /// When a peer stops being fresh, and when it is lost.
+    #[must_use]
+    pub const fn limits(&self) -> Limits {
+        self.limits
     }
 
     /// What became of everything received so far.
@@ -186,17 +153,23 @@ impl Roster {
         &self.counters
     }
 
-    fn admit(&mut self, intention: Intention, now: Instant) -> Result<Heard, Refused> {
+    fn admit(
+        &mut self,
+        envelope: Envelope<M>,
+        now: Instant,
+        accepts: impl FnOnce(&M) -> Result<(), Invalid>,
+    ) -> Result<Heard, Refused> {
         self.expire(now);
-        if intention.robot == self.own {
+        if envelope.sender == self.own() {
             return Err(Refused::Own);
         }
-        if intention.robot.index() >= self.team() {
+        if envelope.sender.index() >= self.team() {
             return Err(Refused::Unknown);
         }
-        let place = self.peers.get_mut(intention.robot.index()).ok_or(Refused::Unknown)?;
-        let heard = judge(place.as_ref().map(|peer| peer.intention.stamp()), intention.stamp())?;
-        *place = Some(Peer { intention, heard: now, lost: false });
+        let place = self.peers.get_mut(envelope.sender.index()).ok_or(Refused::Unknown)?;
+        let heard = judge(place.as_ref().map(|peer| peer.envelope.stamp), envelope.stamp)?;
+        accepts(&envelope.message).map_err(Refused::Foreign)?;
+        *place = Some(Peer { envelope, heard: now, lost: false });
         Ok(heard)
     }
 }
@@ -214,11 +187,23 @@ fn judge(newest: Option<Stamp>, stamp: Stamp) -> Result<Heard, Refused> {
     }
 }
 
-impl Peer {
+impl<M> Peer<M> {
+    /// The newest thing it said, with sender and number.
+    #[must_use]
+    pub const fn envelope(&self) -> &Envelope<M> {
+        &self.envelope
+    }
+
+    /// The teammate.
+    #[must_use]
+    pub const fn sender(&self) -> RobotId {
+        self.envelope.sender
+    }
+
     /// The newest thing it said.
     #[must_use]
-    pub const fn intention(&self) -> &Intention {
-        &self.intention
+    pub const fn message(&self) -> &M {
+        &self.envelope.message
     }
 
     /// When that was heard, on this robot's clock.
@@ -227,7 +212,12 @@ impl Peer {
         self.heard
     }
 
-    fn freshness(&self, limits: Limits, now: Instant) -> Freshness {
+    /// Whether it has been lost since it was heard.
+    pub(super) const fn is_lost(&self) -> bool {
+        self.lost
+    }
+
+    pub(super) fn freshness(&self, limits: Limits, now: Instant) -> Freshness {
         if self.lost { Freshness::Lost } else { limits.freshness(now.since(self.heard)) }
     }
 }
@@ -238,30 +228,34 @@ impl core::fmt::Display for Refused {
             Self::Frame(error) => write!(f, "no frame: {error}"),
             Self::Own => f.write_str("from this robot itself"),
             Self::Unknown => f.write_str("from a robot outside the team"),
+            Self::Foreign(invalid) => write!(f, "not accepted: {invalid}"),
             Self::Duplicate => f.write_str("received before"),
             Self::Outdated => f.write_str("older than what the robot said before"),
         }
     }
 }
 
-impl core::fmt::Display for RosterError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::TeamTooLarge => write!(f, "a team has at most {MAX_TEAM} robots"),
-            Self::NotInTeam => f.write_str("the robot's number is not below the size of its team"),
-        }
-    }
-}
-
 impl core::error::Error for Refused {}
-impl core::error::Error for RosterError {}
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::{Cell, Path};
-    use crate::team::Round;
+    use crate::time::Duration;
+    use serde::{Deserialize, Serialize};
     use std::vec::Vec;
+
+    /// Whether a robot takes part.
+    #[derive(Clone, Debug, Serialize, Deserialize)]
+    struct Here(bool);
+
+    impl Message for Here {
+        const SCHEMA: &'static str = "here: bool";
+        const MAX_BYTES: usize = 1;
+
+        fn takes_part(&self) -> bool {
+            self.0
+        }
+    }
 
     const LIMITS: Limits = match Limits::new(Duration(10), Duration(20)) {
         Ok(limits) => limits,
@@ -269,29 +263,16 @@ mod tests {
     };
 
     /// The roster of robot 0 in a team of `team`.
-    fn roster(team: usize) -> Roster {
-        Roster::new(RobotId(0), team, LIMITS).unwrap()
+    fn roster(team: usize) -> Roster<Here> {
+        Roster::new(Member::new(RobotId(0), team).unwrap(), LIMITS)
     }
 
-    fn said(robot: u8, epoch: u32, sequence: u32, status: Status) -> Intention {
-        Intention {
-            robot: RobotId(robot),
-            epoch,
-            sequence,
-            tick: Instant(0),
-            round: Round(0),
-            status,
-            plan: 0,
-            goal: None,
-            path: Path::at(Cell(0)),
-            step: 0,
-            probability: 1.0,
-            hazards: heapless::Vec::new(),
-        }
+    fn said(robot: u8, epoch: u32, sequence: u32, takes_part: bool) -> Envelope<Here> {
+        Envelope { sender: RobotId(robot), stamp: Stamp { epoch, sequence }, message: Here(takes_part) }
     }
 
-    fn by(robot: u8, sequence: u32) -> Intention {
-        said(robot, 1, sequence, Status::Announced)
+    fn by(robot: u8, sequence: u32) -> Envelope<Here> {
+        said(robot, 1, sequence, true)
     }
 
     #[test]
@@ -314,7 +295,7 @@ mod tests {
             ((0, 0), Err(Refused::Outdated)),
         ];
         for ((epoch, sequence), expected) in heard {
-            let outcome = roster.hear(said(1, epoch, sequence, Status::Announced), Instant(0));
+            let outcome = roster.hear(said(1, epoch, sequence, true), Instant(0));
             assert_eq!(outcome, expected, "epoch {epoch} sequence {sequence}");
         }
         assert_eq!((roster.counters().accepted, roster.counters().refused()), (7, 7));
@@ -339,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn keeps_the_newest_intention_and_its_time() {
+    fn keeps_the_newest_message_and_its_time() {
         let mut roster = roster(3);
         roster.hear(by(2, 1), Instant(5)).unwrap();
         roster.hear(by(1, 4), Instant(6)).unwrap();
@@ -347,7 +328,7 @@ mod tests {
         roster.hear(by(2, 1), Instant(8)).unwrap_err();
         let kept: Vec<_> = roster
             .peers()
-            .map(|peer| (peer.intention().robot.0, peer.intention().sequence, peer.heard().0))
+            .map(|peer| (peer.sender().0, peer.envelope().stamp.sequence, peer.heard().0))
             .collect();
         assert_eq!(kept, [(1, 4, 6), (2, 2, 7)]);
     }
@@ -357,8 +338,8 @@ mod tests {
         for start in [0, 1000, u32::MAX - 15, u32::MAX] {
             let heard = Instant(start);
             let mut roster = roster(2);
-            assert_eq!(roster.freshness(RobotId(1), heard), Freshness::Unheard);
-            assert_eq!(roster.age(RobotId(1), heard), None);
+            assert_eq!(roster.at(heard).freshness(RobotId(1)), Freshness::Unheard);
+            assert_eq!(roster.at(heard).age(RobotId(1)), None);
             roster.hear(by(1, 1), heard).unwrap();
             for (age, expected) in [
                 (0, Freshness::Fresh),
@@ -369,8 +350,8 @@ mod tests {
                 (1 << 30, Freshness::Lost),
             ] {
                 let now = heard.after(Duration(age));
-                assert_eq!(roster.freshness(RobotId(1), now), expected, "{age} ticks after {start}");
-                assert_eq!(roster.age(RobotId(1), now), Some(Duration(age)));
+                assert_eq!(roster.at(now).freshness(RobotId(1)), expected, "{age} ticks after {start}");
+                assert_eq!(roster.at(now).age(RobotId(1)), Some(Duration(age)));
             }
         }
     }
@@ -380,17 +361,17 @@ mod tests {
         let mut roster = roster(3);
         roster.hear(by(1, 1), Instant(0)).unwrap();
         roster.expire(Instant(20));
-        assert_eq!(roster.freshness(RobotId(1), Instant(20)), Freshness::Stale);
+        assert_eq!(roster.at(Instant(20)).freshness(RobotId(1)), Freshness::Stale);
         roster.expire(Instant(21));
         let much_later = Instant(u32::MAX - 3);
-        assert_eq!(roster.freshness(RobotId(1), much_later), Freshness::Lost);
-        assert_eq!(roster.age(RobotId(1), much_later), Some(Duration(20)));
-        assert_eq!(roster.connected(much_later), 0);
+        assert_eq!(roster.at(much_later).freshness(RobotId(1)), Freshness::Lost);
+        assert_eq!(roster.at(much_later).age(RobotId(1)), Some(Duration(20)));
+        assert_eq!(roster.at(much_later).connected(), 0);
 
         roster.hear(by(1, 1), much_later).unwrap_err();
-        assert_eq!(roster.freshness(RobotId(1), much_later), Freshness::Lost, "by a replay");
+        assert_eq!(roster.at(much_later).freshness(RobotId(1)), Freshness::Lost, "by a replay");
         roster.hear(by(1, 2), much_later).unwrap();
-        assert_eq!(roster.freshness(RobotId(1), much_later), Freshness::Fresh);
+        assert_eq!(roster.at(much_later).freshness(RobotId(1)), Freshness::Fresh);
     }
 
     #[test]
@@ -398,7 +379,7 @@ mod tests {
         let mut roster = roster(3);
         roster.hear(by(1, 1), Instant(0)).unwrap();
         roster.hear(by(2, 1), Instant(21)).unwrap();
-        assert_eq!(roster.freshness(RobotId(1), Instant(1 << 31).after(Duration(1))), Freshness::Lost);
+        assert_eq!(roster.at(Instant(1 << 31).after(Duration(1))).freshness(RobotId(1)), Freshness::Lost);
     }
 
     #[test]
@@ -406,32 +387,41 @@ mod tests {
         let mut roster = roster(4);
         roster.hear(by(1, 1), Instant(0)).unwrap();
         roster.hear(by(2, 1), Instant(5)).unwrap();
-        assert_eq!(roster.connected(Instant(5)), 2);
-        assert!(!roster.all_connected(Instant(5)), "one is unheard");
+        assert_eq!(roster.at(Instant(5)).connected(), 2);
+        assert!(!roster.at(Instant(5)).all_connected(), "one is unheard");
 
         roster.hear(by(3, 1), Instant(6)).unwrap();
-        assert!(roster.all_connected(Instant(10)));
-        assert_eq!(roster.connected(Instant(11)), 2, "one is stale");
-        assert!(!roster.all_connected(Instant(11)));
+        assert!(roster.at(Instant(10)).all_connected());
+        assert_eq!(roster.at(Instant(11)).connected(), 2, "one is stale");
+        assert!(!roster.at(Instant(11)).all_connected());
 
-        roster.hear(said(1, 1, 2, Status::Away), Instant(11)).unwrap();
-        assert_eq!(roster.connected(Instant(11)), 2, "one is away");
-        assert_eq!(roster.fresh(Instant(11)).count(), 3);
-        roster.hear(said(1, 1, 3, Status::Deciding), Instant(12)).unwrap();
-        assert!(roster.all_connected(Instant(12)));
+        roster.hear(said(1, 1, 2, false), Instant(11)).unwrap();
+        assert_eq!(roster.at(Instant(11)).connected(), 2, "one is away");
+        assert_eq!(roster.at(Instant(11)).fresh().count(), 3);
+        roster.hear(said(1, 1, 3, true), Instant(12)).unwrap();
+        assert!(roster.at(Instant(12)).all_connected());
     }
 
     #[test]
     fn a_team_of_one_is_always_connected() {
-        assert!(roster(1).all_connected(Instant(0)));
+        assert!(roster(1).at(Instant(0)).all_connected());
     }
 
     #[test]
-    fn refuses_an_impossible_team() {
-        let error = |own, team| Roster::new(RobotId(own), team, LIMITS).err();
-        assert_eq!(error(0, MAX_TEAM), None);
-        assert_eq!(error(0, MAX_TEAM + 1), Some(RosterError::TeamTooLarge));
-        assert_eq!(error(2, 2), Some(RosterError::NotInTeam));
-        assert_eq!(error(0, 0), Some(RosterError::NotInTeam));
+    fn what_the_task_does_not_accept_changes_nothing() {
+        let auth = crate::team::SipHash64::new(crate::team::Key::new([7; 16]));
+        let context = Context::of::<Here>(0, 0);
+        let mut roster = roster(2);
+        let mut buffer = [0; crate::team::MAX_FRAME];
+        let frame = crate::team::encode(&by(1, 1), &auth, context, &mut buffer).unwrap();
+        let frame = &frame[1..frame.len() - 1];
+        let refusal = Invalid("of another kind");
+        let refused = roster.receive(frame, &auth, context, Instant(0), |_| Err(refusal));
+        assert_eq!(refused, Err(Refused::Foreign(refusal)));
+        assert_eq!((roster.counters().foreign, roster.peers().count()), (1, 0));
+        assert_eq!(roster.receive(frame, &auth, context, Instant(0), |_| Ok(())), Ok(Heard::First));
+        let other = Context::of::<Here>(0, 1);
+        let refused = roster.receive(frame, &auth, other, Instant(0), |_| Ok(()));
+        assert_eq!(refused, Err(Refused::Frame(DecodeError::Tag)), "another mission");
     }
 }

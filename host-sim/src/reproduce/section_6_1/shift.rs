@@ -9,7 +9,7 @@ use crate::reproduce::safety::{self, Flights};
 use crate::words::cause_words;
 use crate::{Conditions, News, Outcome, Phase, Record, Scenario, fly};
 use iibt_core::grid::Cell;
-use iibt_core::iibt::navigation::Cause;
+use iibt_core::navigation::Cause;
 
 /// The seeds that it is flown with, by a perfect radio and by one that loses three frames in ten.
 const SEEDS: u64 = 200;

@@ -6,7 +6,7 @@ use crate::iibt::{Condition, Literal, Logic};
 use crate::inference::Policy;
 
 /// An action, U in the paper; its code is the index of the state that it brings about.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Deed {
@@ -22,7 +22,7 @@ pub enum Deed {
 }
 
 /// A semantic state of a robot, s^i in the paper (table 4).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum State {

@@ -1,6 +1,6 @@
 //! How fast the robots of a team move.
 
-use super::RobotId;
+use crate::team::RobotId;
 use core::num::NonZero;
 
 /// The most steps that one move takes.

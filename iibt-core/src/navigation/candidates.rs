@@ -22,7 +22,7 @@ pub struct Candidate {
 
 /// What a robot whose turn it is finds, and candidates are built for.
 #[derive(Clone, Debug)]
-pub(super) struct Situation<const W: usize> {
+pub struct Situation<const W: usize> {
     /// Where the robot stands.
     pub(super) here: Cell,
     /// The map, with what is to be avoided blocked.

@@ -18,8 +18,6 @@ pub const VISITED: u8 = 3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Plan {
-    /// Be done: the stop policy.
-    Stop,
     /// Stand still for now: the wait policy.
     Wait,
     /// Commit to the candidate with this index.
@@ -34,7 +32,6 @@ impl Plan {
     pub const fn precondition(self) -> Condition {
         match self {
             Self::Wait => Condition::ALWAYS,
-            Self::Stop => Condition { all: Logic::of(&[ARRIVED]), none: Logic::NONE },
             Self::Take(_) | Self::Follow => {
                 Condition { all: Logic::of(&[REACHABLE, VISITED]), none: Logic::of(&[OBSTACLE, ARRIVED]) }
             }

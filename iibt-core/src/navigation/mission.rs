@@ -1,9 +1,10 @@
 //! What a team is to do: the map, the starts, the goals, and the numbers of the generative model.
 
+use super::Paces;
 use crate::grid::{Cell, Map, Path};
 use crate::inference::Scoring;
 use crate::inference::learning::Rates;
-use crate::team::{MAX_TEAM, Paces, RobotId};
+use crate::team::{Fnv1a, MAX_TEAM, RobotId};
 
 /// The most goals of one mission.
 pub const MAX_GOALS: usize = 8;
@@ -38,7 +39,7 @@ pub struct Mission<'m, const W: usize> {
     /// The probability that each robot's own localiser is right, where it is not as above. A teammate's word is then
     /// right the more or the less often, in the same proportion.
     pub sensors: &'m [f32],
-    /// How many steps of a plan one move of each robot takes, from 1 to [`MAX_PACE`](crate::team::MAX_PACE). One without an
+    /// How many steps of a plan one move of each robot takes, from 1 to [`MAX_PACE`](super::MAX_PACE). One without an
     /// entry makes a move in a step.
     pub paces: &'m [u8],
     /// How policies are scored.
@@ -58,7 +59,7 @@ pub struct Mission<'m, const W: usize> {
 pub enum MissionError {
     /// The map has more cells than the controller was built for.
     MapTooLarge,
-    /// No robot, or more than [`MAX_TEAM`].
+    /// No robot, more than [`MAX_TEAM`], or not as many as the robot's team has.
     TeamSize,
     /// The robot's number is not below the size of the team.
     NoSuchRobot,
@@ -121,6 +122,24 @@ impl<'m, const W: usize> Mission<'m, W> {
             return self.peer_sensor;
         };
         (self.peer_sensor * sensor / self.sensor).min(1.0)
+    }
+
+    /// A number for what the team is to do: robots with another map, other starts, goals, chargers or paces
+    /// have another one, and do not understand each other's frames.
+    #[must_use]
+    pub fn id(&self) -> u64 {
+        let cells = |hash: Fnv1a, cells: &[Cell]| {
+            let hash = hash.write(&(cells.len() as u16).to_le_bytes());
+            cells.iter().fold(hash, |hash, cell| hash.write(&cell.0.to_le_bytes()))
+        };
+        let map = &self.map;
+        let size = Fnv1a::EMPTY.write(&map.width().to_le_bytes()).write(&map.height().to_le_bytes());
+        let free = |cell: usize| map.is_free(Cell(cell as u16));
+        let hash = (0..map.len()).fold(size, |hash, cell| hash.write(&[u8::from(free(cell))]));
+        let hash = cells(cells(hash, self.starts), self.goals);
+        let of = |charger: &Option<Cell>| charger.map_or(u32::MAX, |cell| u32::from(cell.0));
+        let hash = self.chargers.iter().fold(hash, |hash, charger| hash.write(&of(charger).to_le_bytes()));
+        hash.write(self.paces).finish()
     }
 
     /// Whether a controller for `S` cells can fly this.

@@ -8,6 +8,7 @@ use super::Navigation;
 use super::world::GOAL;
 use crate::bounded::up_to;
 use crate::grid::{Cell, Map, Path};
+use crate::inference::Preference;
 use heapless::Vec;
 
 /// The most way-points a robot keeps in mind.
@@ -61,20 +62,20 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// Wants the open way-points, those not wanted yet, more by so much.
-    pub(super) fn want_waypoints(&mut self, amount: f32) {
-        let wanted = self.via();
+    pub(super) fn want_waypoints(&self, preference: &mut Preference<S>, amount: f32) {
+        let wanted = self.via(preference);
         let missing: Vec<Cell, MAX_WAYPOINTS> =
             up_to(self.open_waypoints().filter(|cell| !wanted.contains(cell)));
         for (index, cell) in missing.iter().enumerate() {
             if !missing.iter().take(index).any(|before| before == cell) {
-                self.preference.raise(cell.index(), amount);
+                preference.raise(cell.index(), amount);
             }
         }
     }
 
     /// The open way-points that are wanted above all goals: where candidates have to lead.
-    pub(super) fn via(&self) -> Vec<Cell, MAX_WAYPOINTS> {
-        up_to(self.open_waypoints().filter(|cell| self.preference.get(cell.index()) > GOAL))
+    pub(super) fn via(&self, preference: &Preference<S>) -> Vec<Cell, MAX_WAYPOINTS> {
+        up_to(self.open_waypoints().filter(|cell| preference.get(cell.index()) > GOAL))
     }
 
     /// Whether the rest of a path leads over all open way-points.
@@ -115,7 +116,8 @@ mod tests {
     use super::super::{Mission, OBSTACLE, Percept, Plan, VISITED};
     use super::*;
     use crate::iibt::{Literal, Node, Task};
-    use crate::team::{Limits, RobotId, Roster, Status};
+    use crate::navigation::Stage;
+    use crate::navigation::testing::{member, roster};
     use crate::time::Duration;
 
     type Robot<'m> = Navigation<'m, 49, 2, 8>;
@@ -128,23 +130,24 @@ mod tests {
     }
 
     fn robot<'m>(mission: &'m Mission<'m, 2>) -> Robot<'m> {
-        let roster = Roster::new(RobotId(0), 1, Limits::for_beacons(Duration(1)).unwrap()).unwrap();
-        let mut robot = Navigation::new(mission, RobotId(0), 1, roster).unwrap();
+        let mut robot = Navigation::new(mission, member(0, 1), 1).unwrap();
         read(&mut robot, 28);
-        robot.prepare();
-        robot.observe();
-        robot.update();
         robot
     }
 
-    fn read(robot: &mut Robot<'_>, cell: u16) {
-        robot.perceive(Percept { reading: Some(Cell(cell)), ..Percept::default() });
+    fn reading(cell: u16) -> Percept {
+        Percept { reading: Some(Cell(cell)), ..Percept::default() }
     }
 
-    fn plan(robot: &mut Robot<'_>) -> Plan {
-        robot.candidates();
-        robot.intentions();
-        robot.infer().unwrap()
+    fn read(robot: &mut Robot<'_>, cell: u16) {
+        robot.observe(&reading(cell), roster(1).at(Default::default()));
+    }
+
+    fn plan(robot: &mut Robot<'_>, preference: &Preference<49>) -> Plan {
+        let roster = roster(1);
+        let peers = roster.at(Default::default());
+        let candidates = robot.candidates(preference, peers);
+        robot.infer(&candidates, preference, peers).unwrap()
     }
 
     fn numbers(path: &Path) -> std::vec::Vec<u16> {
@@ -169,26 +172,24 @@ mod tests {
     }
 
     #[test]
-    fn table_2_way_points_are_wanted_by_two_and_the_raise_is_taken_back_to_the_last_bit() {
+    fn table_2_way_points_are_wanted_above_all_goals_and_the_paths_lead_over_them() {
         let mission = mission();
         let mut robot = robot(&mission);
-        let before = robot.preference().values().map(f32::to_bits);
+        let mut wanted = robot.preference();
         robot.visit(Cell(4)).unwrap();
         robot.visit(Cell(24)).unwrap();
-        let choice = plan(&mut robot);
+        let choice = plan(&mut robot, &wanted);
         let missing = Literal { variable: VISITED, value: true };
-        assert_eq!(robot.unmet(choice), Some(missing), "the first choice knows nothing of way-points");
-        robot.raise(missing);
-        robot.raise(missing);
-        assert_eq!((robot.preference().get(4), robot.preference().get(24)), (2.0, 3.0), "max(C) + 1, once");
-        let choice = plan(&mut robot);
-        assert_eq!(robot.unmet(choice), None);
-        for candidate in robot.candidates() {
+        assert_eq!(robot.unmet(choice, &None), Some(missing), "the first choice knows nothing of way-points");
+        robot.raise(missing, &None, &mut wanted);
+        robot.raise(missing, &None, &mut wanted);
+        assert_eq!((wanted.get(4), wanted.get(24)), (2.0, 3.0), "max(C) + 1, once");
+        let choice = plan(&mut robot, &wanted);
+        assert_eq!(robot.unmet(choice, &None), None);
+        for candidate in Robot::candidates(&robot) {
             let over = [4, 24].map(Cell).into_iter();
             assert!(leads_over(&mission.map, &candidate.path, 0, over), "{:?}", numbers(&candidate.path));
         }
-        robot.roll_back();
-        assert_eq!(robot.preference().values().map(f32::to_bits), before);
     }
 
     #[test]
@@ -199,9 +200,8 @@ mod tests {
             robot.visit(Cell(cell)).unwrap();
         }
         let mut node = Node::new(Duration(100));
-        read(&mut robot, 28);
-        node.tick(&mut robot, Default::default());
-        assert_eq!(robot.agreement().status(), Status::Announced);
+        node.tick(&mut robot, &reading(28), roster(1).at(Default::default()), Default::default());
+        assert_eq!(robot.agreement().stage(), Stage::Announced);
         let path = *robot.agreement().path();
         let order = [39, 4].map(|cell| numbers(&path).iter().position(|&at| at == cell));
         assert!(order[0].is_some() && order[0] < order[1], "{:?}", numbers(&path));
@@ -209,8 +209,6 @@ mod tests {
         for cell in numbers(&path) {
             for _ in 0..3 {
                 read(&mut robot, cell);
-                robot.observe();
-                robot.update();
             }
             left.push(robot.waypoints().len());
             robot.commanded = path.moves().nth(left.len() - 1);
@@ -233,7 +231,8 @@ mod tests {
         assert!(robot.open_waypoints().eq([Cell(5)]));
         robot.tick_off(Cell(5));
         assert_eq!(robot.waypoints(), [Cell(4)]);
-        let choice = plan(&mut robot);
+        let wanted = robot.preference();
+        let choice = plan(&mut robot, &wanted);
         assert!(robot.logic(choice).is(VISITED) && !robot.logic(choice).is(OBSTACLE));
     }
 

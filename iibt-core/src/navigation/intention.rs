@@ -1,29 +1,15 @@
 //! The message that robots exchange: where a robot stands, what it has chosen, and how far it is.
 
-use super::Stamp;
 use crate::grid::{Cell, Move, Path};
-use crate::time::Instant;
+use crate::team::{Envelope, Invalid, Message};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
-
-/// The largest team.
-pub const MAX_TEAM: usize = 8;
 
 /// The most newly found obstacles one intention reports.
 pub const MAX_HAZARDS: usize = 4;
 
-/// A robot by its place in the team, from zero.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct RobotId(pub u8);
-
-impl RobotId {
-    /// The place as an index into tables with one entry per robot.
-    #[must_use]
-    pub const fn index(self) -> usize {
-        self.0 as usize
-    }
-}
+/// An intention with its sender and number.
+pub type Said = Envelope<Intention>;
 
 /// The number of a joint decision; a larger number supersedes a smaller one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -33,7 +19,7 @@ pub struct Round(pub u16);
 /// What a robot is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Status {
+pub enum Stage {
     /// It stands still and has not chosen yet: the path is only where it stands.
     #[default]
     Deciding,
@@ -53,18 +39,10 @@ pub enum Status {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Intention {
-    /// Who says so: below [`MAX_TEAM`].
-    pub robot: RobotId,
-    /// Counts the sender's starts, so that numbers from before a restart are told apart.
-    pub epoch: u32,
-    /// Counts the sender's frames in this epoch.
-    pub sequence: u32,
-    /// The sender's clock when it sent this.
-    pub tick: Instant,
     /// The joint decision this belongs to.
     pub round: Round,
     /// What the sender is doing.
-    pub status: Status,
+    pub stage: Stage,
     /// The digest of the joint plan the sender has agreed to, or of a teammate's leave that it has acknowledged; else
     /// zero.
     pub plan: u32,
@@ -80,59 +58,38 @@ pub struct Intention {
     pub hazards: Vec<Cell, MAX_HAZARDS>,
 }
 
-/// Which value of an intention no robot can mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Invalid {
-    /// The robot is not below [`MAX_TEAM`].
-    Robot,
-    /// An action code of the path is no [`Move`].
-    Move,
-    /// More moves are done than the path has.
-    Step,
-    /// The probability is not a number from 0 to 1.
-    Probability,
-}
+impl Message for Intention {
+    const SCHEMA: &'static str = "round u16; stage Deciding Announced Agreed Arrived Away; plan u32; \
+        goal option cell u16; path start u16 moves count u8 nibbles Up Down Left Right Wait; step u8; \
+        probability f32; hazards sequence cell u16";
 
-impl core::fmt::Display for Invalid {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Robot => "the robot's number is not below the largest team",
-            Self::Move => "an action code of the path is no move",
-            Self::Step => "more moves are done than the path has",
-            Self::Probability => "the probability is not a number from 0 to 1",
-        })
-    }
-}
+    const MAX_BYTES: usize = 67;
 
-impl core::error::Error for Invalid {}
-
-impl Intention {
-    /// Where this intention stands in the order of everything its sender has said.
-    #[must_use]
-    pub const fn stamp(&self) -> Stamp {
-        Stamp { epoch: self.epoch, sequence: self.sequence }
-    }
-
-    /// Whether every value is one that a robot can mean. Frames carry no other intentions.
-    ///
-    /// # Errors
-    /// The first value that is out of its range, in the order of [`Invalid`].
-    pub fn validate(&self) -> Result<(), Invalid> {
-        if self.robot.index() >= MAX_TEAM {
-            return Err(Invalid::Robot);
-        }
+    fn validate(&self) -> Result<(), Invalid> {
         if self.path.actions.iter().any(|code| Move::from_code(code).is_none()) {
-            return Err(Invalid::Move);
+            return Err(Self::NO_MOVE);
         }
         if usize::from(self.step) > self.path.len() {
-            return Err(Invalid::Step);
+            return Err(Self::STEP_BEYOND_PATH);
         }
         if !(0.0..=1.0).contains(&self.probability) {
-            return Err(Invalid::Probability);
+            return Err(Self::NO_PROBABILITY);
         }
         Ok(())
     }
+
+    fn takes_part(&self) -> bool {
+        self.stage != Stage::Away
+    }
+}
+
+impl Intention {
+    /// An action code of the path is no [`Move`].
+    pub const NO_MOVE: Invalid = Invalid("an action code of the path is no move");
+    /// More moves are done than the path has.
+    pub const STEP_BEYOND_PATH: Invalid = Invalid("more moves are done than the path has");
+    /// The probability is not a number from 0 to 1.
+    pub const NO_PROBABILITY: Invalid = Invalid("the probability is not a number from 0 to 1");
 
     /// Whether the start of the path, the goal and the hazards are cells of a map with `cells` cells.
     ///
@@ -150,12 +107,8 @@ mod tests {
 
     fn standing() -> Intention {
         Intention {
-            robot: RobotId(1),
-            epoch: 3,
-            sequence: 9,
-            tick: Instant(40),
             round: Round(2),
-            status: Status::Deciding,
+            stage: Stage::Deciding,
             plan: 0,
             goal: None,
             path: Path::at(Cell(5)),
@@ -173,13 +126,11 @@ mod tests {
             intention.validate()
         };
         assert_eq!(with(|_| ()), Ok(()));
-        assert_eq!(with(|i| i.robot = RobotId(MAX_TEAM as u8 - 1)), Ok(()));
-        assert_eq!(with(|i| i.robot = RobotId(MAX_TEAM as u8)), Err(Invalid::Robot));
-        assert_eq!(with(|i| i.path.actions.push(5).unwrap()), Err(Invalid::Move));
-        assert_eq!(with(|i| i.step = 1), Err(Invalid::Step));
+        assert_eq!(with(|i| i.path.actions.push(5).unwrap()), Err(Intention::NO_MOVE));
+        assert_eq!(with(|i| i.step = 1), Err(Intention::STEP_BEYOND_PATH));
         for probability in [f32::NAN, f32::INFINITY, -f32::MIN_POSITIVE, 1.000_000_1] {
             let intention = Intention { probability, ..standing() };
-            assert_eq!(intention.validate(), Err(Invalid::Probability), "{probability}");
+            assert_eq!(intention.validate(), Err(Intention::NO_PROBABILITY), "{probability}");
         }
     }
 

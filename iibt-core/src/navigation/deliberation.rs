@@ -3,12 +3,12 @@
 use super::candidates::{Place, Runner, Situation, are_clear};
 use super::decision::{Party, Timing};
 use super::motion::SURE;
-use super::{Candidate, Cause, MAX_GOALS, Navigation, intentions};
+use super::{Candidate, Cause, Intention, MAX_GOALS, Navigation, Said, Stage, intentions};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Map, Path};
 use crate::inference::Preference;
 use crate::math;
-use crate::team::{Intention, MAX_TEAM, RobotId, Status};
+use crate::team::{MAX_TEAM, Peers, RobotId};
 use heapless::Vec;
 
 /// How many rounds in vain, for each robot of the team, before a robot takes a path that does not bring all of
@@ -17,17 +17,17 @@ const ROUNDS_PER_ROBOT: u8 = 3;
 
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     /// The map as the preferences make it: what is disliked is not entered.
-    fn passable(&self) -> Map<W> {
-        let disliked = |state: &usize| self.preference.get(*state) < 0.0;
+    fn passable(&self, preference: &Preference<S>) -> Map<W> {
+        let disliked = |state: &usize| preference.get(*state) < 0.0;
         self.mission
             .map
             .avoiding((0..self.mission.map.len()).filter(disliked).map(|state| Cell(state as u16)))
     }
 
     /// The paths that teammates have announced in this round.
-    fn announced(&self) -> Vec<Runner, MAX_TEAM> {
-        let chosen = self.partners().filter(|peer| peer.status != Status::Deciding);
-        up_to(chosen.map(|peer| self.runner(peer.robot, peer.path)))
+    fn announced(&self, peers: Peers<'_, Intention>) -> Vec<Runner, MAX_TEAM> {
+        let chosen = self.partners(peers).filter(|peer| peer.message.stage != Stage::Deciding);
+        up_to(chosen.map(|peer| self.runner(peer.sender, peer.message.path)))
     }
 
     fn runner(&self, robot: RobotId, path: Path) -> Runner {
@@ -35,18 +35,26 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// The teammates that are in this round.
-    fn partners(&self) -> impl Iterator<Item = &Intention> + Clone {
+    fn partners<'a>(
+        &self,
+        peers: Peers<'a, Intention>,
+    ) -> impl Iterator<Item = &'a Said> + Clone + use<'a, S, W, P> {
         let round = self.agreement.round();
-        intentions(&self.roster).filter(move |peer| peer.round == round)
+        intentions(peers).filter(move |peer| peer.message.round == round)
     }
 
     /// What there is to decide on; `None` while it is not this robot's turn.
-    pub(super) fn find_situation(&mut self) -> Option<Situation<W>> {
-        let here = self.turn()?;
-        let (map, announced, via) = (self.passable(), self.announced(), self.via());
-        let waiting = self.partners().filter(|peer| peer.status == Status::Deciding);
-        let undecided = up_to(core::iter::once(here).chain(waiting.map(|peer| peer.path.start)));
-        let starts = self.partners().map(|peer| self.runner(peer.robot, Path::at(peer.path.start)));
+    pub(super) fn find_situation(
+        &mut self,
+        preference: &Preference<S>,
+        peers: Peers<'_, Intention>,
+    ) -> Option<Situation<W>> {
+        let here = self.turn(peers)?;
+        let (map, announced, via) = (self.passable(preference), self.announced(peers), self.via(preference));
+        let waiting = self.partners(peers).filter(|peer| peer.message.stage == Stage::Deciding);
+        let undecided = up_to(core::iter::once(here).chain(waiting.map(|peer| peer.message.path.start)));
+        let starts =
+            self.partners(peers).map(|peer| self.runner(peer.sender, Path::at(peer.message.path.start)));
         let own = self.runner(self.robot, Path::at(here));
         let team: Vec<Runner, MAX_TEAM> = up_to(core::iter::once(own).chain(starts));
         let best = self.best_goals();
@@ -64,14 +72,14 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// Whether it is this robot's turn to choose, and where it stands.
-    fn turn(&self) -> Option<Cell> {
-        self.here().filter(|_| self.agreement.is_my_turn(intentions(&self.roster)))
+    fn turn(&self, peers: Peers<'_, Intention>) -> Option<Cell> {
+        self.here().filter(|_| self.agreement.is_my_turn(intentions(peers)))
     }
 
     /// C for a decision: a goal that a teammate has claimed is worth nothing.
-    fn wanted(&self) -> Preference<S> {
-        let mut wanted = self.preference;
-        for claimed in self.partners().filter_map(|peer| peer.goal) {
+    fn wanted(&self, preference: &Preference<S>, peers: Peers<'_, Intention>) -> Preference<S> {
+        let mut wanted = *preference;
+        for claimed in self.partners(peers).filter_map(|peer| peer.message.goal) {
             wanted.raise(claimed.index(), -wanted.get(claimed.index()).max(0.0));
         }
         wanted
@@ -87,11 +95,16 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
 
     /// Joint candidates: the robot's own, with those of each teammate, which are the path it announced or
     /// else all that it might choose.
-    pub(super) fn deliberate(&mut self, situation: &Situation<W>) {
+    pub(super) fn deliberate(
+        &mut self,
+        situation: &Situation<W>,
+        preference: &Preference<S>,
+        peers: Peers<'_, Intention>,
+    ) {
         let (here, timing) = (situation.here, self.timing(situation));
-        let (wanted, odds) = (self.wanted(), self.motion.odds());
-        let known = |peer: &Intention| (peer.robot, peer.path, peer.status != Status::Deciding);
-        let partners: Vec<(RobotId, Path, bool), MAX_TEAM> = up_to(self.partners().map(known));
+        let (wanted, odds) = (self.wanted(preference, peers), self.motion.odds());
+        let known = |peer: &Said| (peer.sender, peer.message.path, peer.message.stage != Stage::Deciding);
+        let partners: Vec<(RobotId, Path, bool), MAX_TEAM> = up_to(self.partners(peers).map(known));
         let mut own = self.belief;
         for (robot, path, _) in &partners {
             self.decision.trust(self.mission.word_of(*robot));
@@ -131,8 +144,8 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     /// Announces the chosen path, or opens another round when it does not go with those announced before. A
     /// robot that has tried often enough takes what it can get, which may be to stay where it is. Where it is in the way of
     /// a teammate it tries on, at most 255 times in a row.
-    pub(super) fn commit(&mut self, candidate: Candidate) {
-        let announced = self.announced();
+    pub(super) fn commit(&mut self, candidate: Candidate, peers: Peers<'_, Intention>) {
+        let announced = self.announced(peers);
         let fits =
             candidate.goal.is_some() && announced.iter().all(|other| self.goes_with(&candidate.path, other));
         let is_clear = |path: &Path| announced.iter().all(|other| self.is_clear(path, other));

@@ -2,10 +2,11 @@
 //! plan.
 
 use super::world::OWN;
-use super::{Cause, Navigation, intentions};
+use super::{Cause, Intention, Navigation, intentions};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Move, Path};
 use crate::inference::{Beliefs, Evidence};
+use crate::team::Peers;
 
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     pub(super) fn has_arrived(&self) -> bool {
@@ -79,7 +80,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// Follows the team's agreement as far as the robot's place and the teammates' intentions carry it.
-    pub(super) fn keep_up(&mut self) {
+    pub(super) fn keep_up(&mut self, peers: Peers<'_, Intention>) {
         let Some(here) = self.here() else { return self.keep_up_on_the_way() };
         self.learn(here);
         self.tick_off(here);
@@ -88,14 +89,14 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         if self.agreement.advance(&self.mission.map, self.mission.paces(), here, begun) {
             self.vain_rounds = 0;
         }
-        if self.agreement.join(here, intentions(&self.roster)) {
+        if self.agreement.join(here, intentions(peers)) {
             self.count_round();
         }
-        self.agreement.agree(intentions(&self.roster));
-        if self.agreement.give_way(intentions(&self.roster)) {
+        self.agreement.agree(intentions(peers));
+        if self.agreement.give_way(intentions(peers)) {
             self.vain_rounds = 0;
         }
-        if let Some(cause) = self.trouble(here) {
+        if let Some(cause) = self.trouble(here, peers) {
             self.open_round(here, cause);
         }
     }
@@ -108,10 +109,10 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// Why the agreement cannot go on as it is.
-    fn trouble(&self, here: Cell) -> Option<Cause> {
+    fn trouble(&self, here: Cell, peers: Peers<'_, Intention>) -> Option<Cause> {
         if !self.agreement.is_on_course(&self.mission.map, self.mission.paces(), here) {
             Some(Cause::Position)
-        } else if self.agreement.is_contradicted(intentions(&self.roster)) {
+        } else if self.agreement.is_contradicted(intentions(peers)) {
             Some(Cause::Outdated)
         } else if self.agreement.is_away() && !self.alone {
             Some(Cause::Charged)
@@ -136,7 +137,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     fn count_round(&mut self) {
-        (self.stopping, self.cause) = (false, None);
+        self.cause = None;
         self.vain_rounds = self.vain_rounds.saturating_add(1);
     }
 }
@@ -147,28 +148,29 @@ mod tests {
     use super::*;
     use crate::grid::Map;
     use crate::iibt::Task;
-    use crate::team::{Intention, Limits, RobotId, Roster};
-    use crate::time::Duration;
+    use crate::navigation::testing::{member, roster};
+    use crate::team::{Envelope, RobotId, Stamp};
     use std::vec::Vec;
 
     #[test]
     fn what_is_in_view_replaces_the_oldest_obstacle_and_what_is_told_does_not() {
         let starts = [Cell(0), Cell(48)];
         let mission = Mission::new(Map::<2>::new(7, 7).unwrap(), &starts, &[Cell(24), Cell(26)]);
-        let roster = Roster::new(RobotId(0), 2, Limits::for_beacons(Duration(1)).unwrap()).unwrap();
-        let mut robot = Navigation::<49, 2, 4>::new(&mission, RobotId(0), 1, roster.clone()).unwrap();
-        let teammate = Navigation::<49, 2, 4>::new(&mission, RobotId(1), 1, roster).unwrap();
+        let mut robot = Navigation::<49, 2, 4>::new(&mission, member(0, 2), 1).unwrap();
+        let teammate = Navigation::<49, 2, 4>::new(&mission, member(1, 2), 1).unwrap();
         let last = MAX_KNOWN_HAZARDS as u16 + 4;
         for cell in (1..=last).map(Cell) {
-            robot.perceive(Percept { hazards: [cell].into_iter().collect(), ..Percept::default() });
-            robot.observe();
+            let percept = Percept { hazards: [cell].into_iter().collect(), ..Percept::default() };
+            robot.observe(&percept, roster(2).at(Default::default()));
         }
         let in_mind: Vec<Cell> = (5..=last).map(Cell).collect();
         assert_eq!(robot.hazards(), in_mind);
 
-        let told = Intention { hazards: [Cell(40)].into_iter().collect(), ..teammate.intention() };
-        robot.roster_mut().hear(told, Default::default()).unwrap();
-        robot.observe();
+        let message = Intention { hazards: [Cell(40)].into_iter().collect(), ..teammate.intention() };
+        let mut roster = roster(2);
+        let told = Envelope { sender: RobotId(1), stamp: Stamp::default(), message };
+        roster.hear(told, Default::default()).unwrap();
+        robot.observe(&Percept::default(), roster.at(Default::default()));
         assert_eq!(robot.hazards(), in_mind);
     }
 
@@ -176,10 +178,10 @@ mod tests {
     fn between_two_cells_a_robot_is_nowhere_and_keeps_its_move_in_mind() {
         let starts = [Cell(0)];
         let mission = Mission::new(Map::<2>::new(7, 7).unwrap(), &starts, &[Cell(24)]);
-        let roster = Roster::new(RobotId(0), 1, Limits::for_beacons(Duration(1)).unwrap()).unwrap();
-        let mut robot = Navigation::<49, 2, 4>::new(&mission, RobotId(0), 1, roster).unwrap();
+        let mut robot = Navigation::<49, 2, 4>::new(&mission, member(0, 1), 1).unwrap();
         let sense = |robot: &mut Navigation<'_, 49, 2, 4>, moving, cell| {
-            robot.perceive(Percept { moving, reading: Some(Cell(cell)), ..Percept::default() });
+            let percept = Percept { moving, reading: Some(Cell(cell)), ..Percept::default() };
+            robot.perceive(&percept, roster(1).at(Default::default()));
             robot.track();
             robot.here()
         };

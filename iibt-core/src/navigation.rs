@@ -5,10 +5,11 @@
 //!   frames ─► roster ─► intentions ──────────────┴──────────────┘            └─► intention ─► frame
 //! ```
 //!
-//! [`Navigation`] is the [`Task`](super::Task) that the interactive inference node runs. It chooses only when it is its turn
+//! [`Navigation`] is the [`Task`](crate::iibt::Task) that the interactive inference node runs. It chooses only when it is its turn
 //! in the team's [`Agreement`]; until then its one candidate is to wait, and afterwards to follow what it
 //! announced.
 
+mod agreement;
 mod alone;
 mod assignment;
 mod candidates;
@@ -16,39 +17,43 @@ mod cause;
 mod decision;
 mod deliberation;
 mod experience;
+mod intention;
 mod mission;
 mod motion;
+mod paces;
 mod plans;
+mod report;
 mod task;
 mod tracking;
 mod waypoints;
 mod world;
 
-pub use candidates::Candidate;
+pub use agreement::Agreement;
+pub use candidates::{Candidate, Situation};
 pub use cause::Cause;
 pub use decision::Decision;
 pub use experience::Experience;
+pub use intention::{Intention, MAX_HAZARDS, Round, Said, Stage};
 pub use mission::{MAX_GOALS, Mission, MissionError};
+pub use paces::{MAX_PACE, Paces};
 pub use plans::{ARRIVED, OBSTACLE, Plan, REACHABLE, RULES, VISITED};
+pub use report::Report;
 pub use waypoints::{MAX_WAYPOINTS, VisitError};
 
-use self::candidates::{Generator, Situation};
+use self::candidates::Generator;
 use self::motion::{MOVES, Motion};
-use super::Logic;
 use crate::bounded::up_to;
 use crate::grid::{Cell, Move};
-use crate::inference::{Beliefs, Choice, Impossible, Preference};
+use crate::iibt::Logic;
+use crate::inference::{Beliefs, Choice, Impossible};
 use crate::math;
-use crate::team::{Agreement, Intention, MAX_HAZARDS, Peer, RobotId, Roster};
-use crate::time::Instant;
+use crate::team::{Invalid, Member, Peer, Peers, RobotId};
 use heapless::Vec;
 
 /// What a robot senses in one tick.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Percept {
-    /// The time.
-    pub now: Instant,
     /// The localiser's reading, which may be wrong.
     pub reading: Option<Cell>,
     /// Blocked cells in view.
@@ -62,16 +67,13 @@ pub struct Percept {
 pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     mission: &'m Mission<'m, W>,
     robot: RobotId,
-    roster: Roster,
     agreement: Agreement,
     belief: Beliefs<S, 1>,
     motion: Motion,
     surprise: Result<f32, Impossible>,
-    preference: Preference<S>,
     hazards: Vec<Cell, MAX_KNOWN_HAZARDS>,
     waypoints: Vec<Cell, MAX_WAYPOINTS>,
     percept: Percept,
-    situation: Option<Situation<W>>,
     candidates: Vec<Candidate, P>,
     teammates: Vec<Candidate, P>,
     generator: Generator<S, W>,
@@ -84,7 +86,6 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     begun: bool,
     /// How many rounds the team has begun since this robot last moved.
     vain_rounds: u8,
-    stopping: bool,
     /// Whether the robot looks after itself in this tick.
     alone: bool,
     /// Where it steps aside to.
@@ -111,28 +112,24 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
     ///
     /// # Errors
     /// [`MissionError`] when the mission does not fit the sizes or the robot is not in it.
-    pub fn new(
-        mission: &'m Mission<'m, W>,
-        robot: RobotId,
-        epoch: u32,
-        roster: Roster,
-    ) -> Result<Self, MissionError> {
+    pub fn new(mission: &'m Mission<'m, W>, member: Member, epoch: u32) -> Result<Self, MissionError> {
         mission.check::<S>()?;
+        if member.team() != mission.starts.len() {
+            return Err(MissionError::TeamSize);
+        }
+        let robot = member.robot();
         let decision = Decision::new(mission, robot);
         let start = mission.starts.get(robot.index()).copied().ok_or(MissionError::NoSuchRobot)?;
         Ok(Self {
             mission,
             robot,
             agreement: Agreement::new(robot, mission.team(), epoch, start),
-            roster,
             belief: decision.world().initial(),
             motion: Motion::new(mission.learning),
             surprise: Ok(0.0),
-            preference: decision.world().preference(),
             hazards: Vec::new(),
             waypoints: Vec::new(),
             percept: Percept::default(),
-            situation: None,
             candidates: Vec::new(),
             teammates: Vec::new(),
             generator: Generator::new(),
@@ -142,7 +139,6 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             command: None,
             begun: false,
             vain_rounds: 0,
-            stopping: false,
             alone: false,
             aside: None,
             cause: None,
@@ -153,26 +149,27 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
     /// [`Experience::values`]. A value that is not above zero and at most one counts as one.
     pub fn prefer(&mut self, values: &[f32; MAX_GOALS]) {
         self.decision.prefer(self.mission.goals, values);
-        self.preference = self.decision.world().preference();
     }
 
-    /// Takes in what was sensed since the last tick. Call it once before the node's tick, or before
-    /// [`recharge`](Self::recharge).
-    pub fn perceive(&mut self, percept: Percept) {
-        self.percept = percept;
-        self.command = None;
-        self.alone = false;
+    /// Whether a teammate's intention speaks of this robot's map.
+    ///
+    /// # Errors
+    /// [`Invalid`] when it names a cell that the map does not have, or its path leads through a wall.
+    pub fn accepts(&self, intention: &Intention) -> Result<(), Invalid> {
+        let map = &self.mission.map;
+        if !intention.fits(map.len()) {
+            return Err(Invalid("a cell is outside this robot's map"));
+        }
+        if !intention.path.is_open(map) {
+            return Err(Invalid("the path leads through a wall of this robot's map"));
+        }
+        Ok(())
     }
 
-    /// The teammates.
+    /// A number that is the same for two robots when their missions are.
     #[must_use]
-    pub const fn roster(&self) -> &Roster {
-        &self.roster
-    }
-
-    /// The teammates, to tell it what they say.
-    pub const fn roster_mut(&mut self) -> &mut Roster {
-        &mut self.roster
+    pub fn mission_id(&self) -> u64 {
+        self.mission.id()
     }
 
     /// The team's joint decision as this robot knows it.
@@ -221,12 +218,6 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
         self.motion.slips()
     }
 
-    /// C as it is now, temporary raises included.
-    #[must_use]
-    pub const fn preference(&self) -> &Preference<S> {
-        &self.preference
-    }
-
     /// The last decision: its posterior and the candidates it was made among.
     #[must_use]
     pub const fn decision(&self) -> &Decision<S, P> {
@@ -245,17 +236,13 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
         &self.hazards
     }
 
-    /// What this robot tells its teammates; the sender adds stamp and clock.
+    /// What this robot tells its teammates.
     #[must_use]
     pub fn intention(&self) -> Intention {
         let newest = self.hazards.len().saturating_sub(MAX_HAZARDS);
         Intention {
-            robot: self.robot,
-            epoch: 0,
-            sequence: 0,
-            tick: self.percept.now,
             round: self.agreement.round(),
-            status: self.status(),
+            stage: self.stage(),
             plan: self.agreement.plan(),
             goal: self.agreement.goal(),
             path: *self.agreement.path(),
@@ -273,7 +260,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
                 self.candidates.get(index).is_some_and(|taken| self.meets_hazard(&taken.path, 0))
             }
             Plan::Follow => self.meets_hazard(self.agreement.path(), self.agreement.step()),
-            Plan::Stop | Plan::Wait => false,
+            Plan::Wait => false,
         };
         let visited = match plan {
             // To stay for want of any way is no way past the way-points.
@@ -282,7 +269,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
                 .get(index)
                 .is_none_or(|taken| taken.goal.is_none() || self.visits_all(&taken.path, 0)),
             Plan::Follow => self.visits_all(self.agreement.path(), self.agreement.step()),
-            Plan::Stop | Plan::Wait => true,
+            Plan::Wait => true,
         };
         let reachable = plan != Plan::Follow || self.agreement.goal().is_some();
         let logic = Logic::NONE.with(OBSTACLE, blocked).with(ARRIVED, self.has_arrived());
@@ -290,6 +277,23 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
     }
 }
 
-fn intentions(roster: &Roster) -> impl Iterator<Item = &Intention> + Clone {
-    roster.peers().map(Peer::intention)
+/// The newest intention of each teammate that has been heard.
+fn intentions<'a>(peers: Peers<'a, Intention>) -> impl Iterator<Item = &'a Said> + Clone {
+    peers.iter().map(Peer::envelope)
+}
+
+#[cfg(test)]
+mod testing {
+    use super::Intention;
+    use crate::team::{Limits, Member, RobotId, Roster};
+    use crate::time::Duration;
+
+    pub(super) fn member(robot: u8, team: usize) -> Member {
+        Member::new(RobotId(robot), team).unwrap()
+    }
+
+    /// The roster of robot 0 in a team of `team` that has heard nobody.
+    pub(super) fn roster(team: usize) -> Roster<Intention> {
+        Roster::new(member(0, team), Limits::for_beacons(Duration(1)).unwrap())
+    }
 }

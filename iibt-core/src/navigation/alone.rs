@@ -10,10 +10,9 @@
 //! stepped aside, it opens the next round, and the team decides from where everybody stands. Where nobody can make
 //! room, all wait.
 
-use super::{Cause, Navigation, intentions};
+use super::{Cause, Intention, Navigation, Percept, Stage, intentions};
 use crate::grid::{Cell, CellSet, Path};
-use crate::iibt::Task;
-use crate::team::Status;
+use crate::team::Peers;
 
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     /// Where this robot charges, if there is such a place.
@@ -24,84 +23,96 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
 
     /// What the robot does, as its teammates are told.
     #[must_use]
-    pub const fn status(&self) -> Status {
-        if self.alone { Status::Away } else { self.agreement.status() }
+    pub const fn stage(&self) -> Stage {
+        if self.alone { Stage::Away } else { self.agreement.stage() }
     }
 
     /// One tick of a robot whose battery is low, in the place of the inference node's. Without a charger it stands
     /// still; so it does while no way leads to its charger past the obstacles it knows and the teammates.
-    pub fn recharge(&mut self) {
-        self.alone = true;
-        self.observe();
-        self.update();
+    pub fn recharge(&mut self, percept: &Percept, peers: Peers<'_, Intention>) {
+        self.look_after_itself(percept, peers);
         let (Some(here), Some(charger)) = (self.here(), self.charger()) else { return };
         if !self.agreement.is_away() {
-            self.aside = if self.way_to(here, charger).is_none() { self.room_to_make(here) } else { None };
+            self.aside = if self.way_to(here, charger, peers).is_none() {
+                self.room_to_make(here, peers)
+            } else {
+                None
+            };
         }
         self.aside = self.aside.filter(|&aside| aside != here);
-        self.drive(here, self.aside.unwrap_or(charger), Cause::Battery);
+        self.drive(here, self.aside.unwrap_or(charger), Cause::Battery, peers);
     }
 
     /// One tick of a robot that steps out of the way of a teammate that cannot get to its charger, in the place of the
     /// inference node's; returns whether it does.
-    pub fn step_aside(&mut self) -> bool {
+    pub fn step_aside(&mut self, percept: &Percept, peers: Peers<'_, Intention>) -> bool {
+        self.percept.moving = percept.moving;
         if !self.agreement.is_away() {
-            self.aside = self.here().and_then(|here| self.room_to_make(here));
+            self.aside = self.here().and_then(|here| self.room_to_make(here, peers));
         }
         let Some(aside) = self.aside else { return false };
-        self.alone = true;
-        self.observe();
-        self.update();
+        self.look_after_itself(percept, peers);
         if let Some(here) = self.here() {
             if here == aside {
                 // The next tick finds the robot away for no reason, and has it come back.
                 self.aside = None;
             } else {
-                self.drive(here, aside, Cause::Room);
+                self.drive(here, aside, Cause::Room, peers);
             }
         }
         true
     }
 
+    /// Takes in what was sensed, as a robot that takes no part in the team's decisions.
+    fn look_after_itself(&mut self, percept: &Percept, peers: Peers<'_, Intention>) {
+        self.perceive(percept, peers);
+        self.alone = true;
+        self.track();
+        self.keep_up(peers);
+        if self.has_arrived() {
+            self.agreement.arrive();
+        }
+    }
+
     /// Drives on if all teammates have acknowledged that this robot is away, or else leaves if it may.
-    fn drive(&mut self, here: Cell, to: Cell, cause: Cause) {
-        if self.agreement.has_floor(intentions(&self.roster)) {
-            let way = self.way_to(here, to);
+    fn drive(&mut self, here: Cell, to: Cell, cause: Cause, peers: Peers<'_, Intention>) {
+        if self.agreement.has_floor(intentions(peers)) {
+            let way = self.way_to(here, to, peers);
             self.agreement.aim(way.map(|_| to));
             self.command = way.and_then(|way| way.moves().next());
             self.commanded = self.command;
-        } else if self.may_leave(here, to) {
+        } else if self.may_leave(here, to, peers) {
             self.leave(here, cause);
             self.agreement.aim(Some(to));
         }
     }
 
     /// Whether it is not away yet, and no teammate is that has a way; past one that has none, it needs a way itself.
-    fn may_leave(&mut self, here: Cell, to: Cell) -> bool {
-        let away = self.agreement.teammate_away(intentions(&self.roster)).map(|peer| peer.goal);
+    fn may_leave(&mut self, here: Cell, to: Cell, peers: Peers<'_, Intention>) -> bool {
+        let away = self.agreement.teammate_away(intentions(peers)).map(|peer| peer.message.goal);
         match away {
             _ if self.agreement.is_away() => false,
             None => true,
-            Some(goal) => goal.is_none() && self.way_to(here, to).is_some(),
+            Some(goal) => goal.is_none() && self.way_to(here, to, peers).is_some(),
         }
     }
 
     /// A shortest way past the obstacles in mind and the teammates that stand still.
-    fn way_to(&mut self, here: Cell, to: Cell) -> Option<Path> {
-        let teammates = intentions(&self.roster).map(|peer| peer.path.start);
+    fn way_to(&mut self, here: Cell, to: Cell, peers: Peers<'_, Intention>) -> Option<Path> {
+        let teammates = intentions(peers).map(|peer| peer.message.path.start);
         let map = self.mission.map.avoiding(self.hazards.iter().copied().chain(teammates));
         self.generator.way(&map, here, to)
     }
 
     /// The nearest cell off the shortest way of a teammate that cannot get to its charger, if this robot is on it.
-    fn room_to_make(&mut self, here: Cell) -> Option<Cell> {
-        let away = self.agreement.teammate_away(intentions(&self.roster))?;
-        let stuck = (away.path.start, away.robot.index(), away.goal);
+    fn room_to_make(&mut self, here: Cell, peers: Peers<'_, Intention>) -> Option<Cell> {
+        let away = self.agreement.teammate_away(intentions(peers))?;
+        let stuck = (away.message.path.start, away.sender.index(), away.message.goal);
         let (start, robot, None) = stuck else { return None };
         let charger = self.mission.chargers.get(robot).copied().flatten()?;
         let open = self.mission.map.avoiding(self.hazards.iter().copied());
         let way: CellSet<W> = self.generator.way(&open, start, charger)?.cells(&open).collect();
-        let teammates = intentions(&self.roster).map(|peer| peer.path.start);
+        let teammates = intentions(peers).map(|peer| peer.message.path.start);
         let map = open.avoiding(teammates);
         if way.contains(here) { self.generator.nearest(&map, here, &way) } else { None }
     }

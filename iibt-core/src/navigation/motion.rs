@@ -82,20 +82,17 @@ mod tests {
     use super::*;
     use crate::grid::Map;
     use crate::iibt::Task;
-    use crate::team::{Limits, RobotId, Roster};
-    use crate::time::Duration;
+    use crate::navigation::testing::{member, roster};
 
     type Robot<'m> = Navigation<'m, 49, 2, 4>;
 
     fn robot<'m>(mission: &'m Mission<'m, 2>) -> Robot<'m> {
-        let roster = Roster::new(RobotId(0), 1, Limits::for_beacons(Duration(1)).unwrap()).unwrap();
-        Navigation::new(mission, RobotId(0), 1, roster).unwrap()
+        Navigation::new(mission, member(0, 1), 1).unwrap()
     }
 
     fn read(robot: &mut Robot<'_>, reading: Option<u16>) {
-        robot.perceive(Percept { reading: reading.map(Cell), ..Percept::default() });
-        robot.observe();
-        robot.update();
+        let percept = Percept { reading: reading.map(Cell), ..Percept::default() };
+        robot.observe(&percept, roster(1).at(Default::default()));
     }
 
     fn command(robot: &mut Robot<'_>, step: Move) {

@@ -20,7 +20,7 @@ const BOUND: f32 = 0.9;
 /// A robot's experience with the goals of a mission, which outlives the mission. Memory: about 30 bytes a goal.
 ///
 /// ```
-/// use iibt_core::iibt::navigation::Experience;
+/// use iibt_core::navigation::Experience;
 ///
 /// let mut experience = Experience::default();
 /// experience.learn(0, true);

@@ -24,8 +24,9 @@
 //! places, nobody waits for somebody who waits for it. Lost, late and repeated frames cost time only.
 //! Two robots can share or swap a cell only if a localiser is wrong about the cell a robot stands in.
 
-use super::{Intention, Paces, RobotId, Round, Status};
+use super::{Paces, Round, Said, Stage};
 use crate::grid::{Cell, Map, Move, Path};
+use crate::team::RobotId;
 use core::hash::Hasher;
 use siphasher::sip::SipHasher24;
 
@@ -37,7 +38,7 @@ pub struct Agreement {
     size: u8,
     epoch: u32,
     round: Round,
-    status: Status,
+    stage: Stage,
     path: Path,
     goal: Option<Cell>,
     probability: f32,
@@ -78,7 +79,7 @@ impl Agreement {
             size,
             epoch,
             round: Round(0),
-            status: Status::Deciding,
+            stage: Stage::Deciding,
             path: Path::at(here),
             goal: None,
             probability: 0.0,
@@ -95,8 +96,8 @@ impl Agreement {
 
     /// What it is doing.
     #[must_use]
-    pub const fn status(&self) -> Status {
-        self.status
+    pub const fn stage(&self) -> Stage {
+        self.stage
     }
 
     /// Its path in this round; only where it stands while it has not chosen.
@@ -132,7 +133,7 @@ impl Agreement {
     /// Whether it knows the whole plan of this round.
     #[must_use]
     pub const fn is_agreed(&self) -> bool {
-        matches!(self.status, Status::Agreed | Status::Arrived)
+        matches!(self.stage, Stage::Agreed | Stage::Arrived)
     }
 
     /// Whether all moves of its path are done.
@@ -144,8 +145,8 @@ impl Agreement {
     /// Joins the newest round that a teammate is in, if that is newer than its own; returns whether it did.
     ///
     /// Call it only while the robot stands still, `here`.
-    pub fn join<'a>(&mut self, here: Cell, peers: impl Iterator<Item = &'a Intention>) -> bool {
-        let newest = peers.map(|peer| peer.round).max().filter(|&round| round > self.round);
+    pub fn join<'a>(&mut self, here: Cell, peers: impl Iterator<Item = &'a Said>) -> bool {
+        let newest = peers.map(|peer| peer.message.round).max().filter(|&round| round > self.round);
         if let Some(round) = newest {
             self.anchor(round, here);
         }
@@ -165,14 +166,14 @@ impl Agreement {
         let before = self.round;
         self.open(here);
         if self.round != before {
-            self.status = Status::Away;
+            self.stage = Stage::Away;
         }
     }
 
     /// Whether it opened its round as one that is away.
     #[must_use]
     pub const fn is_away(&self) -> bool {
-        matches!(self.status, Status::Away)
+        matches!(self.stage, Stage::Away)
     }
 
     /// Says where it stands, if it is away: it has no path to keep to.
@@ -190,18 +191,20 @@ impl Agreement {
     }
 
     /// The teammate that has opened this round as one that is away.
-    pub fn teammate_away<'a>(&self, mut peers: impl Iterator<Item = &'a Intention>) -> Option<&'a Intention> {
+    pub fn teammate_away<'a>(&self, mut peers: impl Iterator<Item = &'a Said>) -> Option<&'a Said> {
         let opener = self.round.opener(self.size);
-        peers.find(|peer| peer.robot == opener && peer.round == self.round && peer.status == Status::Away)
+        peers.find(|peer| {
+            peer.sender == opener && peer.message.round == self.round && peer.message.stage == Stage::Away
+        })
     }
 
     /// Acknowledges that the teammate that opened this round is away, or takes that back; returns whether it is.
     ///
     /// Call it only while the robot stands still.
-    pub fn give_way<'a>(&mut self, peers: impl Iterator<Item = &'a Intention>) -> bool {
-        let away = self.teammate_away(peers).filter(|_| self.status == Status::Deciding);
-        let leave = away.map(|peer| digest_of_leave(peer.round, peer.epoch));
-        if self.status == Status::Deciding {
+    pub fn give_way<'a>(&mut self, peers: impl Iterator<Item = &'a Said>) -> bool {
+        let away = self.teammate_away(peers).filter(|_| self.stage == Stage::Deciding);
+        let leave = away.map(|peer| digest_of_leave(peer.message.round, peer.stamp.epoch));
+        if self.stage == Stage::Deciding {
             self.plan = leave.unwrap_or(0);
         }
         leave.is_some()
@@ -209,44 +212,48 @@ impl Agreement {
 
     /// Whether it is away and every teammate has acknowledged that: they stand where their paths start, and this
     /// robot may drive around those cells until it joins another round.
-    pub fn has_floor<'a>(&self, mut peers: impl Iterator<Item = &'a Intention>) -> bool {
+    pub fn has_floor<'a>(&self, mut peers: impl Iterator<Item = &'a Said>) -> bool {
         let leave = digest_of_leave(self.round, self.epoch);
-        self.is_away() && self.all_of(&mut peers, |peer| peer.round == self.round && peer.plan == leave)
+        self.is_away()
+            && self.all_of(&mut peers, |peer| peer.message.round == self.round && peer.message.plan == leave)
     }
 
     /// Whether this robot is the one to choose now: all teammates are in this round, and those that decide
     /// before it have chosen.
-    pub fn is_my_turn<'a>(&self, mut peers: impl Iterator<Item = &'a Intention>) -> bool {
+    pub fn is_my_turn<'a>(&self, mut peers: impl Iterator<Item = &'a Said>) -> bool {
         let rank = self.round.rank(self.robot, self.size);
-        let ready = |peer: &Intention| {
-            let first = self.round.rank(peer.robot, self.size) < rank;
-            peer.round == self.round && (!first || has_chosen(peer))
+        let ready = |peer: &Said| {
+            let first = self.round.rank(peer.sender, self.size) < rank;
+            peer.message.round == self.round && (!first || has_chosen(peer))
         };
-        self.status == Status::Deciding && self.all_of(&mut peers, ready)
+        self.stage == Stage::Deciding && self.all_of(&mut peers, ready)
     }
 
     /// Announces the chosen path, which must begin where the robot stands. It keeps it for this round.
     pub fn announce(&mut self, path: Path, goal: Option<Cell>, probability: f32) {
-        if self.status == Status::Deciding && path.start == self.path.start {
+        if self.stage == Stage::Deciding && path.start == self.path.start {
             (self.path, self.goal, self.probability) = (path, goal, probability);
-            self.status = Status::Announced;
+            self.stage = Stage::Announced;
         }
     }
 
     /// Agrees to the joint plan once every teammate has announced its path of this round.
-    pub fn agree<'a>(&mut self, peers: impl Iterator<Item = &'a Intention> + Clone) {
-        let knows = self.all_of(&mut peers.clone(), |peer| peer.round == self.round && has_chosen(peer));
-        if self.status == Status::Announced && knows {
+    pub fn agree<'a>(&mut self, peers: impl Iterator<Item = &'a Said> + Clone) {
+        let knows =
+            self.all_of(&mut peers.clone(), |peer| peer.message.round == self.round && has_chosen(peer));
+        if self.stage == Stage::Announced && knows {
             self.plan = self.digest(peers);
-            self.status = Status::Agreed;
+            self.stage = Stage::Agreed;
         }
     }
 
     /// Whether a teammate has agreed to another plan in this round: one of the two knows an outdated path,
     /// because somebody has started anew, and only another round can help.
-    pub fn is_contradicted<'a>(&self, mut peers: impl Iterator<Item = &'a Intention> + Clone) -> bool {
+    pub fn is_contradicted<'a>(&self, mut peers: impl Iterator<Item = &'a Said> + Clone) -> bool {
         let restarted = self.is_agreed() && self.digest(peers.clone()) != self.plan;
-        let other = |peer: &Intention| peer.round == self.round && peer.plan != 0 && peer.plan != self.plan;
+        let other = |peer: &Said| {
+            peer.message.round == self.round && peer.message.plan != 0 && peer.message.plan != self.plan
+        };
         self.is_agreed() && (restarted || peers.any(other))
     }
 
@@ -258,7 +265,7 @@ impl Agreement {
         map: &Map<W>,
         paces: Paces<'_>,
         here: Cell,
-        peers: impl Iterator<Item = &'a Intention> + Clone,
+        peers: impl Iterator<Item = &'a Said> + Clone,
     ) -> Option<Move> {
         let planned = self.planned()?;
         let (step, at) = self.ahead(paces);
@@ -279,11 +286,11 @@ impl Agreement {
 
     /// Whether the robot may begin the next step: the whole team follows this plan, and before the last move every
     /// teammate is as far as this robot.
-    pub fn may_go_on<'a>(&self, paces: Paces<'_>, mut peers: impl Iterator<Item = &'a Intention>) -> bool {
+    pub fn may_go_on<'a>(&self, paces: Paces<'_>, mut peers: impl Iterator<Item = &'a Said>) -> bool {
         let (_, at) = self.ahead(paces);
         let is_last = self.path.actions.iter().skip(at).all(|code| code == Move::Wait.code());
-        let follows = |peer: &Intention| {
-            let shares = peer.round == self.round && peer.plan == self.plan;
+        let follows = |peer: &Said| {
+            let shares = peer.message.round == self.round && peer.message.plan == self.plan;
             shares && (!is_last || self.keeps_pace(peer))
         };
         self.is_agreed() && self.all_of(&mut peers, follows)
@@ -350,7 +357,7 @@ impl Agreement {
     /// Says that the robot is where it wanted to be.
     pub fn arrive(&mut self) {
         if self.is_complete() {
-            self.status = Status::Arrived;
+            self.stage = Stage::Arrived;
         }
     }
 
@@ -361,8 +368,8 @@ impl Agreement {
     /// Whether a condition holds for every one of the N - 1 teammates.
     fn all_of<'a>(
         &self,
-        peers: &mut impl Iterator<Item = &'a Intention>,
-        condition: impl Fn(&Intention) -> bool,
+        peers: &mut impl Iterator<Item = &'a Said>,
+        condition: impl Fn(&Said) -> bool,
     ) -> bool {
         let mut met = 0;
         peers.all(|peer| {
@@ -372,20 +379,20 @@ impl Agreement {
     }
 
     /// Whether a teammate is at least as far as this robot.
-    const fn keeps_pace(&self, peer: &Intention) -> bool {
-        peer.step >= self.step || peer.step as usize >= peer.path.len()
+    const fn keeps_pace(&self, peer: &Said) -> bool {
+        peer.message.step >= self.step || peer.message.step as usize >= peer.message.path.len()
     }
 
     /// A number that is the same for two robots when they know the same paths of the same round, and differs
     /// otherwise but once in 2^32 times.
-    fn digest<'a>(&self, peers: impl Iterator<Item = &'a Intention> + Clone) -> u32 {
+    fn digest<'a>(&self, peers: impl Iterator<Item = &'a Said> + Clone) -> u32 {
         let mut hasher = SipHasher24::new();
         for robot in 0..self.size {
             if robot == self.robot.0 {
                 absorb(&mut hasher, self.round, self.epoch, &self.path);
             }
-            for peer in peers.clone().filter(|peer| peer.robot.0 == robot) {
-                absorb(&mut hasher, peer.round, peer.epoch, &peer.path);
+            for peer in peers.clone().filter(|peer| peer.sender.0 == robot) {
+                absorb(&mut hasher, peer.message.round, peer.stamp.epoch, &peer.message.path);
             }
         }
         seal(&hasher)
@@ -416,23 +423,27 @@ fn absorb(hasher: &mut SipHasher24, round: Round, epoch: u32, path: &Path) {
 }
 
 /// Whether a robot has announced its path of this round.
-const fn has_chosen(peer: &Intention) -> bool {
-    matches!(peer.status, Status::Announced | Status::Agreed | Status::Arrived)
+const fn has_chosen(peer: &Said) -> bool {
+    matches!(peer.message.stage, Stage::Announced | Stage::Agreed | Stage::Arrived)
 }
 
 /// Whether a teammate has left `cell` for good, as far as the plan goes up to `step`. Where it comes to the cell in a
 /// later step, it waits for this robot.
-fn has_left<const W: usize>(map: &Map<W>, peer: &Intention, cell: Cell, step: usize) -> bool {
-    let path = || peer.path.cells(map).enumerate();
+fn has_left<const W: usize>(map: &Map<W>, peer: &Said, cell: Cell, step: usize) -> bool {
+    let path = || peer.message.path.cells(map).enumerate();
     let visits = path().take(step + 1).filter(|&(_, visited)| visited == cell);
     let Some((visit, _)) = visits.last() else { return true };
-    path().skip(visit).find(|&(_, next)| next != cell).is_some_and(|(gone, _)| usize::from(peer.step) >= gone)
+    path()
+        .skip(visit)
+        .find(|&(_, next)| next != cell)
+        .is_some_and(|(gone, _)| usize::from(peer.message.step) >= gone)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::Instant;
+    use crate::navigation::Intention;
+    use crate::team::Stamp;
     use heapless::Vec;
 
     /// A corridor of eight cells.
@@ -446,21 +457,25 @@ mod tests {
     }
 
     /// What a robot says.
-    fn said(agreement: &Agreement) -> Intention {
-        Intention {
-            robot: agreement.robot,
-            epoch: agreement.epoch,
-            sequence: 0,
-            tick: Instant(0),
+    fn said(agreement: &Agreement) -> Said {
+        let message = Intention {
             round: agreement.round,
-            status: agreement.status,
+            stage: agreement.stage,
             plan: agreement.plan,
             goal: agreement.goal,
             path: agreement.path,
             step: agreement.step,
             probability: agreement.probability,
             hazards: Vec::new(),
-        }
+        };
+        let stamp = Stamp { epoch: agreement.epoch, sequence: 0 };
+        Said { sender: agreement.robot, stamp, message }
+    }
+
+    fn changed(said: &Said, change: impl FnOnce(&mut Said)) -> Said {
+        let mut said = said.clone();
+        change(&mut said);
+        said
     }
 
     fn announcing(robot: u8, size: u8, cells: &[u16]) -> Agreement {
@@ -479,7 +494,7 @@ mod tests {
         (one, other)
     }
 
-    fn step_of(robot: &Agreement, peer: &Intention) -> Option<Move> {
+    fn step_of(robot: &Agreement, peer: &Said) -> Option<Move> {
         robot.next_move(&corridor(), Paces::EVEN, robot.place(&corridor()), [peer].into_iter())
     }
 
@@ -511,7 +526,7 @@ mod tests {
         let [mut away, mut second, mut third] =
             [0, 1, 2].map(|robot| Agreement::new(RobotId(robot), 3, 1, Cell(2 * u16::from(robot))));
         away.leave(Cell(0));
-        assert_eq!((away.round(), away.status(), away.goal()), (Round(3), Status::Away, None));
+        assert_eq!((away.round(), away.stage(), away.goal()), (Round(3), Stage::Away, None));
         assert!(!away.has_floor([&said(&second), &said(&third)].into_iter()), "nobody knows");
         for robot in [&mut second, &mut third] {
             let here = robot.path.start;
@@ -553,10 +568,10 @@ mod tests {
         teammate.join(Cell(4), [&said(&away)].into_iter());
         assert!(teammate.give_way([&said(&away)].into_iter()) && teammate.plan() != 0);
         assert_eq!(
-            teammate.teammate_away([&said(&away)].into_iter()).map(|peer| peer.robot),
+            teammate.teammate_away([&said(&away)].into_iter()).map(|peer| peer.sender),
             Some(RobotId(0))
         );
-        away.status = Status::Deciding;
+        away.stage = Stage::Deciding;
         assert!(!teammate.give_way([&said(&away)].into_iter()) && teammate.plan() == 0);
     }
 
@@ -566,48 +581,48 @@ mod tests {
         waiting.round = Round(1); // opened by this robot, then come robots 2 and 0
         let peer = |robot, round, status| {
             let mut agreement = Agreement::new(RobotId(robot), 3, 1, Cell(0));
-            (agreement.round, agreement.status) = (Round(round), status);
+            (agreement.round, agreement.stage) = (Round(round), status);
             said(&agreement)
         };
-        let turn = |agreement: &Agreement, peers: &[Intention]| agreement.is_my_turn(peers.iter());
-        let (zero, two) = (peer(0, 1, Status::Deciding), peer(2, 1, Status::Deciding));
+        let turn = |agreement: &Agreement, peers: &[Said]| agreement.is_my_turn(peers.iter());
+        let (zero, two) = (peer(0, 1, Stage::Deciding), peer(2, 1, Stage::Deciding));
         assert!(turn(&waiting, &[zero.clone(), two.clone()]), "it chooses first");
         assert!(!turn(&waiting, core::slice::from_ref(&zero)), "a teammate is unheard");
-        assert!(!turn(&waiting, &[zero.clone(), peer(2, 0, Status::Announced)]), "one is in another round");
+        assert!(!turn(&waiting, &[zero.clone(), peer(2, 0, Stage::Announced)]), "one is in another round");
         waiting.announce(Path::at(Cell(4)), None, 1.0);
         assert!(!turn(&waiting, &[zero, two]), "it has chosen");
 
         let mut last = Agreement::new(RobotId(0), 3, 1, Cell(4));
         last.round = Round(1);
         let after = |first, second| turn(&last, &[peer(1, 1, first), peer(2, 1, second)]);
-        assert!(after(Status::Announced, Status::Announced) && after(Status::Agreed, Status::Arrived));
-        assert!(!after(Status::Announced, Status::Deciding) && !after(Status::Deciding, Status::Announced));
-        assert!(!after(Status::Announced, Status::Away));
+        assert!(after(Stage::Announced, Stage::Announced) && after(Stage::Agreed, Stage::Arrived));
+        assert!(!after(Stage::Announced, Stage::Deciding) && !after(Stage::Deciding, Stage::Announced));
+        assert!(!after(Stage::Announced, Stage::Away));
     }
 
     #[test]
     fn a_path_is_kept_for_the_round_and_begins_where_the_robot_stands() {
         let mut robot = Agreement::new(RobotId(0), 2, 1, Cell(3));
         robot.announce(path(&[2, 3]), None, 1.0);
-        assert_eq!(robot.status(), Status::Deciding, "it does not stand on 2");
+        assert_eq!(robot.stage(), Stage::Deciding, "it does not stand on 2");
         robot.announce(path(&[3, 4]), Some(Cell(4)), 0.5);
         robot.announce(path(&[3, 2]), None, 1.0);
-        let said = (robot.status(), *robot.path(), robot.goal(), robot.probability());
-        assert_eq!(said, (Status::Announced, path(&[3, 4]), Some(Cell(4)), 0.5));
+        let said = (robot.stage(), *robot.path(), robot.goal(), robot.probability());
+        assert_eq!(said, (Stage::Announced, path(&[3, 4]), Some(Cell(4)), 0.5));
     }
 
     #[test]
     fn agrees_when_it_knows_every_path_of_its_round() {
         let peer = said(&announcing(1, 2, &[5, 6]));
-        let plan = |peer: &[Intention]| {
+        let plan = |peer: &[Said]| {
             let mut robot = announcing(0, 2, &[1, 2]);
             robot.agree(peer.iter());
             robot.plan()
         };
         assert_ne!(plan(core::slice::from_ref(&peer)), 0);
         assert_eq!(plan(&[]), 0);
-        assert_eq!(plan(&[Intention { round: Round(1), ..peer.clone() }]), 0);
-        assert_eq!(plan(&[Intention { status: Status::Deciding, ..peer.clone() }]), 0);
+        assert_eq!(plan(&[changed(&peer, |said| said.message.round = Round(1))]), 0);
+        assert_eq!(plan(&[changed(&peer, |said| said.message.stage = Stage::Deciding)]), 0);
         let mut deciding = Agreement::new(RobotId(0), 2, 1, Cell(1));
         deciding.agree([&peer].into_iter());
         assert!(!deciding.is_agreed(), "it has not chosen itself");
@@ -619,19 +634,19 @@ mod tests {
     #[test]
     fn plans_are_equal_only_where_all_that_counts_is() {
         let peer = said(&announcing(1, 2, &[5, 6]));
-        let plan = |own: &[u16], peer: &Intention| announcing(0, 2, own).digest([peer].into_iter());
+        let plan = |own: &[u16], peer: &Said| announcing(0, 2, own).digest([peer].into_iter());
         let usual = plan(&[1, 2], &peer);
-        let same = Intention { step: 1, sequence: 9, tick: Instant(7), ..peer.clone() };
+        let same = changed(&peer, |said| (said.message.step, said.stamp.sequence) = (1, 9));
         assert_eq!(plan(&[1, 2], &same), usual);
         assert_eq!(announcing(1, 2, &[5, 6]).digest([&said(&announcing(0, 2, &[1, 2]))].into_iter()), usual);
         let others = [
             plan(&[2, 3], &peer),
             plan(&[1, 2, 3], &peer),
             plan(&[1, 0], &peer),
-            plan(&[1, 2], &Intention { epoch: 2, ..peer.clone() }),
-            plan(&[1, 2], &Intention { round: Round(2), ..peer.clone() }),
-            plan(&[1, 2], &Intention { path: path(&[6, 7]), ..peer.clone() }),
-            plan(&[1, 2], &Intention { path: path(&[5, 6, 6]), ..peer.clone() }),
+            plan(&[1, 2], &changed(&peer, |said| said.stamp.epoch = 2)),
+            plan(&[1, 2], &changed(&peer, |said| said.message.round = Round(2))),
+            plan(&[1, 2], &changed(&peer, |said| said.message.path = path(&[6, 7]))),
+            plan(&[1, 2], &changed(&peer, |said| said.message.path = path(&[5, 6, 6]))),
         ];
         assert!(others.iter().all(|&other| other != usual && other != 0));
         let mut again = announcing(0, 2, &[1, 2]);
@@ -642,11 +657,11 @@ mod tests {
     #[test]
     fn another_plan_of_the_same_round_contradicts() {
         let (one, other) = agreed(&[1, 2], &[5, 6]);
-        let contradicts = |peer: Intention| one.is_contradicted([&peer].into_iter());
+        let contradicts = |peer: Said| one.is_contradicted([&peer].into_iter());
         assert!(!contradicts(said(&other)));
-        assert!(!contradicts(Intention { plan: 0, ..said(&other) }), "it has not agreed yet");
-        assert!(contradicts(Intention { plan: one.plan() ^ 1, ..said(&other) }));
-        assert!(contradicts(Intention { epoch: 2, ..said(&other) }), "it has started anew");
+        assert!(!contradicts(changed(&said(&other), |said| said.message.plan = 0)), "it has not agreed yet");
+        assert!(contradicts(changed(&said(&other), |said| said.message.plan = one.plan() ^ 1)));
+        assert!(contradicts(changed(&said(&other), |said| said.stamp.epoch = 2)), "it has started anew");
         let undecided = announcing(0, 2, &[1, 2]);
         assert!(!undecided.is_contradicted([&said(&other)].into_iter()));
     }
@@ -656,10 +671,10 @@ mod tests {
         let (one, other) = agreed(&[1, 2, 3], &[5, 6, 7]);
         let peer = said(&other);
         assert_eq!(step_of(&one, &peer), Some(Move::Right));
-        assert_eq!(step_of(&one, &Intention { step: 1, ..peer.clone() }), Some(Move::Right));
-        assert_eq!(step_of(&one, &Intention { plan: 0, ..peer.clone() }), None);
-        assert_eq!(step_of(&one, &Intention { plan: peer.plan ^ 1, ..peer.clone() }), None);
-        assert_eq!(step_of(&one, &Intention { round: Round(2), ..peer.clone() }), None);
+        assert_eq!(step_of(&one, &changed(&peer, |said| said.message.step = 1)), Some(Move::Right));
+        assert_eq!(step_of(&one, &changed(&peer, |said| said.message.plan = 0)), None);
+        assert_eq!(step_of(&one, &changed(&peer, |said| said.message.plan = peer.message.plan ^ 1)), None);
+        assert_eq!(step_of(&one, &changed(&peer, |said| said.message.round = Round(2))), None);
         assert_eq!(
             one.next_move(&corridor(), Paces::EVEN, Cell(1), [].into_iter()),
             None,
@@ -684,11 +699,11 @@ mod tests {
             "its last is yet to come"
         );
         assert_eq!(step_of(&Agreement { step: 2, ..farther }, &behind), None);
-        assert_eq!(step_of(&ahead, &Intention { step: 1, ..peer.clone() }), Some(Move::Right));
+        assert_eq!(step_of(&ahead, &changed(&peer, |said| said.message.step = 1)), Some(Move::Right));
         let done = Agreement { step: 2, ..ahead };
-        assert_eq!(step_of(&done, &Intention { step: 2, ..peer }), None);
+        assert_eq!(step_of(&done, &changed(&peer, |said| said.message.step = 2)), None);
         let (one, other) = agreed(&[1, 2, 3], &[5, 6]);
-        let arrived = Intention { step: 1, ..said(&other) };
+        let arrived = changed(&said(&other), |said| said.message.step = 1);
         assert_eq!(
             step_of(&Agreement { step: 1, ..one }, &arrived),
             Some(Move::Right),
@@ -717,7 +732,7 @@ mod tests {
         ];
         for (own, theirs, done, expected) in cases {
             let (one, other) = agreed(own, theirs);
-            let peer = Intention { step: done, ..said(&other) };
+            let peer = changed(&said(&other), |said| said.message.step = done);
             assert_eq!(step_of(&one, &peer), expected, "{own:?} {theirs:?} {done}");
         }
     }
@@ -734,7 +749,7 @@ mod tests {
             assert_eq!(robot.advance(&map, Paces::EVEN, Cell(here), waited), done != before);
             assert_eq!(robot.step(), done, "on {here}, waited: {waited}");
             robot.arrive();
-            assert_eq!(robot.status() == Status::Arrived, done == 3);
+            assert_eq!(robot.stage() == Stage::Arrived, done == 3);
         }
         assert!(robot.is_complete() && robot.place(&map) == Cell(3));
         assert!(!robot.advance(&map, Paces::EVEN, Cell(3), true), "there is nothing left");
@@ -745,11 +760,11 @@ mod tests {
         let (mut one, other) = agreed(&[1, 2], &[5, 6]);
         let mut peer = said(&other);
         assert!(!one.join(Cell(1), [&peer].into_iter()), "the same round");
-        peer.round = Round(3);
+        peer.message.round = Round(3);
         assert!(one.join(Cell(2), [&peer].into_iter()));
         let fresh = Agreement { round: Round(3), ..Agreement::new(RobotId(0), 2, 1, Cell(2)) };
         assert_eq!(one, fresh);
-        peer.round = Round(2);
+        peer.message.round = Round(2);
         assert!(!one.join(Cell(2), [&peer].into_iter()), "an older round");
         one.open(Cell(4));
         assert_eq!(one, Agreement { round: Round(4), ..Agreement::new(RobotId(0), 2, 1, Cell(4)) });

@@ -1,0 +1,220 @@
+//! The robot that goes to goals on a grid together with its team.
+
+use crate::Robot;
+use crate::Settings;
+use crate::hardware::{Battery, Drive, Localiser, Scanner};
+use iibt_core::iibt::Node;
+use iibt_core::navigation::{Intention, Mission, MissionError, Navigation, Percept};
+use iibt_core::team::{Invalid, Peers};
+use iibt_core::time::{Duration, Instant};
+use iibt_core::tree;
+use iibt_core::tree::{Halt, Leaves, Memory, Status, Tree};
+
+/// What the leaves of the tree stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Skill {
+    BatteryEnough,
+    Recharge,
+    MoveToGoal,
+}
+
+/// How many nodes the tree has.
+const NODES: usize = 5;
+
+/// The tree of the paper's table 3: one inference node in the place of sixteen ordinary ones.
+#[rustfmt::skip]
+static TREE: Tree<Skill, NODES> = tree! {
+    ReactiveSequence {
+        Fallback {
+            Condition(Skill::BatteryEnough),
+            Action(Skill::Recharge),
+        },
+        Inference(Skill::MoveToGoal),
+    }
+};
+
+/// A robot of a navigating team, for maps of up to `S` cells in `W` words, weighing up to `P` candidates.
+///
+/// `W` is [`words`](iibt_core::grid::words) of the map's width and height. A decision takes memory for `P * S`
+/// predicted probabilities twice over and time for `P * P` pairs with each teammate; 16 candidates serve three or
+/// four goals. Robots with the same `P` choose alike, whatever their `S`.
+#[derive(Clone, Debug)]
+pub struct Navigator<'m, const S: usize, const W: usize, const P: usize> {
+    memory: Memory<NODES>,
+    skills: Skills<'m, S, W, P>,
+    percept: Percept,
+}
+
+/// What the leaves share.
+#[derive(Clone, Debug)]
+struct Skills<'m, const S: usize, const W: usize, const P: usize> {
+    navigation: Navigation<'m, S, W, P>,
+    node: Node<Navigation<'m, S, W, P>>,
+    charge: u8,
+    thresholds: Thresholds,
+}
+
+/// The charges in percent at which a robot leaves its team and comes back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Thresholds {
+    /// Below this it leaves the team to charge.
+    pub low: u8,
+    /// At this it comes back.
+    pub charged: u8,
+}
+
+impl Thresholds {
+    /// Leaves below 20 %, comes back at 90 %.
+    pub const DEFAULT: Self = Self { low: 20, charged: 90 };
+}
+
+impl<'m, const S: usize, const W: usize, const P: usize> Navigator<'m, S, W, P> {
+    /// The ticks for which the inference node looks for a policy whose precondition holds before it fails.
+    pub const TIMEOUT_TICKS: u32 = 100;
+
+    /// A robot at the start of its mission.
+    ///
+    /// # Errors
+    /// [`MissionError`] when the mission does not fit the sizes or the robot is not in its team.
+    pub fn new(mission: &'m Mission<'m, W>, settings: &Settings) -> Result<Self, MissionError> {
+        let timeout = Duration(settings.tick().0.saturating_mul(Self::TIMEOUT_TICKS));
+        Ok(Self {
+            memory: Memory::new(),
+            skills: Skills {
+                navigation: Navigation::new(mission, settings.member(), settings.epoch())?,
+                node: Node::new(timeout),
+                charge: 100,
+                thresholds: Thresholds::DEFAULT,
+            },
+            percept: Percept::default(),
+        })
+    }
+
+    /// The same robot with other thresholds.
+    #[must_use]
+    pub fn with_thresholds(mut self, thresholds: Thresholds) -> Self {
+        self.skills.thresholds = thresholds;
+        self
+    }
+
+    /// The task behind the inference node, with its last decision.
+    #[must_use]
+    pub const fn navigation(&self) -> &Navigation<'m, S, W, P> {
+        &self.skills.navigation
+    }
+
+    /// The task, to be told what to visit and which goals to prefer.
+    pub const fn navigation_mut(&mut self) -> &mut Navigation<'m, S, W, P> {
+        &mut self.skills.navigation
+    }
+
+    /// The leaf of the tree that is running since the last tick.
+    #[must_use]
+    pub fn activity(&self) -> Option<&'static str> {
+        let running = (0..NODES as u16).filter(|&node| self.memory.is_running(node));
+        running.filter_map(name).next()
+    }
+}
+
+/// What the action or inference node in row `node` of the tree does; `None` for the other nodes.
+const fn name(node: u16) -> Option<&'static str> {
+    match node {
+        3 => Some("Recharge"),
+        4 => Some("MoveToGoal"),
+        _ => None,
+    }
+}
+
+impl<'m, H, const S: usize, const W: usize, const P: usize> Robot<H> for Navigator<'m, S, W, P>
+where
+    H: Drive + Localiser + Scanner + Battery,
+{
+    type Message = Intention;
+
+    fn mission(&self) -> u64 {
+        self.skills.navigation.mission_id()
+    }
+
+    fn accepts(&self, intention: &Intention) -> Result<(), Invalid> {
+        self.skills.navigation.accepts(intention)
+    }
+
+    fn sense(&mut self, hardware: &mut H, _: Instant) {
+        self.skills.charge = hardware.charge();
+        self.percept.reading = hardware.locate();
+        self.percept.moving = hardware.is_moving();
+        self.percept.hazards.clear();
+        while !self.percept.hazards.is_full() {
+            let Some(hazard) = hardware.scan() else { break };
+            // There is room: the list is not full.
+            let _ = self.percept.hazards.push(hazard);
+        }
+    }
+
+    fn tick(&mut self, peers: Peers<'_, Intention>, now: Instant) -> Status {
+        let mut leaves = Ticking { skills: &mut self.skills, percept: &self.percept, peers };
+        TREE.tick(&mut self.memory, &mut leaves, now).status
+    }
+
+    fn act(&mut self, hardware: &mut H) {
+        if let Some(step) = self.skills.navigation.command() {
+            hardware.go(step);
+        }
+    }
+
+    fn message(&self) -> Intention {
+        self.skills.navigation.intention()
+    }
+}
+
+/// The skills in a tick, with what was sensed and heard.
+struct Ticking<'t, 'm, const S: usize, const W: usize, const P: usize> {
+    skills: &'t mut Skills<'m, S, W, P>,
+    percept: &'t Percept,
+    peers: Peers<'t, Intention>,
+}
+
+impl<const S: usize, const W: usize, const P: usize> Ticking<'_, '_, S, W, P> {
+    /// The robot takes no part until its battery is charged, and drives to its charger if it has one.
+    fn recharge(&mut self) -> Status {
+        if self.skills.charge >= self.skills.thresholds.charged {
+            return Status::Success;
+        }
+        self.skills.navigation.recharge(self.percept, self.peers);
+        Status::Running
+    }
+
+    fn move_to_goal(&mut self, now: Instant) -> Status {
+        let Skills { navigation, node, .. } = &mut *self.skills;
+        if navigation.step_aside(self.percept, self.peers) {
+            return Status::Running;
+        }
+        node.tick(navigation, self.percept, self.peers, now)
+    }
+}
+
+impl<const S: usize, const W: usize, const P: usize> Leaves<Skill> for Ticking<'_, '_, S, W, P> {
+    fn condition(&mut self, leaf: &Skill, _: Instant) -> bool {
+        *leaf == Skill::BatteryEnough && self.skills.charge >= self.skills.thresholds.low
+    }
+
+    fn on_start(&mut self, leaf: &Skill, now: Instant) -> Status {
+        self.on_running(leaf, now)
+    }
+
+    fn on_running(&mut self, leaf: &Skill, now: Instant) -> Status {
+        match leaf {
+            Skill::MoveToGoal => self.move_to_goal(now),
+            Skill::Recharge => self.recharge(),
+            Skill::BatteryEnough => Status::Failure,
+        }
+    }
+
+    fn on_halted(&mut self, leaf: &Skill, _: Instant) -> Halt {
+        match leaf {
+            Skill::MoveToGoal => self.skills.node.halt(&mut self.skills.navigation),
+            Skill::Recharge | Skill::BatteryEnough => {}
+        }
+        Halt::Done
+    }
+}

@@ -1,0 +1,70 @@
+//! What a task tells its teammates.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// The content of a frame: one robot's state and choice, as its task announces them.
+///
+/// A message is complete. A receiver that has the newest one needs none of those before it, so a
+/// frame that is lost costs time and nothing else.
+///
+/// ```
+/// use iibt_core::team::{Invalid, Message};
+/// use serde::{Deserialize, Serialize};
+///
+/// /// How open a valve is, in percent.
+/// #[derive(Clone, Serialize, Deserialize)]
+/// struct Valve {
+///     percent: u8,
+/// }
+///
+/// impl Message for Valve {
+///     const SCHEMA: &'static str = "valve: percent u8";
+///     const MAX_BYTES: usize = 1;
+///
+///     fn validate(&self) -> Result<(), Invalid> {
+///         if self.percent <= 100 { Ok(()) } else { Err(Invalid("the valve is more than open")) }
+///     }
+/// }
+///
+/// assert!(Valve { percent: 40 }.validate().is_ok());
+/// assert_eq!(Valve { percent: 140 }.validate().unwrap_err().0, "the valve is more than open");
+/// ```
+pub trait Message: Clone + Serialize + DeserializeOwned {
+    /// A description of the layout.
+    ///
+    /// Its hash is authenticated with every frame. Change the description with the layout, and
+    /// robots whose images disagree reject each other instead of misreading.
+    const SCHEMA: &'static str;
+
+    /// The longest encoding in bytes. More than [`MAX_MESSAGE`](super::MAX_MESSAGE) fails the build.
+    const MAX_BYTES: usize;
+
+    /// Checks that every value is in its range, for what the types alone do not say.
+    ///
+    /// Neither sender nor receiver lets a message pass that fails this check.
+    ///
+    /// # Errors
+    /// [`Invalid`] with the first value that is out of its range.
+    fn validate(&self) -> Result<(), Invalid> {
+        Ok(())
+    }
+
+    /// Whether the sender takes part in joint decisions now. One that does not is not connected.
+    fn takes_part(&self) -> bool {
+        true
+    }
+}
+
+/// The value of a message that no sender can mean, in words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Invalid(pub &'static str);
+
+impl core::fmt::Display for Invalid {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+impl core::error::Error for Invalid {}
