@@ -1,10 +1,10 @@
 //! A team on the bench: robots with the firmware's controllers in a world that is hard on them.
 
-use crate::rig::{Body, DEMO_KEY};
-use firmware::{Controller, Settings};
+use crate::rig::{Body, DEMO_KEY, settings};
+use firmware::{Controller, Navigator};
 use iibt_core::grid::{Cell, Map};
-use iibt_core::iibt::Mission;
-use iibt_core::team::{Intention, MAX_FRAME, RobotId, SipHash64, encode};
+use iibt_core::navigation::{Intention, Mission, Said};
+use iibt_core::team::{Context, MAX_FRAME, SipHash64, encode};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 
@@ -72,7 +72,8 @@ pub struct Outcome {
     pub lost: u32,
 }
 
-type Bench<'m> = Controller<'m, Body, 49, 2, 16>;
+/// A robot of the team.
+pub type Bench<'m> = Controller<Navigator<'m, 49, 2, 16>, Body>;
 
 /// A team in the air.
 #[derive(Debug)]
@@ -211,7 +212,7 @@ impl<'m> Team<'m> {
     /// Whoever is on its charger is charged quickly; a robot that has none slowly wherever it is, if batteries fall.
     fn charge_all(&mut self) {
         for robot in &mut self.robots {
-            let charger = robot.navigation().charger();
+            let charger = robot.robot().navigation().charger();
             let body = robot.hardware_mut();
             let gain = if charger == Some(body.cell) {
                 20
@@ -232,7 +233,7 @@ impl<'m> Team<'m> {
             self.errands[robot] += 1;
             let cell = Cell(self.random.below(self.map.len() as u32) as u16);
             // What it refuses it need not visit.
-            let _ = self.robots[robot].visit(cell);
+            let _ = self.robots[robot].robot_mut().navigation_mut().visit(cell);
         }
     }
 
@@ -273,9 +274,10 @@ impl<'m> Team<'m> {
     ///
     /// # Panics
     /// When no frame carries such an intention.
-    pub fn overhear(&mut self, intention: &Intention) {
+    pub fn overhear(&mut self, said: &Said) {
+        let context = Context::of::<Intention>(0, self.mission.id());
         let mut buffer = [0; MAX_FRAME];
-        let frame = encode(intention, &SipHash64::new(DEMO_KEY), &mut buffer).expect("it fits a frame");
+        let frame = encode(said, &SipHash64::new(DEMO_KEY), context, &mut buffer).expect("it fits a frame");
         for robot in &mut self.robots {
             robot.hardware_mut().inbox.extend(frame.iter());
         }
@@ -304,8 +306,9 @@ impl<'m> Team<'m> {
 }
 
 fn boot<'m>(mission: &'m Mission<'m, 2>, robot: usize, here: Cell, epoch: u32) -> Bench<'m> {
-    Bench::new(mission, RobotId(robot as u8), Settings::new(DEMO_KEY, epoch), Body::on(here))
-        .expect("a sound mission")
+    let settings = settings(robot as u8, mission.starts.len(), epoch);
+    let robot = Navigator::new(mission, &settings).expect("a sound mission");
+    Bench::new(robot, settings, Body::on(here))
 }
 
 /// The obstacles next to `here`, corners included, that the mission's map does not show.

@@ -13,9 +13,7 @@ use crate::scenario;
 use crate::tree::{Bound, Diagnostic};
 use firmware::{Controller, Robot, Settings, hardware};
 use iibt_core::iibt::Manipulation;
-use iibt_core::iibt::manipulation::{
-    Announcement, Command, Deed, Mission, MissionError, Percept, TEAM,
-};
+use iibt_core::iibt::manipulation::{Announcement, Command, Deed, Mission, MissionError, Percept, TEAM};
 use iibt_core::team::{Member, Peers, RobotId};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
