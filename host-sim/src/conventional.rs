@@ -56,7 +56,7 @@ use iibt_core::tree::{self, Basic, Halt, Leaves};
 pub(crate) struct Conventional<const S: usize, const W: usize> {
     body: Body,
     bound: &'static Bound,
-    memory: Vec<tree::Cell<Basic>>,
+    memory: Vec<tree::NodeMemory<Basic>>,
     navigator: Navigator<S, W>,
     roster: Roster,
     deframer: Deframer,
@@ -104,7 +104,7 @@ impl<const S: usize, const W: usize> Conventional<S, W> {
         Ok(Self {
             body: Body::default(),
             bound,
-            memory: (0..bound.nodes).map(|_| tree::Cell::NEW).collect(),
+            memory: (0..bound.nodes).map(|_| tree::NodeMemory::NEW).collect(),
             navigator: Navigator::new(orders),
             roster,
             deframer: Deframer::new(),

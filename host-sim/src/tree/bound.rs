@@ -4,13 +4,13 @@ use super::diagnostic::Diagnostic;
 use super::hooked::Leaf;
 use super::instance::Instance;
 use iibt_core::time::Instant;
-use iibt_core::tree::{Cell, Full, Halt, Leaves, Node as Kind, Row, Status, TreeRef};
+use iibt_core::tree::{NodeMemory, Full, Halt, Leaves, Node as Kind, Row, Status, TreeRef};
 
 /// A tree whose leaves are the program's `L`, with its memory.
 #[derive(Clone, Debug)]
 pub struct Bound<L> {
     rows: Vec<Row<u16>>,
-    memory: Vec<Cell<Full>>,
+    memory: Vec<NodeMemory<Full>>,
     /// For each hook of the table, the leaf it stands for.
     leaves: Vec<L>,
 }
@@ -25,7 +25,7 @@ impl Instance {
         let hooked = self.hooked()?;
         let one = |leaf: &Leaf| find(leaf).map_err(|reason| Diagnostic::error(&leaf.place, reason));
         Ok(Bound {
-            memory: hooked.rows.iter().map(|_| Cell::NEW).collect(),
+            memory: hooked.rows.iter().map(|_| NodeMemory::NEW).collect(),
             rows: hooked.rows.into_iter().map(Row::new).collect(),
             leaves: hooked.leaves.iter().map(one).collect::<Result<_, _>>()?,
         })

@@ -6,7 +6,7 @@ use super::lower::{Lowered, Rules, Task, linked};
 use super::player::Player;
 use super::statuses::{Statuses, name};
 use iibt_core::time::Instant;
-use iibt_core::tree::{Cell, Compat, Full, Kinds, Next, Status, Transition, TreeRef};
+use iibt_core::tree::{Compat, Full, Kinds, Next, NodeMemory, Status, Transition, TreeRef};
 use std::fmt::Write;
 
 /// How often a tree that asks for it is gone through in one tick; BehaviorTree.CPP has no bound.
@@ -92,7 +92,7 @@ impl DryRun<'_> {
             DryRecord { text: String::new(), ticks: Vec::new(), transitions: Vec::new(), error: None };
         let mut rows = linked(lowered);
         let Ok(tree) = TreeRef::<u16, K>::try_new(&mut rows) else { return record };
-        let mut memory: Vec<Cell<K>> = lowered.rows.iter().map(|_| Cell::NEW).collect();
+        let mut memory: Vec<NodeMemory<K>> = lowered.rows.iter().map(|_| NodeMemory::NEW).collect();
         for tick in 1..=self.ticks {
             let time = (tick - 1).wrapping_mul(self.tick_ms);
             let now = Instant(time);
@@ -120,7 +120,7 @@ impl DryRun<'_> {
 /// Goes through a tree as long as it runs and a node, or a timer that went off, asks for it.
 fn tick_once<K: Kinds>(
     tree: &TreeRef<'_, u16, K>,
-    memory: &mut [Cell<K>],
+    memory: &mut [NodeMemory<K>],
     player: &mut Player<'_>,
     now: Instant,
 ) -> Status {
