@@ -34,12 +34,13 @@ mod teammate;
 
 pub(crate) use leaves::Figure;
 
-use self::leaves::Bound;
+use self::leaves::Skill;
 use self::navigator::{Navigator, Orders};
 use self::teammate::Teammate;
 use crate::body::Body;
 use crate::robot::{Robot, shrunk};
 use crate::scenario::Scenario;
+use crate::tree::BoundTree;
 use firmware::hardware::{Battery, Drive, Link, Localiser, Scanner};
 use firmware::{ControllerError, Report, Settings};
 use heapless::Vec as Bounded;
@@ -50,13 +51,13 @@ use iibt_core::team::{
     RobotId, Roster, Round, SipHash64, encode,
 };
 use iibt_core::time::{Duration, Instant};
-use iibt_core::tree::{self, Basic, Halt, Leaves};
+use iibt_core::tree::{self, Full, Halt, Leaves};
 
 /// A robot that ticks a conventional tree.
 pub(crate) struct Conventional<const S: usize, const W: usize> {
     body: Body,
-    bound: &'static Bound,
-    memory: Vec<tree::NodeMemory<Basic>>,
+    tree: &'static BoundTree<Skill>,
+    memory: Vec<tree::NodeMemory<Full>>,
     navigator: Navigator<S, W>,
     roster: Roster,
     deframer: Deframer,
@@ -100,11 +101,11 @@ impl<const S: usize, const W: usize> Conventional<S, W> {
             charged: settings.charged,
             has_fixed_goals: is_for_two,
         };
-        let bound = figure.bound();
+        let tree = figure.tree();
         Ok(Self {
             body: Body::default(),
-            bound,
-            memory: (0..bound.nodes).map(|_| tree::NodeMemory::NEW).collect(),
+            tree,
+            memory: vec![tree::NodeMemory::NEW; tree.len()],
             navigator: Navigator::new(orders),
             roster,
             deframer: Deframer::new(),
@@ -120,8 +121,8 @@ impl<const S: usize, const W: usize> Conventional<S, W> {
     fn act(&mut self, now: Instant) {
         self.listen(now);
         self.sense(now);
-        let mut hands = Hands { bound: self.bound, navigator: &mut self.navigator };
-        let status = self.bound.tree.tick(&mut self.memory, &mut hands, now).status;
+        let mut hands = Hands { navigator: &mut self.navigator };
+        let status = self.tree.tick(&mut self.memory, &mut hands, now).status;
         if let Some(step) = self.navigator.release(status) {
             self.body.wheels.go(step);
         }
@@ -216,25 +217,23 @@ fn sound<'r, const W: usize>(roster: &'r Roster, map: &'r Map<W>) -> impl Iterat
 
 /// The skills as the leaves of the tree.
 struct Hands<'n, const S: usize, const W: usize> {
-    bound: &'static Bound,
     navigator: &'n mut Navigator<S, W>,
 }
 
-impl<const S: usize, const W: usize> Leaves<u16> for Hands<'_, S, W> {
-    fn condition(&mut self, leaf: &u16, _: Instant) -> bool {
-        self.bound.skill(*leaf).is_some_and(|skill| self.navigator.holds(skill))
+impl<const S: usize, const W: usize> Leaves<Skill> for Hands<'_, S, W> {
+    fn condition(&mut self, leaf: &Skill, _: Instant) -> bool {
+        self.navigator.holds(*leaf)
     }
 
-    fn on_start(&mut self, leaf: &u16, _: Instant) -> tree::Status {
-        let skill = self.bound.skill(*leaf);
-        skill.map_or(tree::Status::Failure, |skill| self.navigator.perform(skill))
+    fn on_start(&mut self, leaf: &Skill, _: Instant) -> tree::Status {
+        self.navigator.perform(*leaf)
     }
 
-    fn on_running(&mut self, leaf: &u16, now: Instant) -> tree::Status {
+    fn on_running(&mut self, leaf: &Skill, now: Instant) -> tree::Status {
         self.on_start(leaf, now)
     }
 
-    fn on_halted(&mut self, _: &u16, _: Instant) -> Halt {
+    fn on_halted(&mut self, _: &Skill, _: Instant) -> Halt {
         Halt::Done
     }
 }

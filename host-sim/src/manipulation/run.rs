@@ -9,12 +9,12 @@ use super::terms::{Terms, Trees, Trust};
 use super::world::{Spot, World};
 use crate::radio::{KEY, Radio};
 use crate::scenario;
-use crate::tree::{Bound, Diagnostic};
+use crate::tree::{BoundTree, Diagnostic};
 use iibt_core::iibt::Manipulation;
 use iibt_core::iibt::manipulation::{Command, Deed, Mission, MissionError, Percept, Place, State, TEAM};
 use iibt_core::team::{Deframer, Limits, MAX_FRAME, Numbering, RobotId, Roster, SipHash64, encode};
 use iibt_core::time::{Duration, Instant};
-use iibt_core::tree::Status;
+use iibt_core::tree::{Full, NodeMemory, Status};
 use std::fmt;
 
 /// How much of a run is kept.
@@ -88,7 +88,8 @@ fn check(terms: &Terms) -> Result<(), RunError> {
 
 /// One robot: its tree, what runs the leaves, and its end of the radio.
 struct Robot {
-    tree: Bound<Skill>,
+    tree: BoundTree<Skill>,
+    memory: Vec<NodeMemory<Full>>,
     skills: Box<dyn Skills>,
     deframer: Deframer,
     auth: SipHash64,
@@ -98,7 +99,7 @@ struct Robot {
 }
 
 impl Robot {
-    fn new(terms: &Terms, mission: Mission, index: u8, tree: Bound<Skill>) -> Result<Self, RunError> {
+    fn new(terms: &Terms, mission: Mission, index: u8, tree: BoundTree<Skill>) -> Result<Self, RunError> {
         let id = RobotId(index);
         let limits = Limits::for_beacons(Duration(1)).unwrap_or_else(|_| unreachable!("a tick is short"));
         let roster = Roster::new(id, TEAM, limits).unwrap_or_else(|_| unreachable!("a team of two"));
@@ -109,6 +110,7 @@ impl Robot {
             (_, Trust::Belief) => Box::new(Conventional::new(id, roster, Sense::believed(task))),
         };
         Ok(Self {
+            memory: vec![NodeMemory::NEW; tree.len()],
             tree,
             skills,
             deframer: Deframer::new(),
@@ -133,7 +135,7 @@ impl Robot {
         let (place, state) = self.reading.unzip();
         self.skills.roster_mut().expire(now);
         self.skills.perceive(Percept { now, place, state, busy });
-        self.status = self.tree.tick(&mut *self.skills, now);
+        self.status = self.tree.tick(&mut self.memory, &mut *self.skills, now).status;
         self.skills.command()
     }
 
@@ -216,7 +218,7 @@ impl Show<'_> {
                     Status::Failure => "failure",
                     Status::Running | Status::Skipped => "running",
                 },
-                leaf: robot.tree.running().map(|skill| skill.name()),
+                leaf: robot.tree.running(&robot.memory).map(|skill| skill.name()),
                 thought: robot.skills.task().map(Thought::of),
             }
         });

@@ -2,7 +2,7 @@
 
 use super::diagnostic::Diagnostic;
 use super::instance::{Instance, Node};
-use super::lower::{Lowered, Rules, Task, linked};
+use super::lower::{Lowered, Rules, Task};
 use super::player::Player;
 use super::statuses::{Statuses, name};
 use iibt_core::time::Instant;
@@ -90,16 +90,15 @@ impl DryRun<'_> {
     fn play<K: Kinds>(&self, lowered: &Lowered, mut player: Player<'_>) -> DryRecord {
         let mut record =
             DryRecord { text: String::new(), ticks: Vec::new(), transitions: Vec::new(), error: None };
-        let mut rows = linked(lowered);
-        let Ok(tree) = TreeRef::<u16, K>::try_new(&mut rows) else { return record };
-        let mut memory: Vec<NodeMemory<K>> = lowered.rows.iter().map(|_| NodeMemory::NEW).collect();
+        let Ok(tree) = lowered.tree::<K>() else { return record };
+        let mut memory = vec![NodeMemory::NEW; tree.len()];
         for tick in 1..=self.ticks {
             let time = (tick - 1).wrapping_mul(self.tick_ms);
             let now = Instant(time);
-            player.alarms.advance(now);
+            player.timers.advance(now);
             let status = match self.mode {
                 Mode::ExactlyOnce => tree.tick(&mut memory, &mut player, now).status,
-                Mode::Once => tick_once(&tree, &mut memory, &mut player, now),
+                Mode::Once => tick_once(&tree.by_ref(), &mut memory, &mut player, now),
             };
             record.line(&format!("tick {tick}"), &mut player.events, Some(status));
             record.ticks.push((time, status));
@@ -126,7 +125,7 @@ fn tick_once<K: Kinds>(
 ) -> Status {
     let mut tick = tree.tick(memory, player, now);
     for _ in 1..MAX_PASSES {
-        if tick.status != Status::Running || !(player.alarms.take() || tick.next == Next::Now) {
+        if tick.status != Status::Running || !(player.timers.take() || tick.next == Next::Now) {
             break;
         }
         tick = tree.tick(memory, player, now);

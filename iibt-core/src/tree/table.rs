@@ -80,7 +80,7 @@ impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
     /// The same tree, without its size in its type.
     #[must_use]
     pub const fn by_ref(&self) -> TreeRef<'_, L, K> {
-        TreeRef { rows: &self.rows, kinds: PhantomData }
+        TreeRef::linked(&self.rows)
     }
 
     /// Ticks the tree exactly once: one pass, starting or continuing what it leads to.
@@ -148,6 +148,11 @@ impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
 }
 
 impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
+    /// The tree over rows that are linked.
+    pub(super) const fn linked(rows: &'t [Row<L>]) -> Self {
+        Self { rows, kinds: PhantomData }
+    }
+
     /// The tree that `rows`, in preorder, describe. Unlike [`Tree::try_new`] it accepts nodes that no tick
     /// can reach; [`never_ticked`](Self::never_ticked) finds them.
     ///
@@ -155,7 +160,7 @@ impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
     /// The first row that breaks a [`Rule`].
     pub const fn try_new(rows: &'t mut [Row<L>]) -> Result<Self, TreeError> {
         match check::link(rows, K::FULL) {
-            Ok(()) => Ok(Self { rows, kinds: PhantomData }),
+            Ok(()) => Ok(Self::linked(rows)),
             Err(error) => Err(error),
         }
     }
