@@ -3,13 +3,13 @@
 use super::robot::Skills;
 use super::sense::Sense;
 use super::skill::Skill;
-use crate::tree::Bound;
+use crate::tree::BoundTree;
 use iibt_core::iibt::Manipulation;
 use iibt_core::iibt::manipulation::{Announcement, Command, Deed, Percept, Place, STATES, State, TEAM};
 use iibt_core::inference::Preference;
 use iibt_core::team::Peers;
 use iibt_core::time::Instant;
-use iibt_core::tree::{Halt, Leaves, Status};
+use iibt_core::tree::{Full, Halt, Leaves, NodeMemory, Status};
 
 /// A robot with a conventional tree.
 #[derive(Debug)]
@@ -54,8 +54,14 @@ impl Skills for Conventional {
         self.command
     }
 
-    fn tick(&mut self, tree: &mut Bound<Skill>, _: Peers<'_, Announcement>, now: Instant) -> Status {
-        tree.tick(self, now)
+    fn tick(
+        &mut self,
+        tree: &BoundTree<Skill>,
+        memory: &mut [NodeMemory<Full>],
+        _: Peers<'_, Announcement>,
+        now: Instant,
+    ) -> Status {
+        tree.tick(memory, self, now).status
     }
 
     fn announcement(&self) -> Announcement {

@@ -1,21 +1,27 @@
 //! A robot: a tree from a file, and the skills behind its leaves.
 
 use super::skill::Skill;
-use crate::tree::Bound;
+use crate::tree::BoundTree;
 use iibt_core::iibt::Manipulation;
 use iibt_core::iibt::manipulation::{Announcement, Command, Percept, STATES, TEAM};
 use iibt_core::iibt::{Node, Task as _};
 use iibt_core::inference::Preference;
 use iibt_core::team::Peers;
 use iibt_core::time::{Duration, Instant};
-use iibt_core::tree::{Halt, Leaves, Status};
+use iibt_core::tree::{Full, Halt, Leaves, NodeMemory, Status};
 
 /// What a robot with a tree knows and can do; with the teammates as they stand, its leaves.
 pub(super) trait Skills {
     /// Takes in what was sensed and heard.
     fn perceive(&mut self, percept: Percept, peers: Peers<'_, Announcement>);
     /// Ticks the tree.
-    fn tick(&mut self, tree: &mut Bound<Skill>, peers: Peers<'_, Announcement>, now: Instant) -> Status;
+    fn tick(
+        &mut self,
+        tree: &BoundTree<Skill>,
+        memory: &mut [NodeMemory<Full>],
+        peers: Peers<'_, Announcement>,
+        now: Instant,
+    ) -> Status;
     /// What the body is to do.
     fn command(&self) -> Option<Command>;
     /// What the teammate is told.
@@ -48,8 +54,14 @@ impl Skills for Inferring {
         self.task.perceive(percept, peers);
     }
 
-    fn tick(&mut self, tree: &mut Bound<Skill>, peers: Peers<'_, Announcement>, now: Instant) -> Status {
-        tree.tick(&mut Ticking { skills: self, peers }, now)
+    fn tick(
+        &mut self,
+        tree: &BoundTree<Skill>,
+        memory: &mut [NodeMemory<Full>],
+        peers: Peers<'_, Announcement>,
+        now: Instant,
+    ) -> Status {
+        tree.tick(memory, &mut Ticking { skills: self, peers }, now).status
     }
 
     fn command(&self) -> Option<Command> {

@@ -10,13 +10,13 @@ use super::world::{Spot, World};
 use crate::body::{Antenna, Clock};
 use crate::radio::{KEY, Radio};
 use crate::scenario;
-use crate::tree::{Bound, Diagnostic};
+use crate::tree::{BoundTree, Diagnostic};
 use firmware::{Controller, Robot, Settings, hardware};
 use iibt_core::iibt::Manipulation;
 use iibt_core::iibt::manipulation::{Announcement, Command, Deed, Mission, MissionError, Percept, TEAM};
 use iibt_core::team::{Member, Peers, RobotId};
 use iibt_core::time::Instant;
-use iibt_core::tree::Status;
+use iibt_core::tree::{Full, NodeMemory, Status};
 use std::fmt;
 use std::num::NonZero;
 
@@ -94,7 +94,8 @@ fn check(terms: &Terms) -> Result<(), RunError> {
 
 /// One robot: its tree, and what runs the leaves.
 struct Arm {
-    tree: Bound<Skill>,
+    tree: BoundTree<Skill>,
+    memory: Vec<NodeMemory<Full>>,
     skills: Box<dyn Skills>,
     status: Status,
     percept: Percept,
@@ -125,14 +126,15 @@ impl hardware::Clock for Body {
 }
 
 impl Arm {
-    fn new(terms: &Terms, mission: Mission, index: u8, tree: Bound<Skill>) -> Result<Self, RunError> {
+    fn new(terms: &Terms, mission: Mission, index: u8, tree: BoundTree<Skill>) -> Result<Self, RunError> {
         let task = Manipulation::new(mission, RobotId(index)).map_err(RunError::Mission)?;
         let skills: Box<dyn Skills> = match (terms.trees, terms.trust) {
             (Trees::Inference, _) => Box::new(Inferring::new(task)),
             (_, Trust::Equal(enough)) => Box::new(Conventional::new(Sense::debounced(enough))),
             (_, Trust::Belief) => Box::new(Conventional::new(Sense::believed(task))),
         };
-        Ok(Self { tree, skills, status: Status::Running, percept: Percept::default() })
+        let memory = vec![NodeMemory::NEW; tree.len()];
+        Ok(Self { tree, memory, skills, status: Status::Running, percept: Percept::default() })
     }
 }
 
@@ -145,7 +147,7 @@ impl Robot<Body> for Arm {
 
     fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
         self.skills.perceive(self.percept, peers);
-        self.status = self.skills.tick(&mut self.tree, peers, now);
+        self.status = self.skills.tick(&self.tree, &mut self.memory, peers, now);
         self.status
     }
 
@@ -236,7 +238,7 @@ impl Show<'_> {
                     Status::Failure => "failure",
                     Status::Running | Status::Skipped => "running",
                 },
-                leaf: robot.tree.running().map(|skill| skill.name()),
+                leaf: robot.tree.running(&robot.memory).map(|skill| skill.name()),
                 thought: robot
                     .skills
                     .task()
