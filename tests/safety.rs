@@ -221,6 +221,27 @@ fn nonsense(random: &mut Random, sequence: u32) -> Said {
     Said { sender: RobotId(2), stamp: Stamp { epoch: 9, sequence }, message }
 }
 
+/// The ticks after which the team of the factory has arrived.
+fn arrival(hardship: Hardship) -> u32 {
+    let (starts, goals) = ([Cell(28), Cell(2), Cell(45)], [Cell(24), Cell(26), Cell(32)]);
+    let mission = Mission::new(reproduce::map(), &starts, &goals);
+    let outcome = Team::new(&mission, hardship, 3).fly(200);
+    assert_eq!(outcome.collisions, 0);
+    outcome.arrived.expect("it arrives")
+}
+
+#[test]
+fn noise_on_the_line_makes_no_team_deaf() {
+    let usual = arrival(Hardship::default());
+    for stray in [1, 3, 200] {
+        let noisy = arrival(Hardship { stray, ..Hardship::default() });
+        assert!(noisy <= 2 * usual, "{stray} bytes before every frame: {noisy} ticks in place of {usual}");
+    }
+    // A line of 115,200 baud carries 1,152 bytes in a tick of 100 ms.
+    let flooded = arrival(Hardship { garbage: 1152, ..Hardship::default() });
+    assert!(flooded <= 2 * usual, "garbage at line rate: {flooded} ticks in place of {usual}");
+}
+
 #[test]
 fn with_a_teammate_that_talks_nonsense_nobody_breaks() {
     let (starts, goals) = ([Cell(28), Cell(2), Cell(45)], [Cell(24), Cell(26), Cell(32)]);

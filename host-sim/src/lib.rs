@@ -48,6 +48,7 @@ mod series;
 pub mod show;
 pub mod statistics;
 mod team;
+mod testbed;
 pub mod tree;
 mod words;
 mod workers;
@@ -66,7 +67,8 @@ pub use scenario::{
     Wear, When,
 };
 pub use series::{Mission, Series, fly_series};
-pub use team::Pilot;
+pub use team::{Pilot, TeamError};
+pub use testbed::{Simulated, Testbed};
 
 /// The code in the README and in the documents is compiled and run with the tests.
 #[cfg(doctest)]

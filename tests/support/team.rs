@@ -47,6 +47,10 @@ pub struct Hardship {
     pub delay: u32,
     /// The probability that a frame arrives twice.
     pub duplicates: f64,
+    /// The bytes of noise on each robot's line before each frame, none of them a delimiter.
+    pub stray: usize,
+    /// The random bytes on each robot's line in each tick.
+    pub garbage: usize,
     /// The probability that a move fails and the robot stays.
     pub slip: f64,
     /// The probability per robot and tick of a restart.
@@ -162,7 +166,12 @@ impl<'m> Team<'m> {
         self.on_air = later;
         let due: Vec<(u32, usize, Vec<u8>)> = due;
         for (_, to, frame) in due {
-            self.robots[to].hardware_mut().inbox.extend(frame);
+            let stray: Vec<u8> = (0..self.hardship.stray).map(|_| self.random.bits() as u8 | 1).collect();
+            self.robots[to].hardware_mut().inbox.extend(stray.into_iter().chain(frame));
+        }
+        for robot in &mut self.robots {
+            let garbage = (0..self.hardship.garbage).map(|_| self.random.bits() as u8);
+            robot.hardware_mut().inbox.extend(garbage);
         }
     }
 
