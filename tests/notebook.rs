@@ -313,7 +313,7 @@ fn a_broken_table_is_named_with_its_column() {
         of(likelihood, "0.08, ", ""),
         "model.json: A[2] is ragged: A[2][0][1] has 3 entries, A[2][0][0] has 4"
     );
-    assert_eq!(of(likelihood, "0.08", "0.08,"), "model.json:18:43: ',' where a value should be");
+    assert_eq!(of(likelihood, "0.08", "0.08,"), "model.json:18:43: expected value, found ','");
     assert_eq!(of("\"B\"", "[1,", "[0.9,"), "model.json: B[0] column (0, 0) sums to 0.9, not to 1");
 }
 
