@@ -37,7 +37,7 @@ use self::motion::{MOVES, Motion};
 use super::Logic;
 use crate::bounded::up_to;
 use crate::grid::{Cell, Move};
-use crate::inference::{Beliefs, Choice, Impossible, Preference};
+use crate::inference::{Beliefs, Choice, ObservationError, Preference};
 use crate::math;
 use crate::team::{Agreement, Intention, MAX_HAZARDS, Peer, RobotId, Roster};
 use crate::time::Instant;
@@ -66,7 +66,7 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     agreement: Agreement,
     belief: Beliefs<S, 1>,
     motion: Motion,
-    surprise: Result<f32, Impossible>,
+    surprise: Result<f32, ObservationError>,
     preference: Preference<S>,
     hazards: Vec<Cell, MAX_KNOWN_HAZARDS>,
     waypoints: Vec<Cell, MAX_WAYPOINTS>,
@@ -210,8 +210,8 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
     /// The surprise F = -ln P(o) of the last reading, in nats, or that it was impossible.
     ///
     /// # Errors
-    /// [`Impossible`] when the reading had probability zero; the belief was left as it was.
-    pub const fn surprise(&self) -> Result<f32, Impossible> {
+    /// [`ObservationError`] when the reading had probability zero; the belief was left as it was.
+    pub const fn surprise(&self) -> Result<f32, ObservationError> {
         self.surprise
     }
 
