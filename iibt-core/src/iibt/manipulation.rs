@@ -41,7 +41,7 @@ pub use model::{RESULT_PREFERENCE, RESULTS};
 use self::model::{EMPTY, HOLDS, Own, PLACED as IS_PLACED, state};
 use self::tracking::Tracking;
 use super::Logic;
-use crate::inference::{Impossible, Preference};
+use crate::inference::{ObservationError, Preference};
 use crate::math;
 use crate::team::{Peers, RobotId};
 use crate::tree;
@@ -238,8 +238,8 @@ impl Manipulation {
     /// F of the last readings, the surprise -ln P(o), in nats.
     ///
     /// # Errors
-    /// [`Impossible`] when they had probability zero; the belief was left as it was.
-    pub const fn surprise(&self) -> Result<f32, Impossible> {
+    /// [`ObservationError`] when they had probability zero; the belief was left as it was.
+    pub const fn surprise(&self) -> Result<f32, ObservationError> {
         self.tracking.surprise()
     }
 

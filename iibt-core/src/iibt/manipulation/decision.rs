@@ -38,8 +38,8 @@ impl Question<'_> {
     pub(super) fn decide(&self) -> Option<Decision> {
         model::with_decision(self.preset, self.placer, |model| {
             let other = 1 - self.own.min(1);
-            let mut beliefs = Beliefs::<STATES, 2>::prior(model);
-            beliefs.set(model, self.own, &self.states);
+            let mut beliefs = Beliefs::<STATES, 2>::try_prior(model).unwrap_or(Beliefs::EMPTY);
+            let _ = beliefs.set(model, self.own, &self.states);
             if let Some(said) = self.teammate {
                 // A message is read like a sensor; no outcome is impossible to this one.
                 let _ = beliefs.observe(model, other, Evidence::Outcome(said.state as usize));
@@ -73,7 +73,7 @@ impl Question<'_> {
             )
         };
         let mut evaluation = Evaluation::<STATES, 2, STATES, STATES>::new();
-        evaluation.evaluate(&problem);
+        let _ = evaluation.evaluate(&problem);
         let posterior = evaluation.posterior();
         core::array::from_fn(|policy| at_or_zero(posterior.as_flattened(), policy))
     }

@@ -4,7 +4,7 @@ use super::deed::{Command, Deed, STATES, State};
 use super::mission::Place;
 use super::model::{GRIPS, Own, PLACES, state};
 use crate::actions::Action;
-use crate::inference::{Beliefs, Evidence, Impossible};
+use crate::inference::{Beliefs, Evidence, ObservationError};
 use crate::math;
 
 const PLACE: usize = 0;
@@ -15,7 +15,7 @@ const GRIP: usize = 1;
 pub(super) struct Tracking {
     own: Own,
     beliefs: Beliefs<PLACES, 2>,
-    surprise: Result<f32, Impossible>,
+    surprise: Result<f32, ObservationError>,
 }
 
 impl Tracking {
@@ -23,7 +23,8 @@ impl Tracking {
     const DOUBT: f32 = 1e-4;
 
     pub(super) fn new(own: Own) -> Self {
-        let beliefs = own.with_model(Beliefs::prior).unwrap_or(Beliefs::EMPTY);
+        let beliefs =
+            own.with_model(|model| Beliefs::try_prior(model).ok()).flatten().unwrap_or(Beliefs::EMPTY);
         Self { own, beliefs, surprise: Ok(0.0) }
     }
 
@@ -35,11 +36,11 @@ impl Tracking {
         let (beliefs, surprise) = (&mut self.beliefs, &mut self.surprise);
         self.own.with_model(|model| {
             if let Some(command) = ended {
-                beliefs.predict(model, &[Some(command.deed as Action)]);
+                let _ = beliefs.predict(model, &[Some(command.deed as Action)]);
             }
             let mut doubt = *beliefs;
-            doubt.set(model, PLACE, &[1.0; PLACES]);
-            doubt.set(model, GRIP, &[1.0; GRIPS]);
+            let _ = doubt.set(model, PLACE, &[1.0; PLACES]);
+            let _ = doubt.set(model, GRIP, &[1.0; GRIPS]);
             beliefs.mix(&doubt, Self::DOUBT);
             let place = place.map_or(Evidence::Missing, |place| Evidence::Outcome(place as usize));
             let state = state.map_or(Evidence::Missing, |state| Evidence::Outcome(state as usize));
@@ -48,7 +49,7 @@ impl Tracking {
     }
 
     /// F of the last readings, in nats.
-    pub(super) const fn surprise(&self) -> Result<f32, Impossible> {
+    pub(super) const fn surprise(&self) -> Result<f32, ObservationError> {
         self.surprise
     }
 
