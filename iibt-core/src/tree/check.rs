@@ -4,7 +4,27 @@
 use super::node::{Millis, Node};
 use super::row::{ASK, LATER, MAX_DEPTH, MAX_NODES, NONE, Row, UP};
 
-/// A rule that a table broke.
+/// A rule for tables, as the reason why one is no tree.
+///
+/// ```
+/// use iibt_core::tree::{Full, Millis, Node, Rule, Tree};
+/// use Node::*;
+///
+/// fn broken<const N: usize>(nodes: [Node<()>; N]) -> Option<Rule> {
+///     Tree::<(), N, Full>::try_new(nodes).err().map(|error| error.rule)
+/// }
+///
+/// assert_eq!(broken([Sequence(1), Action(())]), None);
+/// assert_eq!(broken([]), Some(Rule::Empty));
+/// assert_eq!(broken([Sequence(0)]), Some(Rule::NoChildren));
+/// assert_eq!(broken([Sequence(2), Action(())]), Some(Rule::MissingChildren));
+/// assert_eq!(broken([Action(()), Action(())]), Some(Rule::Unreachable));
+/// assert_eq!(broken([IfThenElse(1), Action(())]), Some(Rule::Arity));
+/// assert_eq!(broken([RateController(Millis::new(0)), Action(())]), Some(Rule::Duration));
+/// assert_eq!(broken([Fallback(2), AlwaysSuccess, Action(())]), Some(Rule::NeverTicked));
+/// let three = Parallel { children: 1, success_count: 3, failure_count: 1 };
+/// assert_eq!(broken([three, Action(())]), Some(Rule::SuccessCount));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rule {
@@ -40,7 +60,16 @@ pub enum Rule {
     NeverTicked,
 }
 
-/// A table that is no tree: the first row that breaks a rule.
+/// The error of a table that is no tree: the first row that breaks a rule.
+///
+/// ```
+/// use iibt_core::tree::{Node, Rule, Tree, TreeError};
+///
+/// let error = Tree::<_, 3>::try_new([Node::Sequence(2), Node::Action("fetch"), Node::Fallback(0)]);
+/// let error = error.unwrap_err();
+/// assert_eq!(error, TreeError { node: 2, rule: Rule::NoChildren });
+/// assert_eq!(error.to_string(), "node 2: a composite of a behavior tree has no children");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TreeError {
