@@ -1,9 +1,9 @@
 //! Behavior trees as flat constant tables: no heap, no recursion, bounded time.
 //!
 //! A tree is a table of nodes in preorder that lives in flash, eight bytes a node for leaf names of
-//! up to two. What it remembers between two ticks is kept apart, in a [`Memory`], so that any number
-//! of robots share one table. The nodes are those of BehaviorTree.CPP 4.10 and four of Nav2, and mean
-//! the same; [`Node`] says what each does.
+//! up to two. What it remembers between two ticks is kept apart, in a [`Memory`], so that any
+//! number of robots share one table. The nodes are those of BehaviorTree.CPP 4.10 and four of Nav2,
+//! and mean the same; [`Node`] says what each does.
 //!
 //! | set | kinds of nodes | RAM a node |
 //! |---|---|---|
@@ -49,9 +49,9 @@
 //! ```
 //!
 //! # Blackboard
-//! The blackboard is the caller's. Leaves are named by values of any type, mostly an enum. What they
-//! share are the fields of the type that implements [`Leaves`], and their ports are the fields of the
-//! leaf's own value:
+//! The blackboard is the caller's. Leaves are named by values of any type, mostly an enum. What
+//! they share are the fields of the type that implements [`Leaves`], and their ports are the fields
+//! of the leaf's own value:
 //!
 //! ```
 //! # use iibt_core::time::Instant;
@@ -91,11 +91,12 @@
 //!
 //! # Ticks
 //! [`Tree::tick`] makes exactly one pass. [`Tree::tick_until_idle`] goes on while a node yields, up to
-//! a bound. Time is an argument, a wrapping counter of milliseconds. [`Tick::next`] says when another
-//! tick can change something, so that a controller can sleep until then or until an interrupt.
+//! a bound. Time is an argument, a wrapping counter of milliseconds. [`Tick::next`] says when
+//! another tick can change something, so that a controller can sleep until then or until an
+//! interrupt.
 //!
-//! A pass needs no stack that grows with the tree and visits at most [`Tree::visits`] nodes, which is
-//! a constant: each once, but for loops whose child was running before (one round more) and a
+//! A pass needs no stack that grows with the tree and visits at most [`Tree::visits`] nodes, which
+//! is a constant: each once, but for loops whose child was running before (one round more) and a
 //! recovery (as often as it retries). Loops yield after every other round, so `Repeat` without end
 //! cannot hold a tick up. Each halt looks at each node below it once, and finding the deadline at
 //! each node of the tree once.

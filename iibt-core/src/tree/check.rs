@@ -65,8 +65,8 @@ pub enum Rule {
 /// ```
 /// use iibt_core::tree::{Node, Rule, Tree, TreeError};
 ///
-/// let error = Tree::<_, 3>::try_new([Node::Sequence(2), Node::Action("fetch"), Node::Fallback(0)]);
-/// let error = error.unwrap_err();
+/// let nodes = [Node::Sequence(2), Node::Action("fetch"), Node::Fallback(0)];
+/// let error = Tree::<_, 3>::try_new(nodes).unwrap_err();
 /// assert_eq!(error, TreeError { node: 2, rule: Rule::NoChildren });
 /// assert_eq!(error.to_string(), "node 2: a composite of a behavior tree has no children");
 /// ```
@@ -81,8 +81,9 @@ pub struct TreeError {
 
 /// Links the rows of a table in preorder.
 ///
-/// `open` is the innermost row that misses children and lies past the end of the table when none does. Until a
-/// row has all its children, its links are the row of its parent and how many of them are still to come.
+/// `open` is the innermost row that misses children and lies past the end of the table when none
+/// does. Until a row has all its children, its links are the row of its parent and how many of them
+/// are still to come.
 pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeError> {
     if rows.is_empty() {
         return Err(TreeError { node: 0, rule: Rule::Empty });
@@ -139,8 +140,8 @@ const fn links<L>(node: &Node<L>, parent: u16, sibling: u16) -> [u16; 2] {
     }
 }
 
-/// The rule that a node in row `at` breaks, whatever it is, below `depth` levels, of which the lowest
-/// is `open` for a child.
+/// The rule that a node in row `at` breaks, whatever it is, below `depth` levels, of which the
+/// lowest is `open` for a child.
 const fn placed_wrongly(at: usize, open: bool, depth: usize) -> Option<Rule> {
     if at > 0 && !open {
         Some(Rule::Unreachable)
@@ -193,8 +194,8 @@ const fn next<L>(rows: &[Row<L>], child: usize) -> usize {
     }
 }
 
-/// How many nodes one pass visits at the most. For each row, `most` gets the number below it if the node was
-/// running before, and if it was idle.
+/// How many nodes one pass visits at the most. For each row, `most` gets the number below it if the
+/// node was running before, and if it was idle.
 pub(super) const fn visits<L>(rows: &[Row<L>], most: &mut [(u32, u32)]) -> u32 {
     let mut at = rows.len();
     while at > 0 {
@@ -326,7 +327,8 @@ const fn chain<L>(rows: &[Row<L>], can: &[u8], at: usize, passing: u8) -> (u8, u
     (set | if some_pass { passing } else { 0 } | if all_skip { K } else { 0 }, NONE as usize)
 }
 
-/// The outcomes of a node with a condition in row `at + 1` and one or two branches from row `second` on.
+/// The outcomes of a node with a condition in row `at + 1` and one or two branches from row
+/// `second` on.
 const fn branches<L>(rows: &[Row<L>], can: &[u8], at: usize, second: usize) -> (u8, usize) {
     let condition = can[at + 1];
     let third = next(rows, second);

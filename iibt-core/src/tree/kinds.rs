@@ -52,7 +52,9 @@ pub enum Full {}
 ///
 /// /// How often a precondition is asked in three ticks of its running child.
 /// fn asked<K: Kinds>() -> u32 {
-///     let tree: Tree<(), 2, K> = iibt_core::tree! { Precondition((), Status::Failure) { Action(()) } };
+///     let tree: Tree<(), 2, K> = iibt_core::tree! {
+///         Precondition((), Status::Failure) { Action(()) }
+///     };
 ///     let (mut leaves, mut memory) = (Asked(0), Memory::new());
 ///     for tick in 0..3 {
 ///         tree.tick(&mut memory, &mut leaves, Instant(tick));

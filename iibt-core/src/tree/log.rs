@@ -30,8 +30,8 @@ pub struct Transition {
 impl Transition {
     /// The record of BehaviorTree.CPP's `.btlog` files.
     ///
-    /// It has 6 bytes of microseconds since `start` and 2 of the unique identifier, least significant
-    /// first, and the code of the status.
+    /// It has 6 bytes of microseconds since `start` and 2 of the unique identifier, least
+    /// significant first, and the code of the status.
     ///
     /// Times count as milliseconds; the file can tell 49 days apart.
     #[must_use]

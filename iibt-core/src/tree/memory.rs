@@ -32,7 +32,8 @@ use super::status::Status;
 /// assert_eq!(WORK.tick(&mut first, &mut robot, Instant(0)).status, Status::Running);
 /// assert!(first.is_running(0) && first.is_running(2) && !first.is_running(1));
 /// assert!(second.is_idle());
-/// assert_eq!(WORK.tick(&mut second, &mut Robot { holds: false }, Instant(0)).status, Status::Running);
+/// let mut other = Robot { holds: false };
+/// assert_eq!(WORK.tick(&mut second, &mut other, Instant(0)).status, Status::Running);
 ///
 /// assert_eq!(WORK.tick(&mut first, &mut robot, Instant(1)).status, Status::Success);
 /// assert!(first.is_idle() && !second.is_idle());
@@ -130,7 +131,8 @@ pub(super) struct Slot(u32);
 
 impl Slot {
     pub(super) const IDLE: Self = Self(0);
-    /// Running, with nothing else to remember: a leaf, or a node that begins at its first child every time.
+    /// Running, with nothing else to remember: a leaf, or a node that begins at its first child
+    /// every time.
     pub(super) const RUNNING: Self = Self(1);
     pub(super) const STOPPING_LEAF: Self = Self(STOPPING);
 

@@ -8,7 +8,8 @@ use super::status::Status;
 /// many children follow. The rules are those of BehaviorTree.CPP 4.10 and, for the four nodes named
 /// so, of Nav2; the [module](super) lists where they differ.
 ///
-/// The kinds up to [`Inverter`](Self::Inverter) make the [`Basic`](super::Basic) set. The others need
+/// The kinds up to [`Inverter`](Self::Inverter) make the [`Basic`](super::Basic) set. The others
+/// need
 /// [`Full`](super::Full). The examples tick each tree once, with leaves that return what they are
 /// called:
 ///
@@ -64,18 +65,24 @@ use super::status::Status;
 /// assert_eq!(tick(tree! { Sequence { Action(Skipped), Action(Skipped) } }), Skipped);
 ///
 /// // Parallel nodes tick every child: two of three must succeed; one failure is one too many.
-/// assert_eq!(tick(tree! { Parallel(2, 1) { Action(Success), Action(Running), Action(Success) } }), Success);
-/// assert_eq!(tick(tree! { Parallel(2, 1) { Action(Success), Action(Running), Action(Failure) } }), Failure);
+/// let tree = tree! { Parallel(2, 1) { Action(Success), Action(Running), Action(Success) } };
+/// assert_eq!(tick(tree), Success);
+/// let tree = tree! { Parallel(2, 1) { Action(Success), Action(Running), Action(Failure) } };
+/// assert_eq!(tick(tree), Failure);
 /// assert_eq!(tick(tree! { Parallel(-1, 1) { Action(Success), Action(Running) } }), Running);
 /// assert_eq!(tick(tree! { ParallelAll(1) { Action(Failure), Action(Success) } }), Failure);
 /// assert_eq!(tick(tree! { ParallelAll(2) { Action(Failure), Action(Success) } }), Success);
 ///
 /// // Branches.
-/// assert_eq!(tick(tree! { IfThenElse { Condition(Success), Action(Running), Action(Failure) } }), Running);
-/// assert_eq!(tick(tree! { IfThenElse { Condition(Failure), Action(Running), Action(Success) } }), Success);
+/// let tree = tree! { IfThenElse { Condition(Success), Action(Running), Action(Failure) } };
+/// assert_eq!(tick(tree), Running);
+/// let tree = tree! { IfThenElse { Condition(Failure), Action(Running), Action(Success) } };
+/// assert_eq!(tick(tree), Success);
 /// assert_eq!(tick(tree! { IfThenElse { Condition(Failure), Action(Running) } }), Failure);
-/// assert_eq!(tick(tree! { WhileDoElse { Condition(Success), Action(Running), Action(Failure) } }), Running);
-/// assert_eq!(tick(tree! { Switch(Success) { Action(Failure), Action(Running), Action(Success) } }), Running);
+/// let tree = tree! { WhileDoElse { Condition(Success), Action(Running), Action(Failure) } };
+/// assert_eq!(tick(tree), Running);
+/// let tree = tree! { Switch(Success) { Action(Failure), Action(Running), Action(Success) } };
+/// assert_eq!(tick(tree), Running);
 ///
 /// // Decorators change what their child returns, or repeat it.
 /// assert_eq!(tick(tree! { Inverter { Action(Success) } }), Failure);
@@ -110,8 +117,8 @@ pub enum Node<L> {
     #[doc(alias("predicate", "check"))]
     Condition(L),
 
-    /// Succeeds when all its children have succeeded and fails with the first that fails. Resumes at
-    /// the child that was running.
+    /// Succeeds when all its children have succeeded and fails with the first that fails. Resumes
+    /// at the child that was running.
     #[doc(alias("and", "sequence"))]
     Sequence(u8),
     /// Succeeds with the first child that succeeds and fails when all have failed. Resumes at the
@@ -128,8 +135,8 @@ pub enum Node<L> {
     #[doc(alias("not", "decorator", "negation"))]
     Inverter,
 
-    /// A sequence that, after a failure or a halt, goes on at the child it had come to. Yields after
-    /// each child that finishes in its first tick.
+    /// A sequence that, after a failure or a halt, goes on at the child it had come to. Yields
+    /// after each child that finishes in its first tick.
     #[doc(alias = "SequenceStar")]
     SequenceWithMemory(u8),
     /// A sequence that yields after each child that succeeds in its first tick, so that it can be
@@ -137,8 +144,9 @@ pub enum Node<L> {
     AsyncSequence(u8),
     /// A fallback that yields after each child that fails in its first tick.
     AsyncFallback(u8),
-    /// Ticks all its children that have not finished, in order, until enough have succeeded or failed.
-    /// Then it halts the rest. A negative count counts from all of them: -1 all, -2 all but one.
+    /// Ticks all its children that have not finished, in order, until enough have succeeded or
+    /// failed. Then it halts the rest. A negative count counts from all of them: -1 all, -2 all but
+    /// one.
     #[doc(alias("concurrent", "threshold"))]
     Parallel {
         /// The number of children, 127 at the most.
@@ -148,16 +156,16 @@ pub enum Node<L> {
         /// The number of failures with which it fails.
         failure_count: i8,
     },
-    /// Ticks its children until all have finished. Then it fails if at least `max_failures` (negative:
-    /// as in [`Parallel`](Self::Parallel)) have failed.
+    /// Ticks its children until all have finished. Then it fails if at least `max_failures`
+    /// (negative: as in [`Parallel`](Self::Parallel)) have failed.
     ParallelAll {
         /// The number of children, 127 at the most.
         children: u8,
         /// The number of failures with which it fails.
         max_failures: i8,
     },
-    /// Ticks its second child if the first succeeds, else its third or, without one, fails. The first
-    /// is not asked again while the chosen child runs.
+    /// Ticks its second child if the first succeeds, else its third or, without one, fails. The
+    /// first is not asked again while the chosen child runs.
     #[doc(alias = "branch")]
     IfThenElse(u8),
     /// Like [`IfThenElse`](Self::IfThenElse), but asks the first child at every tick and halts the
@@ -210,8 +218,8 @@ pub enum Node<L> {
     /// Nav2: starts its child at most once in a period and is running meanwhile.
     #[doc(alias = "throttle")]
     RateController(Millis),
-    /// Marks the place where another tree was put in, and passes its child's status on. It keeps the
-    /// numbering of BehaviorTree.CPP, where such a node has a number of its own.
+    /// Marks the place where another tree was put in, and passes its child's status on. It keeps
+    /// the numbering of BehaviorTree.CPP, where such a node has a number of its own.
     SubTree,
 
     /// Succeeds at once.

@@ -61,8 +61,8 @@ impl From<bool> for Status {
 
 /// Whether an action, or a tree, that was told to stop has stopped.
 ///
-/// An action that needs several ticks to stop answers [`Halt::Pending`] until it has. Until then nothing
-/// else is ticked.
+/// An action that needs several ticks to stop answers [`Halt::Pending`] until it has. Until then
+/// nothing else is ticked.
 ///
 /// ```
 /// use iibt_core::time::Instant;
@@ -161,7 +161,8 @@ pub struct Tick {
 pub enum Next {
     /// At once: a node has yielded, or an action is still stopping.
     Now,
-    /// At this time a timer of the tree, or an action that knows when, is due; an event may come before.
+    /// At this time a timer of the tree, or an action that knows when, is due; an event may come
+    /// before.
     At(Instant),
     /// When an event changes what a leaf returns; the tree waits for no time.
     Event,
