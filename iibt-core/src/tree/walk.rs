@@ -1,11 +1,12 @@
 //! One walk of a tree's table for every set of kinds.
 //!
-//! It goes down the table and comes back along the [links](super::row), so it needs no stack. It asks each node's
-//! rules what they decide, and does it. It ends whatever the memory holds: a node is entered again in the
-//! same pass only when a count has grown or a child that was running no longer is.
+//! It goes down the table and comes back along the [links](super::row), so it needs no stack. It
+//! asks each node's rules what they decide, and does it. It ends whatever the memory holds: a node
+//! is entered again in the same pass only when a count has grown or a child that was running no
+//! longer is.
 //!
-//! A set leaves its kinds out at compile time: in the basic set no branch of another kind is left, and a
-//! sequence or fallback that was not running is passed on the way up by a look at its memory.
+//! A set leaves its kinds out at compile time: in the basic set no branch of another kind is left,
+//! and a sequence or fallback that was not running is passed on the way up by a look at its memory.
 
 use super::context::Context;
 use super::kinds::Kinds;
@@ -161,7 +162,8 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Context<'_, L, V, K> {
         self.rows.get(at).map_or(NO_NODE, Row::parent)
     }
 
-    /// Takes the end of the node in row `child` to its parent, in row `at`: what follows, and the end of that.
+    /// Takes the end of the node in row `child` to its parent, in row `at`: what follows, and the
+    /// end of that.
     #[inline(never)]
     fn leave(&mut self, at: usize, child: usize, status: Status) -> (usize, Status) {
         self.ask(at, |visit| visit.child_returned(child, status))
