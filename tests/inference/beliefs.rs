@@ -1,6 +1,6 @@
 //! State inference: posteriors, surprise, the free energy of approximations, impossible observations.
 
-use crate::{Room, assert_distributions, assert_marginals, close, for_seeds, marginals};
+use super::{Room, assert_distributions, assert_marginals, close, for_seeds, marginals};
 use iibt_core::inference::{Beliefs, Evidence, MAX_SWEEPS, Model, Sweeps, likelihood};
 use tests::oracle::chance::Chance;
 use tests::oracle::description::{Description, Hidden, Motion, Observed, Sense, Sensor};
