@@ -1,6 +1,6 @@
 //! Expected free energies and the choice of a joint policy.
 
-use crate::{Room, Trial, close, for_seeds, marginals};
+use super::{Room, Trial, close, for_seeds, marginals};
 use iibt_core::inference::{
     Beliefs, Candidates, Credit, Evaluation, Factor, Gain, Likelihood, Modality, Model, Policy, Problem,
     Scoring, Shape, Terms, Transition, policy,

@@ -1,6 +1,6 @@
 //! Nothing that a caller can hand over makes the engine panic, or a belief something else than a distribution.
 
-use crate::{Room, Trial, assert_distributions, for_seeds};
+use super::{Room, Trial, assert_distributions, for_seeds};
 use iibt_core::actions::{Action, Actions, HORIZON};
 use iibt_core::inference::{
     Argument, Beliefs, Blocks, Candidates, Combinations, Control, Encounter, Evaluation, Evidence, Factor,

@@ -1,8 +1,8 @@
 //! What must not change the result: the form of a table, the order of states, outcomes and policies, and how many policies
 //! are scored per call.
 
-use crate::decisions::too_long;
-use crate::{Room, Trial, for_seeds};
+use super::decisions::too_long;
+use super::{Room, Trial, for_seeds};
 use iibt_core::inference::{Beliefs, Evaluation, ObservationError, Terms};
 use tests::oracle::chance::Chance;
 use tests::oracle::decision::Decision;
