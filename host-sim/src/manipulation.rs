@@ -22,7 +22,7 @@ mod robot;
 mod run;
 mod sense;
 mod skill;
-mod tables;
+pub mod tables;
 mod terms;
 mod trees;
 

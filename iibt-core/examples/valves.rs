@@ -15,7 +15,6 @@ use std::error::Error;
 const STATES: [&str; 2] = ["open", "closed"];
 const OPEN: u8 = 0;
 const CLOSED: u8 = 1;
-
 const TURN: u8 = 0;
 const IDLE: u8 = 1;
 
@@ -32,6 +31,7 @@ const TURN_IT: Operator = Operator {
     brings: Postcondition::State(CLOSED, 0.8),
     effects: &[Effect::set(0, CLOSED)],
     success: 0.8,
+    ..Operator::IDLE
 };
 
 /// A robot whose valve may be turned when the second of its facts holds.
@@ -65,7 +65,7 @@ const fn role(name: &'static str, facts: &'static [Fact<'static>]) -> Role<'stat
 static VALVES: Tables =
     Tables::new(&[role("R1", &[IS_CLOSED, R2_IDLE]), role("R2", &[IS_CLOSED, INLET_CLOSED])]);
 
-/// The task of one of the robots; its sizes are those of the tables.
+/// The task of one robot; its sizes are those of the tables.
 type Valve = TableTask<'static, { VALVES.states() }, { VALVES.robots() }, { VALVES.policies() }>;
 
 /// One robot: its task and node, its teammate as it was heard, and its valve in truth.

@@ -9,37 +9,50 @@ use iibt_core::iibt::table::{
 };
 
 /// How many robots there are. Robot 0 handles the bottle, robot 1 the plate.
-pub(super) const TEAM: usize = 2;
+pub const TEAM: usize = 2;
 
-/// The hidden factor where a robot is, with its states.
-pub(super) const PLACE: u8 = 0;
-pub(super) const ELSEWHERE: u8 = 0;
-pub(super) const GOAL_A: u8 = 1;
-pub(super) const GOAL_B: u8 = 2;
+/// The hidden factor where a robot is.
+pub const PLACE: u8 = 0;
+/// At none of the goals.
+pub const ELSEWHERE: u8 = 0;
+/// Goal A, where the bottle is.
+pub const GOAL_A: u8 = 1;
+/// Goal B, where the plate is.
+pub const GOAL_B: u8 = 2;
 /// Where the robots meet.
-pub(super) const GOAL_C: u8 = 3;
+pub const GOAL_C: u8 = 3;
 
-/// The hidden factor what a robot holds, with its states.
-pub(super) const GRIP: u8 = 1;
-pub(super) const EMPTY: u8 = 0;
-pub(super) const HOLDS: u8 = 1;
-pub(super) const PLACED: u8 = 2;
+/// The hidden factor what a robot holds.
+pub const GRIP: u8 = 1;
+/// It holds nothing.
+pub const EMPTY: u8 = 0;
+/// It holds its object.
+pub const HOLDS: u8 = 1;
+/// It has placed its object.
+pub const PLACED: u8 = 2;
 
-/// The semantic states of a robot, s^i (table 4).
-pub(super) const LOC: u8 = 0;
-pub(super) const HOLD: u8 = 1;
-pub(super) const PUT: u8 = 2;
-pub(super) const FREE: u8 = 3;
+/// The semantic state of a robot that is where its object is, s^i (table 4).
+pub const LOC: u8 = 0;
+/// It holds its object.
+pub const HOLD: u8 = 1;
+/// It has placed its object.
+pub const PUT: u8 = 2;
+/// None of these.
+pub const FREE: u8 = 3;
 
-/// The operators, U; joint policy π has the number 4 a1 + a2.
-pub(super) const MOVE_TO: u8 = 0;
-pub(super) const PICK: u8 = 1;
-pub(super) const PUT_DOWN: u8 = 2;
-pub(super) const IDLE: u8 = 3;
+/// moveTo(place), an operator of U; joint policy π has the number 4 a1 + a2.
+pub const MOVE_TO: u8 = 0;
+/// pick(object).
+pub const PICK: u8 = 1;
+/// place(object).
+pub const PUT_DOWN: u8 = 2;
+/// Nothing.
+pub const IDLE: u8 = 3;
 
-/// The aims of inference nodes: IsHolding(object) and IsPlaced(object).
-pub(super) const TO_HOLD: usize = 0;
-pub(super) const TO_PLACE: usize = 1;
+/// The aim IsHolding(object).
+pub const TO_HOLD: usize = 0;
+/// The aim IsPlaced(object).
+pub const TO_PLACE: usize = 1;
 
 /// The facts. What is not held is fetched before it is brought anywhere, so holding comes first.
 const HOLDING: u8 = 0;
@@ -57,7 +70,7 @@ const STATES: [&str; 4] = ["loc", "hold", "place", "free"];
 const FREED: &[f32] = &[0.0, 0.0, 0.0, 1.0];
 
 /// Equation 8 with its columns normalised: 0.9 of 0.975. As printed they sum to 0.975 and are no distributions.
-pub(super) const SENSOR: f32 = 0.9 / 0.975;
+pub const SENSOR: f32 = 0.9 / 0.975;
 
 /// How likely an action is taken to succeed, when a robot works out what came of it.
 const RELIABILITY: f32 = 0.9;
@@ -104,6 +117,7 @@ macro_rules! role {
                     brings: Postcondition::Reset(LOC, 1.0, FREE),
                     effects: &[Effect { given: &[], factor: PLACE, to: To::Target }],
                     success: RELIABILITY,
+                    ..Operator::IDLE
                 },
                 Operator {
                     name: "pick",
@@ -116,6 +130,7 @@ macro_rules! role {
                         to: To::State(HOLDS),
                     }],
                     success: RELIABILITY,
+                    ..Operator::IDLE
                 },
                 Operator {
                     name: "place",
@@ -124,6 +139,7 @@ macro_rules! role {
                     brings: Postcondition::Reset(PUT, 1.0, FREE),
                     effects: $places,
                     success: RELIABILITY,
+                    ..Operator::IDLE
                 },
                 Operator { brings: Postcondition::Reset(FREE, 1.0, FREE), ..Operator::IDLE },
             ],
@@ -185,10 +201,10 @@ const PLATE: &[u8] = &[
 /// The bottle is placed on the plate that robot 1 holds still at goal C.
 const ON_PLATE: &[Effect] = &[Effect {
     given: &[
+        Given::of(1, GRIP, HOLDS),
+        Given::of(1, PLACE, GOAL_C),
         Given::own(GRIP, HOLDS),
         Given::own(PLACE, GOAL_C),
-        Given::of(1, PLACE, GOAL_C),
-        Given::of(1, GRIP, HOLDS),
     ],
     factor: GRIP,
     to: To::State(PLACED),
@@ -205,13 +221,13 @@ const RESULT: Option<JointOutcome> = Some(JointOutcome {
 const STAY_FREE: Wish = Wish::Rows(&[FREED, FREED]);
 
 /// One after the other, as published: robot 0 is to be free and to have its bottle before robot 1 begins.
-pub(super) const IN_TURN: [Role; TEAM] = [
+pub const IN_TURN: [Role; TEAM] = [
     role!("R1", GOAL_A, 1, [PEER_IDLE], BOTTLE, ON_PLATE, RESULT, STAY_FREE),
     role!("R2", GOAL_B, 0, [PEER_IDLE, PEER_HAS], PLATE, &[], None, STAY_FREE),
 ];
 
 /// Both fetch at once.
-pub(super) const TOGETHER: [Role; TEAM] = [
+pub const TOGETHER: [Role; TEAM] = [
     role!("R1", GOAL_A, 1, [], BOTTLE, ON_PLATE, RESULT, Wish::AsAnnounced),
     role!("R2", GOAL_B, 0, [], PLATE, &[], None, Wish::AsAnnounced),
 ];
@@ -246,7 +262,10 @@ impl Preset {
 }
 
 /// The tables with these numbers in them.
-pub(super) fn tables(arena: &Bump, order: Order, preset: Preset) -> Result<Tables<'_>, TablesError> {
+///
+/// # Errors
+/// [`TablesError`] when a number is out of its range.
+pub fn tables(arena: &Bump, order: Order, preset: Preset) -> Result<Tables<'_>, TablesError> {
     let roles = match order {
         Order::InTurn => &IN_TURN,
         Order::Together => &TOGETHER,

@@ -2,7 +2,7 @@
 
 use super::definition::{
     Accuracy, Effect, Given, Holds, Labels, MAX_FACTORS, MAX_FACTS, MAX_OPERATORS, MAX_SENSORS, MAX_STATES,
-    Postcondition, Reads, Role, To, Wish,
+    Postcondition, Reads, Remedy, Role, To, Wish,
 };
 use super::error::TablesError;
 use crate::iibt::rules::Raise;
@@ -15,25 +15,29 @@ type Flaw = Option<(usize, &'static str)>;
 /// How far a column may be from summing to one, as in the tables of `inference`.
 const TOLERANCE: f32 = 1e-4;
 
-/// The first empty or repeated name of a table's rows.
-macro_rules! unnamed {
-    ($rows:expr) => {{
-        let (rows, mut at, mut flaw) = ($rows, 0, None);
-        while at < rows.len() && flaw.is_none() {
-            let mut before = 0;
-            while before < at {
-                if same(rows[before].name, rows[at].name) {
-                    flaw = Some((at, "its name is taken"));
-                }
-                before += 1;
-            }
-            if rows[at].name.is_empty() {
-                flaw = Some((at, "its name is empty"));
-            }
-            at += 1;
+/// Goes over the rows of a list, which a `for` loop cannot do in a `const fn`.
+macro_rules! each {
+    ($at:ident in $rows:expr, $body:block) => {
+        let mut $at = 0;
+        while $at < $rows.len() {
+            $body
+            $at += 1;
         }
-        flaw
-    }};
+    };
+}
+
+/// Returns the flaw of a row if there is one: a condition and what it means, or what a check of part of the row found.
+macro_rules! refuse {
+    ($wrong:expr, $at:expr, $reason:expr) => {
+        if $wrong {
+            return Some(($at, $reason));
+        }
+    };
+    ($part:expr, $at:expr) => {
+        if let Some(reason) = $part {
+            return Some(($at, reason));
+        }
+    };
 }
 
 /// The first table of a role with a flaw, as an error. A table is looked at when those that it refers to fit.
@@ -47,45 +51,58 @@ macro_rules! first_flaw {
     }};
 }
 
+/// Refuses the first row with an empty or repeated name.
+macro_rules! refuse_unnamed {
+    ($rows:expr) => {
+        each!(at in $rows, {
+            refuse!($rows[at].name.is_empty(), at, "its name is empty");
+            let (before, _) = $rows.split_at(at);
+            each!(other in before, {
+                refuse!(same(before[other].name, $rows[at].name), at, "its name is taken");
+            });
+        });
+    };
+}
+
 /// The first thing that does not fit.
 pub(super) const fn check(roles: &[Role]) -> Result<(), TablesError> {
-    if roles.is_empty() || roles.len() > MAX_TEAM {
-        return Err(TablesError::of_team("roles", "a team has 1 to 8 robots"));
-    }
-    if let Some((row, reason)) = unnamed!(roles) {
+    if let Some((row, reason)) = team(roles) {
         return Err(TablesError { row: Some(row as u16), ..TablesError::of_team("roles", reason) });
     }
-    let mut number = 0;
-    while number < roles.len() {
+    each!(number in roles, {
         if let Some(error) = check_states(&roles[number], number) {
             return Err(error);
         }
-        number += 1;
-    }
-    let (mut number, mut policies) = (0, 1);
-    while number < roles.len() {
+    });
+    each!(number in roles, {
         if let Some(error) = check_role(roles, number) {
             return Err(error);
         }
-        policies *= roles[number].operators.len();
-        if policies > u16::MAX as usize {
-            return Err(TablesError::of_team("roles", "there are more than 65,535 joint policies"));
-        }
-        number += 1;
-    }
+    });
     Ok(())
 }
 
-/// What other roles may refer to.
+const fn team(roles: &[Role]) -> Flaw {
+    refuse!(roles.is_empty() || roles.len() > MAX_TEAM, roles.len(), "a team has 1 to 8 robots");
+    let mut policies = 1;
+    each!(number in roles, {
+        policies *= roles[number].operators.len();
+        refuse!(policies > u16::MAX as usize, number, "there are more than 65,535 joint policies");
+    });
+    refuse_unnamed!(roles);
+    None
+}
+
+/// What other tables refer to.
 const fn check_states(role: &Role, number: usize) -> Option<TablesError> {
     first_flaw!(number,
         "factors": factors(role),
         "states": labels(&role.states, role),
-        "operators": unnamed_or_too_many_operators(role),
+        "operators": operator_names(role),
     )
 }
 
-/// What refers to the role's own states, and to those of others.
+/// What refers to the states of this role and of others.
 const fn check_role(roles: &[Role], number: usize) -> Option<TablesError> {
     let role = &roles[number];
     first_flaw!(number,
@@ -101,324 +118,232 @@ const fn check_role(roles: &[Role], number: usize) -> Option<TablesError> {
 
 const fn factors(role: &Role) -> Flaw {
     let rows = role.factors;
-    if rows.is_empty() || rows.len() > MAX_FACTORS {
-        return Some((rows.len(), "a role has 1 to 8 factors"));
-    }
-    let mut at = 0;
-    while at < rows.len() {
-        if let Some(reason) = names(rows[at].states) {
-            return Some((at, reason));
-        }
-        if rows[at].prior.len() != rows[at].states.len() {
-            return Some((at, "its prior does not have an entry per state"));
-        }
-        if !math::is_distribution(rows[at].prior) {
-            return Some((at, "its prior is no distribution"));
-        }
-        at += 1;
-    }
-    unnamed!(rows)
+    refuse!(rows.is_empty() || rows.len() > MAX_FACTORS, rows.len(), "a role has 1 to 8 factors");
+    each!(at in rows, {
+        refuse!(names(rows[at].states), at);
+        refuse!(rows[at].prior.len() != rows[at].states.len(), at, "its prior lacks an entry per state");
+        refuse!(!math::is_distribution(rows[at].prior), at, "its prior is no distribution");
+    });
+    refuse_unnamed!(rows);
+    None
 }
 
 /// The row that is wrong is the entry of the label table.
 const fn labels(labels: &Labels, role: &Role) -> Flaw {
-    if let Some(reason) = names(labels.names) {
-        return Some((0, reason));
-    }
-    if labels.factors.is_empty() || labels.factors.len() > MAX_FACTORS {
-        return Some((labels.factors.len(), "labels depend on 1 to 8 factors"));
-    }
-    let (mut at, mut entries) = (0, 1);
-    while at < labels.factors.len() {
-        let factor = labels.factors[at] as usize;
-        if factor >= role.factors.len() {
-            return Some((at, "labels depend on a factor that does not exist"));
-        }
-        if contains(labels.factors.split_at(at).0, labels.factors[at]) {
-            return Some((at, "labels depend on one factor twice"));
-        }
-        entries *= role.factors[factor].states.len();
-        at += 1;
-    }
-    if entries != labels.table.len() {
-        return Some((
-            labels.table.len(),
-            "the label table does not have an entry per combination of states",
-        ));
-    }
-    not_below(labels.table, labels.names.len(), "this entry of the label table is no label")
+    refuse!(names(labels.names), 0);
+    let of = labels.factors;
+    refuse!(of.is_empty() || of.len() > MAX_FACTORS, of.len(), "labels depend on 1 to 8 factors");
+    let mut entries = 1;
+    each!(at in of, {
+        refuse!(of[at] as usize >= role.factors.len(), at, "labels depend on a factor that does not exist");
+        refuse!(contains(of.split_at(at).0, of[at]), at, "labels depend on one factor twice");
+        entries *= role.factors[of[at] as usize].states.len();
+    });
+    let table = labels.table;
+    refuse!(entries != table.len(), table.len(), "the label table lacks an entry per combination of states");
+    each!(at in table, {
+        refuse!(table[at] as usize >= labels.names.len(), at, "this entry of the label table is no label");
+    });
+    None
 }
 
-const fn unnamed_or_too_many_operators(role: &Role) -> Flaw {
-    if role.operators.is_empty() || role.operators.len() > MAX_OPERATORS {
-        return Some((role.operators.len(), "a role has 1 to 16 operators"));
-    }
-    unnamed!(role.operators)
+const fn operator_names(role: &Role) -> Flaw {
+    let rows = role.operators;
+    refuse!(rows.is_empty() || rows.len() > MAX_OPERATORS, rows.len(), "a role has 1 to 16 operators");
+    refuse_unnamed!(rows);
+    None
 }
 
 const fn sensors(role: &Role) -> Flaw {
     let rows = role.sensors;
-    if rows.len() > MAX_SENSORS {
-        return Some((rows.len(), "a role has at most 8 sensors"));
-    }
-    let mut at = 0;
-    while at < rows.len() {
+    refuse!(rows.len() > MAX_SENSORS, rows.len(), "a role has at most 8 sensors");
+    each!(at in rows, {
         let outcomes = match &rows[at].reads {
-            Reads::Factor(factor) if (*factor as usize) < role.factors.len() => {
+            Reads::Factor(factor) => {
+                refuse!(*factor as usize >= role.factors.len(), at, "it reads a factor that does not exist");
                 role.factors[*factor as usize].states.len()
             }
-            Reads::Factor(_) => return Some((at, "it reads a factor that does not exist")),
             Reads::State => role.states.names.len(),
-            Reads::Labels(read) => match labels(read, role) {
-                Some((_, reason)) => return Some((at, reason)),
-                None => read.names.len(),
-            },
+            Reads::Labels(read) => {
+                if let Some((_, reason)) = labels(read, role) {
+                    return Some((at, reason));
+                }
+                read.names.len()
+            }
         };
-        if let Some(reason) = accuracy(&rows[at].accuracy, outcomes) {
-            return Some((at, reason));
+        refuse!(outcomes < 2, at, "it has less than two readings");
+        match rows[at].accuracy {
+            Accuracy::Even(right) => refuse!(!is_probability(right), at, "its accuracy is no probability"),
+            Accuracy::Table(table) => refuse!(columns(table, outcomes), at),
         }
-        at += 1;
-    }
-    unnamed!(rows)
+    });
+    refuse_unnamed!(rows);
+    None
 }
 
-const fn accuracy(accuracy: &Accuracy, outcomes: usize) -> Option<&'static str> {
-    match *accuracy {
-        Accuracy::Even(_) if outcomes < 2 => Some("it errs evenly among less than two readings"),
-        Accuracy::Even(right) if is_probability(right) => None,
-        Accuracy::Even(_) => Some("its accuracy is no probability"),
-        Accuracy::Table(table) if table.len() != outcomes * outcomes => {
-            Some("its table does not have a row per reading and a column per truth")
-        }
-        Accuracy::Table(table) => {
-            let mut column = 0;
-            while column < outcomes {
-                let (mut sum, mut row) = (0.0, 0);
-                while row < outcomes {
-                    let entry = table[row * outcomes + column];
-                    if !is_probability(entry) {
-                        return Some("its table has an entry that is no probability");
-                    }
-                    sum += entry;
-                    row += 1;
-                }
-                if !(sum > 1.0 - TOLERANCE && sum < 1.0 + TOLERANCE) {
-                    return Some("a column of its table does not sum to one");
-                }
-                column += 1;
-            }
-            None
-        }
+const fn columns(table: &[f32], outcomes: usize) -> Option<&'static str> {
+    if table.len() != outcomes * outcomes {
+        return Some("its table does not have a row per reading and a column per truth");
     }
+    let mut sums = [0.0; MAX_STATES];
+    each!(at in table, {
+        if !is_probability(table[at]) {
+            return Some("its table has an entry that is no probability");
+        }
+        sums[at % outcomes] += table[at];
+    });
+    let (sums, _) = sums.split_at(outcomes);
+    each!(column in sums, {
+        if !(sums[column] > 1.0 - TOLERANCE && sums[column] < 1.0 + TOLERANCE) {
+            return Some("a column of its table does not sum to one");
+        }
+    });
+    None
 }
 
 const fn facts(roles: &[Role], own: usize) -> Flaw {
     let rows = roles[own].facts;
-    if rows.len() > MAX_FACTS {
-        return Some((rows.len(), "a role has at most 16 facts"));
-    }
-    let mut at = 0;
-    while at < rows.len() {
-        let flaw = match rows[at].holds {
-            Holds::Sure { factor, states } => no_states(&roles[own], factor, states),
-            Holds::AtTarget { factor } if (factor as usize) < roles[own].factors.len() => None,
-            Holds::AtTarget { .. } => Some("its factor does not exist"),
-            Holds::Announced { robot, .. } | Holds::Doing { robot, .. }
-                if !is_teammate(roles, own, robot) =>
-            {
-                Some("it is about a robot that is no teammate")
-            }
-            Holds::Announced { robot, factor, states } => no_states(&roles[robot as usize], factor, states),
-            Holds::Doing { robot, operators } => {
-                match not_below(operators, roles[robot as usize].operators.len(), "") {
-                    Some(_) => Some("it is about an operator that the teammate does not have"),
-                    None => None,
-                }
-            }
-        };
-        if let Some(reason) = flaw {
-            return Some((at, reason));
+    refuse!(rows.len() > MAX_FACTS, rows.len(), "a role has at most 16 facts");
+    each!(at in rows, {
+        if let Holds::Announced { robot, .. } | Holds::Doing { robot, .. } = rows[at].holds {
+            refuse!(!is_teammate(roles, own, robot), at, "it is about a robot that is no teammate");
         }
-        at += 1;
-    }
-    unnamed!(rows)
+        match rows[at].holds {
+            Holds::Sure { factor, states } => refuse!(no_states(&roles[own], factor, states), at),
+            Holds::AtTarget { factor } => refuse!(no_states(&roles[own], factor, &[]), at),
+            Holds::Announced { robot, factor, states } => {
+                refuse!(no_states(&roles[robot as usize], factor, states), at);
+            }
+            Holds::Doing { robot, operators } => {
+                let all = are_below(operators, roles[robot as usize].operators.len());
+                refuse!(!all, at, "it is about an operator that the teammate does not have");
+            }
+        }
+    });
+    refuse_unnamed!(rows);
+    None
 }
 
 const fn no_states(role: &Role, factor: u8, states: &[u8]) -> Option<&'static str> {
     if factor as usize >= role.factors.len() {
         return Some("its factor does not exist");
     }
-    match not_below(states, role.factors[factor as usize].states.len(), "") {
-        Some(_) => Some("its factor does not have this state"),
-        None => None,
-    }
-}
-
-const fn operators(roles: &[Role], own: usize) -> Flaw {
-    let (role, mut at) = (&roles[own], 0);
-    while at < role.operators.len() {
-        let row = &role.operators[at];
-        let states = role.states.names.len();
-        let brings = match row.brings {
-            Postcondition::Nothing => true,
-            Postcondition::State(state, p) => (state as usize) < states && is_probability(p),
-            Postcondition::Reset(state, p, other) => {
-                (state as usize) < states && (other as usize) < states && is_probability(p)
-            }
-        };
-        if !brings {
-            return Some((at, "it brings about a state that does not exist, or with no probability"));
-        }
-        if !is_probability(row.success) {
-            return Some((at, "its success is no probability"));
-        }
-        let mut place = 0;
-        while place < row.requires.len() + row.forbids.len() {
-            let required = place < row.requires.len();
-            let fact = if required { row.requires[place] } else { row.forbids[place - row.requires.len()] };
-            if fact as usize >= role.facts.len() {
-                return Some((at, "a precondition is no fact"));
-            }
-            if !required && contains(row.requires, fact) {
-                return Some((at, "it both requires and forbids one fact"));
-            }
-            place += 1;
-        }
-        let mut effect = 0;
-        while effect < row.effects.len() {
-            if let Some(reason) = effect_flaw(roles, own, &row.effects[effect]) {
-                return Some((at, reason));
-            }
-            effect += 1;
-        }
-        at += 1;
+    if !are_below(states, role.factors[factor as usize].states.len()) {
+        return Some("its factor does not have this state");
     }
     None
 }
 
-const fn effect_flaw(roles: &[Role], own: usize, effect: &Effect) -> Option<&'static str> {
-    let factors = roles[own].factors;
-    if effect.factor as usize >= factors.len() {
-        return Some("an effect changes a factor that does not exist");
-    }
-    if let To::State(state) = effect.to
-        && state as usize >= factors[effect.factor as usize].states.len()
-    {
-        return Some("an effect leads to a state that its factor does not have");
-    }
-    let mut at = 0;
-    while at < effect.given.len() {
-        let Given { robot, factor, state } = effect.given[at];
-        let role = match robot {
-            Some(robot) if !is_teammate(roles, own, robot) => {
-                return Some("an effect depends on a robot that is no teammate");
-            }
-            Some(robot) => &roles[robot as usize],
-            None => &roles[own],
+const fn operators(roles: &[Role], own: usize) -> Flaw {
+    let (role, rows) = (&roles[own], roles[own].operators);
+    each!(at in rows, {
+        let row = &rows[at];
+        let (states, p) = match row.brings {
+            Postcondition::Nothing => ([0, 0], 1.0),
+            Postcondition::State(state, p) => ([state, state], p),
+            Postcondition::Reset(state, p, other) => ([state, other], p),
         };
-        if no_states(role, factor, &[state]).is_some() {
+        refuse!(!are_below(&states, role.states.names.len()), at, "it brings about a state that does not exist");
+        refuse!(!is_probability(p), at, "what it brings about has no probability");
+        refuse!(!is_probability(row.success), at, "its success is no probability");
+        refuse!(!row.habit.is_finite(), at, "its habit is not finite");
+        let known = are_below(row.requires, role.facts.len()) && are_below(row.forbids, role.facts.len());
+        refuse!(!known, at, "a precondition is no fact");
+        each!(fact in row.forbids, {
+            refuse!(contains(row.requires, row.forbids[fact]), at, "it both requires and forbids one fact");
+        });
+        each!(effect in row.effects, {
+            refuse!(misfit(roles, own, &row.effects[effect]), at);
+        });
+    });
+    None
+}
+
+const fn misfit(roles: &[Role], own: usize, effect: &Effect) -> Option<&'static str> {
+    let to = match effect.to {
+        To::State(state) => state,
+        To::Target => 0,
+    };
+    if no_states(&roles[own], effect.factor, &[to]).is_some() {
+        return Some("an effect leads to a state that does not exist");
+    }
+    each!(at in effect.given, {
+        let Given { robot, factor, state } = effect.given[at];
+        let holder = match robot {
+            Some(robot) if is_teammate(roles, own, robot) => robot as usize,
+            Some(_) => return Some("an effect depends on a robot that is no teammate"),
+            None => own,
+        };
+        if no_states(&roles[holder], factor, &[state]).is_some() {
             return Some("an effect depends on a state that does not exist");
         }
-        at += 1;
-    }
+    });
     None
 }
 
 const fn idle(role: &Role) -> Flaw {
     let idle = role.idle as usize;
-    if idle >= role.operators.len() {
-        return Some((idle, "the idle operator does not exist"));
-    }
+    refuse!(idle >= role.operators.len(), idle, "the idle operator does not exist");
     let row = &role.operators[idle];
-    if row.requires.is_empty() && row.forbids.is_empty() && row.effects.is_empty() {
-        None
-    } else {
-        Some((idle, "the idle operator has a precondition or an effect"))
-    }
+    let acts = !row.requires.is_empty() || !row.forbids.is_empty() || !row.effects.is_empty();
+    refuse!(acts, idle, "the idle operator has a precondition or an effect");
+    None
 }
 
 const fn remedies(role: &Role) -> Flaw {
-    let mut at = 0;
-    while at < role.remedies.len() {
-        let row = &role.remedies[at];
-        if row.missing.variable as usize >= role.facts.len() {
-            return Some((at, "the missing literal is no fact"));
-        }
-        if row.state as usize >= role.states.names.len() {
-            return Some((at, "the state that it raises does not exist"));
-        }
-        if let Raise::By(amount) = row.raise
-            && !amount.is_finite()
-        {
-            return Some((at, "its raise is not finite"));
-        }
-        if !is_target(role, row.target) {
-            return Some((at, "no operator can lead to its target"));
-        }
-        at += 1;
-    }
+    let rows = role.remedies;
+    each!(at in rows, {
+        let Remedy { missing, state, raise, target } = rows[at];
+        refuse!(missing.variable as usize >= role.facts.len(), at, "the missing literal is no fact");
+        refuse!(state as usize >= role.states.names.len(), at, "the state that it raises does not exist");
+        let finite = !matches!(raise, Raise::By(amount) if !amount.is_finite());
+        refuse!(!finite, at, "its raise is not finite");
+        refuse!(!is_target(role, target), at, "no operator can lead to its target");
+    });
     None
 }
 
 const fn aims(roles: &[Role], own: usize) -> Flaw {
-    let role = &roles[own];
-    if role.aims.is_empty() {
-        return Some((0, "a role has at least one aim"));
-    }
-    let mut at = 0;
-    while at < role.aims.len() {
-        let row = &role.aims[at];
-        if row.done.is_empty() {
-            return Some((at, "nothing says when it is reached"));
-        }
-        if not_below(row.done, role.facts.len(), "").is_some() {
-            return Some((at, "what says that it is reached is no fact"));
-        }
-        if !is_preference(row.preference, role.states.names.len()) {
-            return Some((at, "its preference does not have a finite entry per state"));
-        }
-        if !is_target(role, row.target) {
-            return Some((at, "no operator can lead to its target"));
-        }
+    let (role, rows) = (&roles[own], roles[own].aims);
+    refuse!(rows.is_empty(), 0, "a role has at least one aim");
+    each!(at in rows, {
+        let row = &rows[at];
+        refuse!(row.done.is_empty(), at, "nothing says when it is reached");
+        refuse!(!are_below(row.done, role.facts.len()), at, "what says that it is reached is no fact");
+        let fits = is_preference(row.preference, role.states.names.len());
+        refuse!(!fits, at, "its preference lacks a finite entry per state");
+        refuse!(!is_target(role, row.target), at, "no operator can lead to its target");
         if let Wish::Rows(wishes) = row.teammates {
-            if wishes.len() != roles.len() {
-                return Some((at, "its wishes do not have a row per robot"));
-            }
-            let mut robot = 0;
-            while robot < roles.len() {
-                if robot != own && !is_preference(wishes[robot], roles[robot].states.names.len()) {
-                    return Some((at, "a wish does not have a finite entry per state of the teammate"));
-                }
-                robot += 1;
-            }
+            refuse!(wishes.len() != roles.len(), at, "its wishes lack a row per robot");
+            each!(robot in wishes, {
+                let fits = robot == own || is_preference(wishes[robot], roles[robot].states.names.len());
+                refuse!(!fits, at, "a wish lacks a finite entry per state of the teammate");
+            });
         }
-        at += 1;
-    }
-    unnamed!(role.aims)
+    });
+    refuse_unnamed!(rows);
+    None
 }
 
 const fn outcome(roles: &[Role], role: &Role) -> Flaw {
     let Some(outcome) = &role.outcome else { return None };
-    if let Some(reason) = names(outcome.names) {
-        return Some((0, reason));
-    }
-    if !is_preference(outcome.preference, outcome.names.len()) {
-        return Some((0, "its preference does not have a finite entry per outcome"));
-    }
-    let (mut entries, mut robot) = (1usize, 0);
-    while robot < roles.len() {
+    refuse!(names(outcome.names), 0);
+    let fits = is_preference(outcome.preference, outcome.names.len());
+    refuse!(!fits, 0, "its preference lacks a finite entry per outcome");
+    let mut entries = 1usize;
+    each!(robot in roles, {
         entries = entries.saturating_mul(roles[robot].states.names.len());
-        robot += 1;
+    });
+    let table = outcome.table;
+    refuse!(table.len() != entries, table.len(), "the table lacks an entry per combination of states");
+    if let Some(operator) = outcome.possible {
+        let exists = (operator as usize) < role.operators.len();
+        refuse!(!exists, operator as usize, "the operator that makes it possible does not exist");
     }
-    if outcome.table.len() != entries {
-        return Some((outcome.table.len(), "the table does not have an entry per combination of states"));
-    }
-    if let Some(operator) = outcome.possible
-        && operator as usize >= role.operators.len()
-    {
-        return Some((operator as usize, "the operator that makes it possible does not exist"));
-    }
-    not_below(outcome.table, outcome.names.len(), "this entry is no outcome")
+    each!(at in table, {
+        refuse!(table[at] as usize >= outcome.names.len(), at, "this entry is no outcome");
+    });
+    None
 }
 
 /// What is wrong with a list of names.
@@ -426,41 +351,35 @@ const fn names(names: &[&str]) -> Option<&'static str> {
     if names.is_empty() || names.len() > MAX_STATES {
         return Some("there are not 1 to 15 names");
     }
-    let mut at = 0;
-    while at < names.len() {
-        let mut before = 0;
-        while before < at {
-            if same(names[before], names[at]) {
-                return Some("a name is there twice");
-            }
-            before += 1;
-        }
+    each!(at in names, {
         if names[at].is_empty() {
             return Some("a name is empty");
         }
-        at += 1;
-    }
+        let (before, _) = names.split_at(at);
+        each!(other in before, {
+            if same(before[other], names[at]) {
+                return Some("a name is there twice");
+            }
+        });
+    });
     None
 }
 
-/// Whether some operator leads to the target's factor, and that has the state.
+/// Whether some operator leads to the target, and its factor has this state.
 const fn is_target(role: &Role, target: Option<u8>) -> bool {
     let Some(target) = target else { return true };
-    let (mut operator, mut found) = (0, false);
-    while operator < role.operators.len() {
-        let (effects, mut at) = (role.operators[operator].effects, 0);
-        while at < effects.len() {
-            if let To::Target = effects[at].to {
-                found = true;
-                let factor = effects[at].factor as usize;
-                if factor >= role.factors.len() || target as usize >= role.factors[factor].states.len() {
+    let mut found = false;
+    each!(operator in role.operators, {
+        let effects = role.operators[operator].effects;
+        each!(at in effects, {
+            if matches!(effects[at].to, To::Target) {
+                if no_states(role, effects[at].factor, &[target]).is_some() {
                     return false;
                 }
+                found = true;
             }
-            at += 1;
-        }
-        operator += 1;
-    }
+        });
+    });
     found
 }
 
@@ -469,13 +388,11 @@ const fn is_teammate(roles: &[Role], own: usize, robot: u8) -> bool {
 }
 
 const fn is_preference(values: &[f32], states: usize) -> bool {
-    let mut at = 0;
-    while at < values.len() {
+    each!(at in values, {
         if !values[at].is_finite() {
             return false;
         }
-        at += 1;
-    }
+    });
     values.len() == states
 }
 
@@ -483,34 +400,33 @@ const fn is_probability(p: f32) -> bool {
     p >= 0.0 && p <= 1.0
 }
 
-/// The first entry that is not below `limit`.
-const fn not_below(list: &[u8], limit: usize, reason: &'static str) -> Flaw {
-    let mut at = 0;
-    while at < list.len() {
+const fn are_below(list: &[u8], limit: usize) -> bool {
+    each!(at in list, {
         if list[at] as usize >= limit {
-            return Some((at, reason));
+            return false;
         }
-        at += 1;
-    }
-    None
+    });
+    true
 }
 
 const fn contains(list: &[u8], entry: u8) -> bool {
-    let mut at = 0;
-    while at < list.len() {
+    each!(at in list, {
         if list[at] == entry {
             return true;
         }
-        at += 1;
-    }
+    });
     false
 }
 
 const fn same(one: &str, other: &str) -> bool {
     let (one, other) = (one.as_bytes(), other.as_bytes());
-    let mut at = 0;
-    while at < one.len() && at < other.len() && one[at] == other[at] {
-        at += 1;
+    if one.len() != other.len() {
+        return false;
     }
-    one.len() == at && other.len() == at
+    each!(at in one, {
+        if one[at] != other[at] {
+            return false;
+        }
+    });
+    true
 }

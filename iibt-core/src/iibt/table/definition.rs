@@ -123,6 +123,8 @@ pub struct Operator<'a> {
     pub effects: &'a [Effect<'a>],
     /// B: the probability that it succeeds. When it fails, no factor changes.
     pub success: f32,
+    /// ln E up to a constant: how likely it is chosen beforehand, in nats.
+    pub habit: f32,
 }
 
 /// What an operator brings about when joint policies are compared.
@@ -437,6 +439,7 @@ impl<'a> Operator<'a> {
         brings: Postcondition::Nothing,
         effects: &[],
         success: 1.0,
+        habit: 0.0,
     };
 
     /// What a factor becomes when the operator succeeds: `None` when it stays. `is` tells the state of a

@@ -1,15 +1,15 @@
 //! The tables as models of `inference`: the only file that knows how those are built and used.
 
 use super::definition::{
-    Accuracy, HiddenFactor, JointOutcome, Labels, MAX_FACTORS, MAX_SENSORS, Postcondition, Reads, Role,
-    Tables,
+    Accuracy, HiddenFactor, JointOutcome, Labels, MAX_FACTORS, MAX_OPERATORS, MAX_SENSORS, MAX_STATES,
+    Postcondition, Reads, Role, Tables,
 };
 use super::{Command, SenseError};
 use crate::actions::Action;
 use crate::inference::likelihood::Dense;
 use crate::inference::{
-    Beliefs, Candidates, Control, Evaluation, Evidence, Factor, IdentityNoise, Likelihood, Modality, Model,
-    Policy, Preference, Problem, Scoring, Shape, Transition,
+    Beliefs, Candidates, Control, Evaluation, Evidence, Factor, Habits, IdentityNoise, Likelihood, Modality,
+    Model, Policy, Preference, Problem, Scoring, Shape, Transition,
 };
 use crate::team::MAX_TEAM;
 use heapless::Vec;
@@ -179,7 +179,7 @@ fn with_own_model<T>(role: &Role<'_>, target: Option<u8>, then: impl FnOnce(&Mod
     for sensor in role.sensors {
         readings.push(Reading::new(role, &sensor.reads, sensor.accuracy)?).ok()?;
     }
-    let indifferent = [0.0; super::definition::MAX_STATES];
+    let indifferent = [0.0; MAX_STATES];
     let mut modalities = Vec::<_, MAX_SENSORS>::new();
     for reading in &readings {
         let preference = indifferent.get(..reading.shape.values())?;
@@ -210,11 +210,7 @@ pub(super) fn track<const S: usize>(
         }
         let mut doubt = *beliefs;
         for (factor, of) in role.factors.iter().enumerate() {
-            doubt.set(
-                model,
-                factor,
-                [1.0; super::definition::MAX_STATES].get(..of.states.len()).unwrap_or(&[]),
-            );
+            doubt.set(model, factor, [1.0; MAX_STATES].get(..of.states.len()).unwrap_or(&[]));
         }
         beliefs.mix(&doubt, DOUBT);
         let mut evidence = [Evidence::Missing; MAX_SENSORS];
@@ -271,27 +267,32 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
     }
 
     fn posterior<const P: usize>(&self, model: &Model, beliefs: &Beliefs<S, N>) -> [f32; P] {
-        let policies: [_; super::definition::MAX_OPERATORS] = core::array::from_fn(|code| {
+        let policies: [_; MAX_OPERATORS] = core::array::from_fn(|code| {
             let mut policy = Policy::EMPTY;
             // There is room, and the code is below 16.
             let _ = policy.push(code as Action);
             policy
         });
-        let (mut sequences, mut values) = (Vec::<_, MAX_TEAM>::new(), Vec::<_, MAX_TEAM>::new());
+        let mut sequences = Vec::<&[Policy], MAX_TEAM>::new();
+        let (mut habits, mut values) = (Vec::<_, MAX_TEAM>::new(), Vec::<_, MAX_TEAM>::new());
         for (role, preference) in self.tables.roles().iter().zip(self.preferences) {
-            // There is room for every robot of the team.
+            let mut habit = Vec::<f32, MAX_OPERATORS>::new();
+            for operator in role.operators {
+                let _ = habit.push(operator.habit);
+            }
+            // There is room for every operator and for every robot of the team.
             let _ = sequences.push(policies.get(..role.operators.len()).unwrap_or(&[]));
-            let _ = values.push((preference.values(), role.states.names.len()));
+            let _ = (habits.push(habit), values.push((preference.values(), role.states.names.len())));
         }
-        let mut preferences = Vec::<&[f32], MAX_TEAM>::new();
-        for (values, states) in &values {
-            let _ = preferences.push(values.get(..*states).unwrap_or(&[]));
+        let (mut ln_e, mut preferences) = (Vec::<&[f32], MAX_TEAM>::new(), Vec::<&[f32], MAX_TEAM>::new());
+        for (habit, (values, states)) in habits.iter().zip(&values) {
+            let _ = (ln_e.push(habit), preferences.push(values.get(..*states).unwrap_or(&[])));
         }
         let scoring = Scoring { precision: self.tables.precision(), ..Scoring::DEFAULT };
-        let problem = Problem {
-            preferences: &preferences,
-            ..Problem::new(model, beliefs, Candidates::all(&sequences), scoring)
-        };
+        let habits = Habits::PerSequence(&ln_e);
+        let candidates = Candidates { habits, ..Candidates::all(&sequences) };
+        let problem =
+            Problem { preferences: &preferences, ..Problem::new(model, beliefs, candidates, scoring) };
         let mut evaluation = Evaluation::<S, N, 1, P>::new();
         evaluation.evaluate(&problem);
         let posterior = evaluation.posterior();
@@ -307,7 +308,7 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
             let states = role.states.names.len();
             let reads = role.sensors.iter().find(|sensor| sensor.reads == Reads::State);
             let accuracy = reads.map_or(Accuracy::Even(1.0), |sensor| sensor.accuracy);
-            let prior = [1.0 / states as f32; super::definition::MAX_STATES];
+            let prior = [1.0 / states as f32; MAX_STATES];
             let part = (Brought(role), Noise::new(accuracy, states)?, Shape::new(states, &[states])?, prior);
             parts.push(part).ok()?;
         }
@@ -317,7 +318,7 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
             states.push(role.states.names.len()).ok()?;
         }
         let together = self.outcome.map(|outcome| Together { outcome, tables: self.tables });
-        let indifferent = [0.0; super::definition::MAX_STATES];
+        let indifferent = [0.0; MAX_STATES];
         let (mut factors, mut modalities) = (Vec::<_, MAX_TEAM>::new(), Vec::<_, { MAX_TEAM + 1 }>::new());
         for ((brought, noise, shape, prior), number) in parts.iter().zip(NUMBERS.chunks(1)) {
             let states = shape.values();
