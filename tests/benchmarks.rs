@@ -18,11 +18,11 @@ fn bits(robot: &mut Robot, marker: &str, words: usize) -> Vec<u32> {
 fn assert_same<const S: usize>(robot: &mut Robot, benchmark: &Benchmark<S>) -> u64 {
     let took = robot.wait_for(&format!("{}: took", benchmark.name)).message;
     let instructions = u64::from(number(&took, "took ")) * 1000 / 168;
-    let mut workspace = Workspace::new(benchmark);
-    let posterior = benchmark.run(&mut workspace, Scoring::JAX_PYMDP).expect("the observation is possible");
+    let mut agent = benchmark.agent(Scoring::JAX_PYMDP).expect("it has the model's sizes");
+    let posterior = benchmark.run(&mut agent).expect("the observation is possible");
     let theirs = bits(robot, &format!("{}: posterior", benchmark.name), posterior.len());
     assert_eq!(theirs, posterior.map(f32::to_bits), "{}", benchmark.name);
-    let beliefs: Vec<u32> = workspace.beliefs.as_flat().iter().map(|q| q.to_bits()).collect();
+    let beliefs: Vec<u32> = agent.beliefs().as_flat().iter().map(|q| q.to_bits()).collect();
     assert_eq!(
         bits(robot, &format!("{}: belief", benchmark.name), beliefs.len()),
         beliefs,

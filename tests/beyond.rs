@@ -4,9 +4,9 @@ use host_sim::beyond::{Learned, Mixed, Unlike};
 use host_sim::campaign::Score;
 use host_sim::{Conditions, Scenario, Series, fly_series, library};
 use iibt_core::grid::{Cell, Map};
-use iibt_core::iibt::{Mission, Navigation};
-use iibt_core::team::{Limits, RobotId, Roster};
-use iibt_core::time::Duration;
+use iibt_core::iibt::Task;
+use iibt_core::navigation::{Mission, Navigation};
+use iibt_core::team::{Member, RobotId};
 
 fn built_in(name: &str) -> Scenario {
     library::find(name).expect("built in").expect("sound")
@@ -59,21 +59,16 @@ fn a_radio_that_loses_three_frames_in_ten_makes_nobody_collide_while_they_learn(
 }
 
 #[test]
-fn what_goals_are_worth_is_the_base_that_a_roll_back_comes_back_to() {
+fn what_goals_are_worth_is_the_base_of_the_preference() {
     let (starts, goals) = ([Cell(0)], [Cell(24), Cell(26), Cell(48)]);
     let mission = Mission::new(Map::<2>::new(7, 7).expect("49 cells fit two words"), &starts, &goals);
-    let limits = Limits::for_beacons(Duration(1)).expect("short enough");
-    let roster = Roster::new(RobotId(0), 1, limits).expect("a team of one");
-    let mut robot = Navigation::<49, 2, 8>::new(&mission, RobotId(0), 1, roster).expect("it fits");
+    let member = Member::new(RobotId(0), 1).expect("a team of one");
+    let mut robot = Navigation::<49, 2, 8>::new(&mission, member, 1).expect("it fits");
     let mut values = [1.0; 8];
     (values[1], values[2]) = (0.25, f32::NAN);
     robot.prefer(&values);
     let worth = |robot: &Navigation<'_, 49, 2, 8>| [24, 26, 48, 25].map(|cell| robot.preference().get(cell));
     assert_eq!(worth(&robot), [1.0, 0.25, 1.0, 0.0], "what is no worth counts as one");
-    let mut raised = *robot.preference();
-    raised.raise(26, 1e7);
-    raised.roll_back();
-    assert_eq!(raised, *robot.preference());
 }
 
 #[test]

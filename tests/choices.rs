@@ -1,11 +1,10 @@
 //! What a team settles on: the paths it agrees on, whoever it is compiled for.
 
-use firmware::{Controller, Settings};
+use firmware::{Controller, Navigator};
 use iibt_core::grid::{Cell, Map, Path};
-use iibt_core::iibt::Mission;
-use iibt_core::team::{RobotId, Status};
+use iibt_core::navigation::{Mission, Stage};
 use iibt_core::time::Instant;
-use tests::rig::{Body, DEMO_KEY};
+use tests::rig::{Body, settings};
 
 /// The paths on which a team agrees, for controllers compiled for `S` cells.
 fn settled<const S: usize, const W: usize>(drawn: &str, starts: &[u16], goals: &[u16]) -> Vec<Path> {
@@ -14,11 +13,11 @@ fn settled<const S: usize, const W: usize>(drawn: &str, starts: &[u16], goals: &
         goals.iter().copied().map(Cell).collect::<Vec<_>>(),
     );
     let mission = Mission::new(Map::<W>::drawn(drawn).expect("a drawn map"), &starts, &goals);
-    let mut robots: Vec<Controller<'_, Body, S, W, 16>> = (0..starts.len())
+    let mut robots: Vec<Controller<Navigator<'_, S, W, 16>, Body>> = (0..starts.len())
         .map(|robot| {
-            let settings = Settings::new(DEMO_KEY, 1);
-            Controller::new(&mission, RobotId(robot as u8), settings, Body::on(starts[robot]))
-                .expect("a sound mission")
+            let settings = settings(robot as u8, starts.len(), 1);
+            let navigator = Navigator::new(&mission, &settings).expect("a sound mission");
+            Controller::new(navigator, settings, Body::on(starts[robot]))
         })
         .collect();
     for now in 0..20 {
@@ -35,8 +34,8 @@ fn settled<const S: usize, const W: usize>(drawn: &str, starts: &[u16], goals: &
                 sent.iter().enumerate().filter(|(sender, _)| *sender != index).flat_map(|(_, frames)| frames);
             robot.hardware_mut().inbox.extend(heard);
         }
-        if robots.iter().all(|robot| robot.report().status == Status::Agreed) {
-            return robots.iter().map(|robot| robot.report().path).collect();
+        if robots.iter().all(|robot| robot.robot().navigation().report().stage == Stage::Agreed) {
+            return robots.iter().map(|robot| robot.robot().navigation().report().path).collect();
         }
     }
     panic!("no agreement on {drawn}");

@@ -2,14 +2,19 @@
 
 use firmware::missions::{CANDIDATES, SECTION_5_1};
 use iibt_core::grid::Cell;
-use iibt_core::team::{Intention, SipHash64, Status, decode};
+use iibt_core::navigation::{Said, Stage};
+use iibt_core::team::{SipHash64, decode};
 use tests::qemu::{Line, Robot, number, team_member};
-use tests::rig::{DEMO_KEY, robot, tick};
+use tests::rig::{Bench, DEMO_KEY, context, robot, tick};
 
 /// The bits of one row of the posterior that the image logged.
 fn row(line: &Line) -> Vec<u32> {
     let bits = line.message.rsplit(": ").next().expect("a row after the colon");
     bits.split(' ').map(|word| u32::from_str_radix(word, 16).expect("eight hexadecimal digits")).collect()
+}
+
+fn stage(robot: &Bench) -> Stage {
+    robot.robot().navigation().stage()
 }
 
 /// The posterior of robot 1 when robot 2 is heard for the first time at this tick.
@@ -20,8 +25,9 @@ fn posterior_on_the_host(at: u32) -> Vec<Vec<u32>> {
         tick(&mut first, &[]);
     }
     tick(&mut first, &hello);
-    assert_eq!(first.report().status, Status::Announced, "it decides as soon as it hears robot 2");
+    assert_eq!(stage(&first), Stage::Announced, "it decides as soon as it hears robot 2");
     first
+        .robot()
         .navigation()
         .decision()
         .joint()
@@ -38,12 +44,14 @@ fn the_image_decides_with_the_same_bits_as_the_host_and_arrives_with_a_robot_on_
 
     // Robot 2 hears every frame of the image and answers each with one of its own.
     let auth = SipHash64::new(DEMO_KEY);
-    let mut said: Vec<Intention> = vec![];
-    while second.report().status != Status::Arrived
-        || said.last().is_none_or(|said| said.status != Status::Arrived)
+    let mut said: Vec<Said> = vec![];
+    while stage(&second) != Stage::Arrived
+        || said.last().is_none_or(|said| said.message.stage != Stage::Arrived)
     {
         let frame = image.receive();
-        said.push(decode(&frame[..frame.len() - 1], &auth).expect("the image sends authentic frames"));
+        said.push(
+            decode(&frame[1..frame.len() - 1], &auth, context()).expect("the image sends authentic frames"),
+        );
         image.send(&tick(&mut second, &frame));
         assert!(said.len() < 2000, "no arrival after {} frames: {:#?}", said.len(), image.seen());
     }
@@ -60,9 +68,9 @@ fn the_image_decides_with_the_same_bits_as_the_host_and_arrives_with_a_robot_on_
     let together: f32 =
         [(1, 2), (1, 3), (2, 1)].map(|(own, other)| f32::from_bits(rows[own][other])).iter().sum();
     assert!(together > 0.999, "simultaneous arrivals at different goals have {together}");
-    assert_eq!(second.report().goal, Some(Cell(24)));
+    assert_eq!(second.robot().navigation().report().goal, Some(Cell(24)));
 
-    let path = said.last().expect("the image has spoken").path;
+    let path = said.last().expect("the image has spoken").message.path;
     let cells: Vec<u16> = path.cells(&SECTION_5_1.map).map(|cell| cell.0).collect();
     assert_eq!(cells, [28, 29, 30, 31, 32, 33, 26], "path C");
 }

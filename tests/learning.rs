@@ -2,8 +2,8 @@
 
 use host_sim::{Conditions, ExecutionLog, Learned, Logbook, MoveRatio, Record, Scenario, fly, library};
 use iibt_core::grid::{Cell, Map, Move};
-use iibt_core::iibt::Mission;
 use iibt_core::inference::learning::Rates;
+use iibt_core::navigation::Mission;
 use tests::team::{Hardship, Team};
 
 const SEEDS: u64 = 30;
@@ -90,7 +90,7 @@ mod in_flight {
                 made[0] += u16::from(after == before + 1);
                 made[1] += u16::from(after == before + 7);
             }
-            let learned = team.robots[0].navigation().slips();
+            let learned = team.robots[0].robot().navigation().slips();
             for (step, made) in [Move::Right, Move::Down].into_iter().zip(made) {
                 let found = learned[usize::from(step.code())];
                 let tries = f32::from(made) / (1.0 - slip);

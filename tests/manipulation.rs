@@ -226,7 +226,8 @@ mod decisions {
         let before = robot.task.belief(PLACE.into()).to_vec();
         robot.readings = [9, PUT];
         robot.tick(Some(idle()));
-        assert_eq!(robot.task.surprise(), Err(iibt_core::iibt::table::SenseError::NoSuchReading(9)));
+        let error = robot.task.surprise().expect_err("there are four places").to_string();
+        assert_eq!(error, "modality 0 has no outcome 9: there are 4, from 0");
         let after = robot.task.belief(PLACE.into());
         assert!(before.iter().zip(after).all(|(before, after)| (before - after).abs() < 1e-3));
     }

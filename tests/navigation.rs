@@ -2,10 +2,9 @@
 
 use host_sim::reproduce;
 use iibt_core::grid::{Cell, Map};
-use iibt_core::iibt::Mission;
-use iibt_core::iibt::navigation::{Cause, OBSTACLE, Plan};
-use iibt_core::team::{Round, Status};
-use tests::team::{Hardship, Team};
+use iibt_core::navigation::{Cause, Mission, OBSTACLE, Plan, Report, Round, Said, Stage};
+use iibt_core::team::{RobotId, Stamp};
+use tests::team::{Bench, Hardship, Team};
 
 static STARTS: [Cell; 3] = [Cell(28), Cell(2), Cell(45)];
 static GOALS: [Cell; 3] = [Cell(24), Cell(26), Cell(32)];
@@ -18,8 +17,12 @@ fn team<'m>(mission: &'m Mission<'m, 2>) -> Team<'m> {
     Team::new(mission, Hardship::default(), 1)
 }
 
-fn statuses(team: &Team<'_>) -> Vec<Status> {
-    team.robots.iter().map(|robot| robot.report().status).collect()
+fn stages(team: &Team<'_>) -> Vec<Stage> {
+    team.robots.iter().map(|robot| report(robot).stage).collect()
+}
+
+fn report(robot: &Bench<'_>) -> Report {
+    robot.robot().navigation().report()
 }
 
 fn cells(team: &Team<'_>) -> Vec<u16> {
@@ -33,24 +36,24 @@ fn fly_until(team: &mut Team<'_>, what: &str, reached: impl Fn(&Team<'_>) -> boo
         }
         team.tick();
     }
-    panic!("never: {what}; {:?} on {:?}", statuses(team), cells(team));
+    panic!("never: {what}; {:?} on {:?}", stages(team), cells(team));
 }
 
-fn all(team: &Team<'_>, status: Status) -> bool {
-    statuses(team).iter().all(|&now| now == status)
+fn all(team: &Team<'_>, stage: Stage) -> bool {
+    stages(team).iter().all(|&now| now == stage)
 }
 
 #[test]
 fn the_robots_decide_one_after_another_and_agree() {
     let mission = factory();
     let mut team = team(&mission);
-    fly_until(&mut team, "robot 1 chooses", |team| statuses(team)[0] == Status::Announced);
-    assert_eq!(statuses(&team)[1..], [Status::Deciding, Status::Deciding]);
-    fly_until(&mut team, "robot 2 chooses", |team| statuses(team)[1] == Status::Announced);
-    assert_eq!(statuses(&team)[2], Status::Deciding);
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
-    let goals: Vec<_> = team.robots.iter().map(|robot| robot.report().goal.expect("a goal").0).collect();
-    let lengths: Vec<_> = team.robots.iter().map(|robot| robot.report().path.len()).collect();
+    fly_until(&mut team, "robot 1 chooses", |team| stages(team)[0] == Stage::Announced);
+    assert_eq!(stages(&team)[1..], [Stage::Deciding, Stage::Deciding]);
+    fly_until(&mut team, "robot 2 chooses", |team| stages(team)[1] == Stage::Announced);
+    assert_eq!(stages(&team)[2], Stage::Deciding);
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
+    let goals: Vec<_> = team.robots.iter().map(|robot| report(robot).goal.expect("a goal").0).collect();
+    let lengths: Vec<_> = team.robots.iter().map(|robot| report(robot).path.len()).collect();
     assert!(lengths.iter().all(|&length| length == lengths[0]), "they arrive together: {lengths:?}");
     assert_eq!(
         goals.iter().collect::<std::collections::BTreeSet<_>>().len(),
@@ -75,27 +78,27 @@ fn line_5_observes_obstacles_and_passes_them_on() {
     for _ in 0..3 {
         team.tick();
     }
-    assert!(team.robots.iter().all(|robot| robot.navigation().hazards() == [Cell(21)]));
+    assert!(team.robots.iter().all(|robot| robot.robot().navigation().hazards() == [Cell(21)]));
 }
 
 #[test]
 fn lines_17_to_30_an_obstacle_on_the_way_is_avoided_by_another_joint_plan() {
     let mission = factory();
     let mut team = team(&mission);
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
-    let report = team.robots[1].report();
-    let blocked = report.path.cell_at(&mission.map, report.path.len() - 2);
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
+    let second = report(&team.robots[1]);
+    let blocked = second.path.cell_at(&mission.map, second.path.len() - 2);
     team.map.block(blocked);
     fly_until(&mut team, "a new round", |team| {
-        team.robots.iter().all(|robot| robot.report().round > Round(0))
+        team.robots.iter().all(|robot| report(robot).round > Round(0))
     });
-    fly_until(&mut team, "all agree again", |team| all(team, Status::Agreed));
+    fly_until(&mut team, "all agree again", |team| all(team, Stage::Agreed));
     for robot in &team.robots {
-        let path = robot.report().path;
+        let path = report(robot).path;
         assert!(path.cells(&mission.map).all(|cell| cell != blocked), "{path:?} avoids {blocked:?}");
-        assert!(!robot.navigation().logic(Plan::Follow).is(OBSTACLE));
+        assert!(!robot.robot().navigation().logic(Plan::Follow).is(OBSTACLE));
     }
-    fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
+    fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
 #[test]
@@ -105,14 +108,14 @@ fn lines_18_and_33_the_raise_avoids_the_obstacle_and_leaves_no_trace() {
     let before: Vec<u32> = preference(&team);
     let shortest = [Cell(29), Cell(21)]; // both ways out of the corner but one
     assert!(shortest.iter().all(|&cell| team.map.block(cell)));
-    fly_until(&mut team, "robot 1 chooses", |team| statuses(team)[0] == Status::Announced);
-    let path = team.robots[0].report().path;
+    fly_until(&mut team, "robot 1 chooses", |team| stages(team)[0] == Stage::Announced);
+    let path = report(&team.robots[0]).path;
     assert!(path.cells(&mission.map).all(|cell| !shortest.contains(&cell)), "{path:?}");
     assert_eq!(preference(&team), before, "C is what it was, to the last bit");
 }
 
 fn preference(team: &Team<'_>) -> Vec<u32> {
-    (0..49).map(|cell| team.robots[0].navigation().preference().get(cell).to_bits()).collect()
+    (0..49).map(|cell| team.robots[0].robot().preference().get(cell).to_bits()).collect()
 }
 
 #[test]
@@ -127,7 +130,7 @@ fn lines_26_to_28_a_robot_that_is_walled_in_fails_at_the_timeout() {
         team.tick();
         team.last_statuses()[0] == iibt_core::tree::Status::Failure
     });
-    assert!(failed, "robot 1 fails; {:?}", statuses(&team));
+    assert!(failed, "robot 1 fails; {:?}", stages(&team));
     assert_eq!(cells(&team)[0], 48);
 }
 
@@ -135,7 +138,7 @@ fn lines_26_to_28_a_robot_that_is_walled_in_fails_at_the_timeout() {
 fn lines_31_to_36_the_team_waits_for_a_robot_that_is_silent_and_goes_on_when_it_is_back() {
     let mission = factory();
     let mut team = team(&mission);
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     team.tick();
     team.silence(2, true);
     for _ in 0..20 {
@@ -147,16 +150,16 @@ fn lines_31_to_36_the_team_waits_for_a_robot_that_is_silent_and_goes_on_when_it_
     }
     assert_eq!(cells(&team), standing, "nobody moves without the third robot");
     team.silence(2, false);
-    fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
+    fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
 #[test]
 fn a_low_battery_takes_a_robot_out_of_the_team_until_it_is_charged() {
     let mission = factory();
     let mut team = team(&mission);
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     team.robots[0].hardware_mut().charge = 10;
-    fly_until(&mut team, "robot 1 is away", |team| statuses(team)[0] == Status::Away);
+    fly_until(&mut team, "robot 1 is away", |team| stages(team)[0] == Stage::Away);
     for _ in 0..5 {
         team.tick();
     }
@@ -167,9 +170,9 @@ fn a_low_battery_takes_a_robot_out_of_the_team_until_it_is_charged() {
     assert_eq!(cells(&team), standing, "the others wait");
     team.robots[0].hardware_mut().charge = 50;
     team.tick();
-    assert_eq!(statuses(&team)[0], Status::Away, "half full is not full");
+    assert_eq!(stages(&team)[0], Stage::Away, "half full is not full");
     team.robots[0].hardware_mut().charge = 95;
-    fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
+    fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
 #[test]
@@ -193,7 +196,7 @@ fn lines_37_and_38_all_stop_in_the_same_tick_and_stay_stopped() {
 fn a_robot_that_is_unsure_where_it_is_stands_still() {
     let mission = factory();
     let mut team = team(&mission);
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     let standing = team.robots[0].hardware().cell;
     for tick in 0..12 {
         // Its readings jump about.
@@ -202,18 +205,18 @@ fn a_robot_that_is_unsure_where_it_is_stands_still() {
     }
     assert_eq!(team.robots[0].hardware().cell, standing);
     team.misread(0, None);
-    fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
+    fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
 #[test]
 fn a_robot_put_elsewhere_finds_out_and_the_team_decides_again() {
     let mission = factory();
     let mut team = team(&mission);
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     team.robots[0].hardware_mut().cell = Cell(42);
-    fly_until(&mut team, "a new round", |team| team.robots[0].report().round > Round(0));
-    assert_eq!(team.robots[0].report().path.start, team.robots[0].hardware().cell);
-    fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
+    fly_until(&mut team, "a new round", |team| report(&team.robots[0]).round > Round(0));
+    assert_eq!(report(&team.robots[0]).path.start, team.robots[0].hardware().cell);
+    fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
 #[test]
@@ -261,7 +264,7 @@ fn the_robot_that_is_left_without_a_goal_fails_and_the_others_arrive() {
     let mission = Mission::new(reproduce::map(), &STARTS, &GOALS[..2]);
     let mut team = team(&mission);
     fly_until(&mut team, "two arrive", |team| {
-        statuses(team).iter().filter(|&&status| status == Status::Arrived).count() == 2
+        stages(team).iter().filter(|&&stage| stage == Stage::Arrived).count() == 2
     });
     fly_until(&mut team, "the third fails", |team| {
         team.last_statuses().contains(&iibt_core::tree::Status::Failure)
@@ -283,16 +286,16 @@ fn eight_robots_arrive_together() {
 fn a_move_that_nothing_confirms_is_not_announced() {
     let mission = factory();
     let mut team = team(&mission);
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     let body = team.robots[0].hardware_mut();
     (body.stuck, body.blind) = (true, true);
     for _ in 0..10 {
         team.tick();
-        assert_eq!(team.robots[0].report().step, 0);
+        assert_eq!(report(&team.robots[0]).step, 0);
     }
     team.robots[0].hardware_mut().stuck = false;
     team.robots[0].hardware_mut().blind = false;
-    fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
+    fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
 /// A localiser that lags makes a move look as if it had failed; made once more it would lead off the path.
@@ -307,8 +310,8 @@ fn one_late_reading_does_not_have_a_move_made_twice() {
     team.tick();
     team.misread(0, None);
     assert_eq!(team.robots[0].hardware().cell, moved);
-    fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
-    assert_eq!(team.robots[0].report().round, Round(0), "no other plan was needed");
+    fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
+    assert_eq!(report(&team.robots[0]).round, Round(0), "no other plan was needed");
 }
 
 #[test]
@@ -317,24 +320,24 @@ fn nobody_plans_with_a_teammate_that_speaks_of_another_map() {
     let mut team = team(&mission);
     team.silence(2, true);
     for tick in 0..20 {
-        let mut odd = team.robots[2].navigation().intention();
-        (odd.epoch, odd.sequence, odd.path.start) = (9, tick, Cell(900));
-        team.overhear(&odd);
+        let mut message = team.robots[2].robot().navigation().intention();
+        message.path.start = Cell(900);
+        team.overhear(&Said { sender: RobotId(2), stamp: Stamp { epoch: 9, sequence: tick }, message });
         team.tick();
     }
-    assert!(team.robots[0].report().received.accepted > 20, "it was heard");
-    assert!(all(&team, Status::Deciding));
+    assert_eq!(team.robots[0].link_report().received.foreign, 20, "it was heard and refused");
+    assert!(all(&team, Stage::Deciding));
 }
 
 #[test]
 fn a_robot_that_restarts_where_it_began_has_the_team_decide_again() {
     let mission = factory();
     let mut team = team(&mission);
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     assert_eq!(cells(&team)[2], STARTS[2].0);
     team.restart(2);
-    fly_until(&mut team, "a new round", |team| team.robots[2].report().round > Round(0));
-    fly_until(&mut team, "all arrive", |team| all(team, Status::Arrived));
+    fly_until(&mut team, "a new round", |team| report(&team.robots[2]).round > Round(0));
+    fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
 /// Whether the cells a robot stood in, tick by tick, pass over these in their order.
@@ -362,26 +365,26 @@ fn fly_until_and(team: &mut Team<'_>, what: &str, mut reached: impl FnMut(&Team<
             return;
         }
     }
-    panic!("never: {what}; {:?} on {:?}", statuses(team), cells(team));
+    panic!("never: {what}; {:?} on {:?}", stages(team), cells(team));
 }
 
 #[test]
 fn a_robot_on_its_way_visits_its_way_points_in_order_and_the_team_arrives_together() {
     let mission = factory();
     let mut team = team(&mission);
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     let before = preference(&team);
-    team.robots[0].visit(Cell(42)).expect("it is free");
-    team.robots[0].visit(Cell(4)).expect("it is free");
+    team.robots[0].robot_mut().navigation_mut().visit(Cell(42)).expect("it is free");
+    team.robots[0].robot_mut().navigation_mut().visit(Cell(4)).expect("it is free");
     fly_until(&mut team, "all agree again", |team| {
-        all(team, Status::Agreed) && team.robots[0].report().round > Round(0)
+        all(team, Stage::Agreed) && report(&team.robots[0]).round > Round(0)
     });
-    assert_eq!(team.robots[0].report().cause, Some(Cause::WayPoint));
-    let lengths: Vec<_> = team.robots.iter().map(|robot| robot.report().path.len()).collect();
+    assert_eq!(report(&team.robots[0]).cause, Some(Cause::WayPoint));
+    let lengths: Vec<_> = team.robots.iter().map(|robot| report(robot).path.len()).collect();
     assert!(lengths.iter().all(|&length| length == lengths[0]), "they arrive together: {lengths:?}");
     let tracks = fly_to_the_end(&mut team, 3);
     assert!(passed(&tracks[0], &[42, 4]), "{:?}", tracks[0]);
-    assert!(team.robots[0].navigation().waypoints().is_empty());
+    assert!(team.robots[0].robot().navigation().waypoints().is_empty());
     assert_eq!(preference(&team), before, "C is what it was, to the last bit");
 }
 
@@ -391,13 +394,13 @@ fn two_robots_with_way_points_of_their_own_come_to_one_plan_within_a_round_each(
         for seed in 0..20 {
             let mission = factory();
             let mut team = Team::new(&mission, Hardship { loss, ..Hardship::default() }, seed);
-            fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
-            team.robots[0].visit(Cell(4)).expect("it is free");
-            team.robots[2].visit(Cell(42)).expect("it is free");
+            fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
+            team.robots[0].robot_mut().navigation_mut().visit(Cell(4)).expect("it is free");
+            team.robots[2].robot_mut().navigation_mut().visit(Cell(42)).expect("it is free");
             fly_until(&mut team, "all agree again", |team| {
-                all(team, Status::Agreed) && team.robots[0].report().round > Round(0)
+                all(team, Stage::Agreed) && report(&team.robots[0]).round > Round(0)
             });
-            let round = team.robots[0].report().round;
+            let round = report(&team.robots[0]).round;
             assert!(round <= Round(rounds), "loss {loss}, seed {seed}: {round:?}");
             let tracks = fly_to_the_end(&mut team, 3);
             assert!(passed(&tracks[0], &[4]) && passed(&tracks[2], &[42]), "loss {loss}, seed {seed}");
@@ -410,7 +413,7 @@ fn a_robot_that_has_arrived_sets_out_again_for_a_way_point() {
     let mission = factory();
     let mut team = team(&mission);
     fly_until(&mut team, "all stop", |team| stopped(team, 3));
-    team.robots[1].visit(Cell(0)).expect("it is free");
+    team.robots[1].robot_mut().navigation_mut().visit(Cell(0)).expect("it is free");
     let tracks = fly_to_the_end(&mut team, 3);
     assert!(passed(&tracks[1], &[0]));
 }
@@ -425,19 +428,19 @@ fn with_chargers() -> Mission<'static, 2> {
 fn a_robot_with_a_low_battery_drives_to_its_charger_while_the_others_stand_and_then_all_decide_anew() {
     let mission = with_chargers();
     let mut team = team(&mission);
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     team.robots[0].hardware_mut().charge = 10;
-    fly_until(&mut team, "robot 1 has left", |team| team.robots[0].report().cause == Some(Cause::Battery));
+    fly_until(&mut team, "robot 1 has left", |team| report(&team.robots[0]).cause == Some(Cause::Battery));
     fly_until(&mut team, "robot 1 moves", |team| team.robots[0].hardware().cell != Cell(28));
-    let (left, standing) = (team.robots[0].report().round, cells(&team)[1..].to_vec());
+    let (left, standing) = (report(&team.robots[0]).round, cells(&team)[1..].to_vec());
     fly_until(&mut team, "robot 1 is on its charger", |team| {
         assert_eq!(cells(team)[1..], standing, "the others wait");
-        assert_eq!(statuses(team)[0], Status::Away);
+        assert_eq!(stages(team)[0], Stage::Away);
         team.robots[0].hardware().cell == Cell(13)
     });
-    fly_until(&mut team, "all decide anew", |team| all(team, Status::Agreed));
-    assert!(team.robots[0].report().round > left);
-    assert_eq!(team.robots[0].report().cause, Some(Cause::Charged));
+    fly_until(&mut team, "all decide anew", |team| all(team, Stage::Agreed));
+    assert!(report(&team.robots[0]).round > left);
+    assert_eq!(report(&team.robots[0]).cause, Some(Cause::Charged));
     assert_eq!((cells(&team)[0], cells(&team)[1..].to_vec()), (13, standing));
     fly_until(&mut team, "all stop", |team| stopped(team, 3));
 }
@@ -446,7 +449,7 @@ fn a_robot_with_a_low_battery_drives_to_its_charger_while_the_others_stand_and_t
 fn robots_that_are_low_at_once_charge_one_after_another() {
     let mission = with_chargers();
     let mut team = team(&mission);
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     for robot in &mut team.robots {
         robot.hardware_mut().charge = 10;
     }
@@ -469,19 +472,19 @@ fn a_robot_without_a_way_to_its_charger_stands_with_its_leaf_running_and_the_tea
     let mission = Mission { chargers: &CHARGERS, ..factory() };
     let mut team = team(&mission);
     assert!([5, 13].iter().all(|&cell| team.map.block(Cell(cell))));
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     team.robots[0].hardware_mut().charge = 10;
     for _ in 0..100 {
         team.tick();
     }
-    let (standing, rounds) = (cells(&team), team.robots[0].report().round);
+    let (standing, rounds) = (cells(&team), report(&team.robots[0]).round);
     for _ in 0..50 {
         team.tick();
         assert_eq!(cells(&team), standing);
-        assert_eq!(team.robots[0].activity(), Some("Recharge"));
+        assert_eq!(team.robots[0].robot().activity(), Some("Recharge"));
         assert_eq!(team.last_statuses()[0], iibt_core::tree::Status::Running);
     }
-    assert_eq!(team.robots[0].report().round, rounds, "it does not call round after round");
+    assert_eq!(report(&team.robots[0]).round, rounds, "it does not call round after round");
     team.robots[0].hardware_mut().charge = 95;
     fly_until(&mut team, "all stop", |team| stopped(team, 3));
 }
@@ -496,9 +499,9 @@ fn a_teammate_that_stands_in_the_way_to_a_charger_steps_aside() {
     static CHARGERS: [Option<Cell>; 1] = [Some(Cell(0))];
     let mission = Mission { chargers: &CHARGERS, ..Mission::new(map, &STARTS, &GOALS) };
     let mut team = team(&mission);
-    fly_until(&mut team, "all agree", |team| all(team, Status::Agreed));
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     team.robots[0].hardware_mut().charge = 10;
-    fly_until(&mut team, "robot 2 steps aside", |team| team.robots[1].report().cause == Some(Cause::Room));
+    fly_until(&mut team, "robot 2 steps aside", |team| report(&team.robots[1]).cause == Some(Cause::Room));
     fly_until(&mut team, "robot 1 is on its charger", |team| team.robots[0].hardware().cell == Cell(0));
     fly_until(&mut team, "all stop", |team| stopped(team, 2));
 }

@@ -313,7 +313,7 @@ fn a_broken_table_is_named_with_its_column() {
         of(likelihood, "0.08, ", ""),
         "model.json: A[2] is ragged: A[2][0][1] has 3 entries, A[2][0][0] has 4"
     );
-    assert_eq!(of(likelihood, "0.08", "0.08,"), "model.json:18:43: ',' where a value should be");
+    assert_eq!(of(likelihood, "0.08", "0.08,"), "model.json:18:43: expected value, found ','");
     assert_eq!(of("\"B\"", "[1,", "[0.9,"), "model.json: B[0] column (0, 0) sums to 0.9, not to 1");
 }
 
@@ -369,23 +369,16 @@ macro_rules! same_bits {
         use exported::$model as model;
         let report = run(&notebook($text).observing($listed).expect("an observation"), Run::default());
         let step = only(&report);
-        let mut beliefs = model::Beliefs::prior(&model::MODEL);
-        let update: Update = beliefs.update(&model::MODEL, &$observation).expect("a possible observation");
-        let mut evaluation = model::Evaluation::new();
-        evaluation.evaluate(&model::problem(&beliefs));
-        let values: Vec<f32> = evaluation
-            .terms()
-            .iter()
-            .map(|terms| -terms.expected_free_energy(model::SCORING.convention))
-            .collect();
+        let mut agent = model::AGENT;
+        let update: Update = agent.observe(&$observation).expect("a possible observation");
+        let decision = agent.decide(model::CANDIDATES).expect("a policy that can be chosen");
+        let values: Vec<f32> = agent.terms().iter().map(|terms| -terms.expected_free_energy()).collect();
         assert_eq!(Some(update.free_energy), step.F);
         assert_eq!(values, step.G);
         for (factor, q) in step.qs.iter().enumerate() {
-            assert_eq!(beliefs.of(&model::MODEL, factor), q);
+            assert_eq!(agent.belief(factor), Ok(&q[..]));
         }
-        let mut posterior = evaluation.scores().to_vec();
-        iibt_core::inference::policy::posterior(&mut posterior, model::SCORING.window);
-        assert_eq!(posterior, step.q_pi);
+        assert_eq!((decision.policy(), agent.posterior()), (step.policy, &step.q_pi[..]));
     }};
 }
 

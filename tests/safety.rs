@@ -3,9 +3,8 @@
 use host_sim::reproduce;
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Map, Move, Path, Planner};
-use iibt_core::iibt::Mission;
-use iibt_core::team::{Intention, RobotId, Round, Status};
-use iibt_core::time::Instant;
+use iibt_core::navigation::{Intention, Mission, Round, Said, Stage};
+use iibt_core::team::{RobotId, Stamp};
 use tests::team::{Hardship, Outcome, Random, Team};
 
 const RUNS: u64 = 200;
@@ -198,8 +197,8 @@ mod with_robots_of_different_paces {
     }
 }
 
-/// An intention that says anything a frame can carry, mostly of a round that the team may be in.
-fn nonsense(random: &mut Random, sequence: u32) -> Intention {
+/// A teammate that says anything a frame can carry, mostly of a round that the team may be in.
+fn nonsense(random: &mut Random, sequence: u32) -> Said {
     let cell = |random: &mut Random| {
         let cells = if random.chance(0.1) { 65536 } else { 49 };
         Cell(random.below(cells) as u16)
@@ -208,21 +207,39 @@ fn nonsense(random: &mut Random, sequence: u32) -> Intention {
     for _ in 0..random.below(HORIZON as u32 + 1) {
         path.push(Move::ALL[random.below(5) as usize]).expect("within the horizon");
     }
-    let all = [Status::Deciding, Status::Announced, Status::Agreed, Status::Arrived, Status::Away];
-    Intention {
-        robot: RobotId(2),
-        epoch: 9,
-        sequence,
-        tick: Instant(random.bits()),
+    let all = [Stage::Deciding, Stage::Announced, Stage::Agreed, Stage::Arrived, Stage::Away];
+    let message = Intention {
         round: Round(sequence as u16 / 20 + random.below(2) as u16),
-        status: all[random.below(5) as usize],
+        stage: all[random.below(5) as usize],
         plan: random.bits(),
         goal: random.chance(0.5).then(|| cell(random)),
         step: random.below(path.len() as u32 + 1) as u8,
         path,
         probability: random.bits() as f32 / u32::MAX as f32,
         hazards: (0..random.below(5)).map(|_| cell(random)).collect(),
+    };
+    Said { sender: RobotId(2), stamp: Stamp { epoch: 9, sequence }, message }
+}
+
+/// The ticks after which the team of the factory has arrived.
+fn arrival(hardship: Hardship) -> u32 {
+    let (starts, goals) = ([Cell(28), Cell(2), Cell(45)], [Cell(24), Cell(26), Cell(32)]);
+    let mission = Mission::new(reproduce::map(), &starts, &goals);
+    let outcome = Team::new(&mission, hardship, 3).fly(200);
+    assert_eq!(outcome.collisions, 0);
+    outcome.arrived.expect("it arrives")
+}
+
+#[test]
+fn noise_on_the_line_makes_no_team_deaf() {
+    let usual = arrival(Hardship::default());
+    for stray in [1, 3, 200] {
+        let noisy = arrival(Hardship { stray, ..Hardship::default() });
+        assert!(noisy <= 2 * usual, "{stray} bytes before every frame: {noisy} ticks in place of {usual}");
     }
+    // A line of 115,200 baud carries 1,152 bytes in a tick of 100 ms.
+    let flooded = arrival(Hardship { garbage: 1152, ..Hardship::default() });
+    assert!(flooded <= 2 * usual, "garbage at line rate: {flooded} ticks in place of {usual}");
 }
 
 #[test]
@@ -237,7 +254,7 @@ fn with_a_teammate_that_talks_nonsense_nobody_breaks() {
             team.overhear(&nonsense(&mut random, sequence));
             team.tick();
             for robot in &team.robots {
-                let report = robot.report();
+                let report = robot.robot().navigation().report();
                 assert!(report.path.is_open(&mission.map) && (0.0..=1.0).contains(&report.probability));
             }
         }

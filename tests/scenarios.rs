@@ -138,7 +138,7 @@ block = 7
 mod shift {
     use super::*;
     use host_sim::{News, Phase};
-    use iibt_core::iibt::navigation::Cause;
+    use iibt_core::navigation::Cause;
 
     /// The rounds to which all agreed.
     fn agreed(record: &Record) -> Vec<&Phase> {

@@ -294,7 +294,7 @@ rule!(repeat_without_end_repeats:
 /// Nothing below a loop of zero rounds is ever ticked, which `Tree` refuses: so the table is built by hand.
 #[test]
 fn zero_rounds_end_without_a_tick() {
-    use iibt_core::tree::{Cell, Row, Times, TreeRef};
+    use iibt_core::tree::{NodeMemory, Row, Times, TreeRef};
     for (node, status) in [
         (Node::Repeat(Times::new(0)), Status::Success),
         (Node::RetryUntilSuccessful(Times::new(0)), Status::Failure),
@@ -306,7 +306,7 @@ fn zero_rounds_end_without_a_tick() {
         let mut rows = [Row::new(node), Row::new(Node::Action('a'))];
         let tree = TreeRef::<_, Full>::try_new(&mut rows).unwrap();
         let mut script = Script::new("a=S");
-        assert_eq!(tree.tick(&mut [Cell::NEW; 2], &mut script, Instant(0)).status, status);
+        assert_eq!(tree.tick(&mut [NodeMemory::NEW; 2], &mut script, Instant(0)).status, status);
         assert_eq!(script.trace, "");
     }
 }

@@ -12,21 +12,5 @@ pub mod t2;
 pub use benchmark::{Benchmark, POLICIES, Workspace};
 pub use digest::{MODELS, digest};
 
-use iibt_core::actions::Action;
-use iibt_core::inference::Policy;
-
 /// The seed of the random models that the image and the host are compared by.
 pub const SEED: u64 = 2026;
-
-/// A policy of these actions, cut off where one does not exist or there are too many.
-const fn policy(actions: &[Action]) -> Policy {
-    let mut policy = Policy::EMPTY;
-    let mut rest = actions;
-    while let [action, others @ ..] = rest {
-        if policy.push(*action).is_err() {
-            return policy;
-        }
-        rest = others;
-    }
-    policy
-}

@@ -3,7 +3,8 @@
 use crate::Robot;
 use crate::Settings;
 use crate::hardware::{Battery, Drive, Localiser, Scanner};
-use iibt_core::iibt::Node;
+use iibt_core::iibt::{Node, Task};
+use iibt_core::inference::Preference;
 use iibt_core::navigation::{Intention, Mission, MissionError, Navigation, Percept};
 use iibt_core::team::{Invalid, Peers};
 use iibt_core::time::{Duration, Instant};
@@ -106,6 +107,13 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigator<'m, S, W, P> 
     /// The task, to be told what to visit and which goals to prefer.
     pub const fn navigation_mut(&mut self) -> &mut Navigation<'m, S, W, P> {
         &mut self.skills.navigation
+    }
+
+    /// C as it is now, temporary raises included.
+    #[must_use]
+    pub fn preference(&self) -> Preference<S> {
+        let Skills { navigation, node, .. } = &self.skills;
+        node.raised().copied().unwrap_or_else(|| navigation.preference())
     }
 
     /// The leaf of the tree that is running since the last tick.

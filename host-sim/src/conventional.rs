@@ -34,12 +34,13 @@ mod teammate;
 
 pub(crate) use leaves::Figure;
 
-use self::leaves::Bound;
+use self::leaves::Skill;
 use self::navigator::{Navigator, Orders};
 use self::teammate::Teammate;
 use crate::body::Body;
 use crate::robot::{AnyRobot, shrunk};
 use crate::scenario::Scenario;
+use crate::tree::BoundTree;
 use firmware::hardware::{Battery, Drive, Localiser, Scanner};
 use firmware::{Controller, LinkReport, Robot, Settings, Thresholds};
 use heapless::Vec as Bounded;
@@ -47,13 +48,13 @@ use iibt_core::grid::{Cell, Map};
 use iibt_core::navigation::{Intention, MAX_GOALS, MAX_HAZARDS, MissionError, Report, Round};
 use iibt_core::team::{Freshness, Invalid, MAX_TEAM, Peers, RobotId};
 use iibt_core::time::Instant;
-use iibt_core::tree::{self, Basic, Halt, Leaves};
+use iibt_core::tree::{self, Full, Halt, Leaves};
 use std::num::NonZero;
 
 /// A robot that ticks a conventional tree.
 pub(crate) struct Conventional<const S: usize, const W: usize> {
-    bound: &'static Bound,
-    memory: Vec<tree::Cell<Basic>>,
+    tree: &'static BoundTree<Skill>,
+    memory: Vec<tree::NodeMemory<Full>>,
     navigator: Navigator<S, W>,
     /// The ticks from one control cycle to the next: what a frame takes.
     period: u32,
@@ -96,10 +97,10 @@ impl<const S: usize, const W: usize> Conventional<S, W> {
             charged: Thresholds::DEFAULT.charged,
             has_fixed_goals: is_for_two,
         };
-        let bound = figure.bound();
+        let tree = figure.tree();
         Ok(Self {
-            bound,
-            memory: (0..bound.nodes).map(|_| tree::Cell::NEW).collect(),
+            tree,
+            memory: vec![tree::NodeMemory::NEW; tree.len()],
             navigator: Navigator::new(orders),
             period: settings.tick().0,
             acted: None,
@@ -164,8 +165,8 @@ where
             self.navigator.notice(hazard);
         }
         self.navigator.team = self.teammates(&map, peers);
-        let mut hands = Hands { bound: self.bound, navigator: &mut self.navigator };
-        self.status = self.bound.tree.tick(&mut self.memory, &mut hands, now).status;
+        let mut hands = Hands { navigator: &mut self.navigator };
+        self.status = self.tree.tick(&mut self.memory, &mut hands, now).status;
         self.status
     }
 
@@ -193,25 +194,23 @@ where
 
 /// The skills as the leaves of the tree.
 struct Hands<'n, const S: usize, const W: usize> {
-    bound: &'static Bound,
     navigator: &'n mut Navigator<S, W>,
 }
 
-impl<const S: usize, const W: usize> Leaves<u16> for Hands<'_, S, W> {
-    fn condition(&mut self, leaf: &u16, _: Instant) -> bool {
-        self.bound.skill(*leaf).is_some_and(|skill| self.navigator.holds(skill))
+impl<const S: usize, const W: usize> Leaves<Skill> for Hands<'_, S, W> {
+    fn condition(&mut self, leaf: &Skill, _: Instant) -> bool {
+        self.navigator.holds(*leaf)
     }
 
-    fn on_start(&mut self, leaf: &u16, _: Instant) -> tree::Status {
-        let skill = self.bound.skill(*leaf);
-        skill.map_or(tree::Status::Failure, |skill| self.navigator.perform(skill))
+    fn on_start(&mut self, leaf: &Skill, _: Instant) -> tree::Status {
+        self.navigator.perform(*leaf)
     }
 
-    fn on_running(&mut self, leaf: &u16, now: Instant) -> tree::Status {
+    fn on_running(&mut self, leaf: &Skill, now: Instant) -> tree::Status {
         self.on_start(leaf, now)
     }
 
-    fn on_halted(&mut self, _: &u16, _: Instant) -> Halt {
+    fn on_halted(&mut self, _: &Skill, _: Instant) -> Halt {
         Halt::Done
     }
 }

@@ -49,6 +49,7 @@ pub mod show;
 pub mod statistics;
 pub mod task;
 mod team;
+mod testbed;
 pub mod tree;
 mod words;
 mod workers;
@@ -67,7 +68,8 @@ pub use scenario::{
     Wear, When,
 };
 pub use series::{Mission, Series, fly_series};
-pub use team::Pilot;
+pub use team::{Pilot, TeamError};
+pub use testbed::{Simulated, Testbed};
 
 /// The code in the README and in the documents is compiled and run with the tests.
 #[cfg(doctest)]

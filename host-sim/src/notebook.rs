@@ -21,6 +21,7 @@ mod report;
 mod running;
 mod source;
 mod structure;
+mod sweeps;
 mod tally;
 mod tensor;
 
@@ -30,6 +31,7 @@ pub use model::Notebook;
 pub use report::{Outcome, PolicyReport, Report, StepReport, StructureReport, TermsReport, Why};
 pub use running::{Progress, Run};
 pub use structure::Forms;
+pub use sweeps::{Floor, Sweeps};
 
 impl Notebook {
     /// Reads a model from JSON. `file` is what errors call it.

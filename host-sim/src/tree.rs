@@ -44,17 +44,15 @@
 //! # Ok::<(), host_sim::tree::Diagnostic>(())
 //! ```
 
-mod alarm;
+mod binding;
 mod blackboard;
-mod bound;
-mod census;
 mod check;
 mod codegen;
+mod counts;
 mod diagnostic;
 mod document;
 mod dry_run;
 mod export;
-mod hooked;
 mod instance;
 pub mod library;
 mod log;
@@ -69,16 +67,16 @@ mod show;
 mod statuses;
 mod structure;
 mod timeline;
+mod timers;
 mod value;
 mod xml;
 
-pub use bound::Bound;
-pub use census::Census;
+pub use binding::{BoundTree, LeafNode};
 pub use check::check;
+pub use counts::NodeCounts;
 pub use diagnostic::{Diagnostic, Place, Remarks, Severity};
 pub use document::{Document, Extras, Files, LoadError};
 pub use dry_run::{DryRecord, DryRun, Mode};
-pub use hooked::{Hooked, Leaf as HookedLeaf};
 pub use instance::Instance;
 pub use model::{Class, Direction, Model, Port};
 pub(crate) use show::Line;

@@ -1,39 +1,31 @@
 //! Work shared out among threads.
 
+use rayon::ThreadPoolBuilder;
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use std::num::NonZeroUsize;
-use std::panic;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread::{self, ScopedJoinHandle};
 
-/// What `work` makes of every number below `count`, in order. With as many threads as there are cores, if their number is left
-/// open; whoever is free takes the next number.
+/// Results of `work` for every number below `count`, in order.
+///
+/// As many threads as there are cores work on them, or as many as asked for.
 pub(crate) fn share_out<T: Send>(
     count: usize,
     threads: Option<NonZeroUsize>,
-    work: impl Fn(usize) -> T + Sync,
+    work: impl Fn(usize) -> T + Send + Sync,
 ) -> Vec<T> {
-    let cores = || thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-    let threads = threads.unwrap_or_else(cores).get().min(count);
-    let next = AtomicUsize::new(0);
-    let share = || {
-        let mine = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
-        mine.take_while(|&number| number < count).map(|number| (number, work(number))).collect::<Vec<_>>()
-    };
-    let finish = |worker: ScopedJoinHandle<'_, _>| match worker.join() {
-        Ok(share) => share,
-        Err(cause) => panic::resume_unwind(cause),
-    };
-    let mut all = thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(share)).collect();
-        workers.into_iter().flat_map(finish).collect::<Vec<_>>()
-    });
-    all.sort_by_key(|&(number, _)| number);
-    all.into_iter().map(|(_, result)| result).collect()
+    let all = || (0..count).into_par_iter().with_max_len(1).map(work).collect();
+    match threads {
+        None => all(),
+        Some(threads) => {
+            let pool = ThreadPoolBuilder::new().num_threads(threads.get()).build();
+            pool.expect("the operating system starts threads").install(all)
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     #[test]
     fn every_number_is_worked_on_once_and_results_are_in_order() {

@@ -48,6 +48,28 @@ impl Actions {
         Ok(sequence)
     }
 
+    /// A sequence for a table.
+    ///
+    /// # Panics
+    /// When there are more than [`HORIZON`] actions or a code is out of range; in a `const` or `static` this fails the build.
+    ///
+    /// ```
+    /// use iibt_core::actions::Actions;
+    ///
+    /// static TWICE_RIGHT: Actions = Actions::of(&[1, 1]);
+    /// assert_eq!(Actions::new(&[1, 1]), Ok(TWICE_RIGHT));
+    /// ```
+    #[must_use]
+    pub const fn of(actions: &[Action]) -> Self {
+        let mut sequence = Self::EMPTY;
+        let mut rest = actions;
+        while let [action, others @ ..] = rest {
+            assert!(sequence.push(*action).is_ok(), "a policy has too many actions, or one of 16 or above");
+            rest = others;
+        }
+        sequence
+    }
+
     /// How many actions there are.
     #[must_use]
     pub const fn len(&self) -> usize {
@@ -87,6 +109,12 @@ impl Actions {
     /// The actions in order.
     pub fn iter(&self) -> impl Iterator<Item = Action> + '_ {
         (0..self.len()).filter_map(|index| self.get(index))
+    }
+
+    /// The largest action code; zero without actions.
+    #[must_use]
+    pub fn largest(&self) -> Action {
+        self.bytes().iter().fold(0, |most, byte| most.max(byte & 0xf).max(byte >> 4))
     }
 
     fn bytes(&self) -> &[u8] {

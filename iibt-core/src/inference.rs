@@ -17,15 +17,16 @@
 //! A [`Model`] never changes after it is built; beliefs, preferences and counts are state. Data flows
 //! model → beliefs → problem → evaluation → choice, and the room knows neither trees nor robots.
 
+mod agent;
 mod belief;
 mod candidates;
+mod error;
 mod estimation;
 mod evaluation;
 mod evidence;
 pub mod explanation;
 mod free_energy;
 mod gain;
-mod joint;
 pub mod learning;
 pub mod likelihood;
 mod model;
@@ -33,24 +34,23 @@ pub mod policy;
 mod precision;
 mod preference;
 mod problem;
-mod published;
 mod shape;
 mod table;
 pub mod transition;
 
+pub use agent::{Agent, Decision, Room};
 pub use belief::Beliefs;
 pub use candidates::{Candidates, Combinations, Habits};
+pub use error::{Argument, DecisionError, ObservationError, OutOfRange};
 pub use estimation::{EXACT_LIMIT, Impossible, MAX_SWEEPS, Update};
 pub use evaluation::Evaluation;
 pub use evidence::Evidence;
-pub use free_energy::{Convention, Credit, Gain, Padding, Scoring, Terms};
-pub use joint::{JointChoice, decide};
+pub use free_energy::{Credit, Gain, Scoring, Terms};
 pub use likelihood::{IdentityNoise, Likelihood, OutcomeTable, TableError};
 pub use model::{Control, Factor, MAX_FACTORS, MAX_MODALITIES, Modality, Model, ModelError};
 pub use policy::{Choice, Policy, Star};
 pub use precision::Precision;
 pub use preference::Preference;
 pub use problem::{Encounter, Problem};
-pub use published::Sweeps;
 pub use shape::{MAX_CONDITIONS, Shape};
 pub use transition::{Blocks, NextState, Transition};

@@ -28,6 +28,11 @@
 #[cfg(test)]
 extern crate std;
 
+/// The code in the package's README is compiled and run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 #[cfg(feature = "inference")]
 pub mod actions;
 #[cfg(feature = "inference")]

@@ -45,7 +45,7 @@ use self::motion::{MOVES, Motion};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Move};
 use crate::iibt::Logic;
-use crate::inference::{Beliefs, Choice, Impossible};
+use crate::inference::{Beliefs, Choice, ObservationError};
 use crate::math;
 use crate::team::{Invalid, Member, Peer, Peers, RobotId};
 use heapless::Vec;
@@ -70,7 +70,7 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     agreement: Agreement,
     belief: Beliefs<S, 1>,
     motion: Motion,
-    surprise: Result<f32, Impossible>,
+    surprise: Result<f32, ObservationError>,
     hazards: Vec<Cell, MAX_KNOWN_HAZARDS>,
     waypoints: Vec<Cell, MAX_WAYPOINTS>,
     percept: Percept,
@@ -207,8 +207,8 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
     /// The surprise F = -ln P(o) of the last reading, in nats, or that it was impossible.
     ///
     /// # Errors
-    /// [`Impossible`] when the reading had probability zero; the belief was left as it was.
-    pub const fn surprise(&self) -> Result<f32, Impossible> {
+    /// [`ObservationError`] when the reading had probability zero; the belief was left as it was.
+    pub const fn surprise(&self) -> Result<f32, ObservationError> {
         self.surprise
     }
 

@@ -73,24 +73,26 @@
 //! assert!(memory.is_running(3) && !memory.is_running(4), "it charges instead");
 //! ```
 
-mod basic;
-mod census;
 mod check;
 pub mod compiled;
 mod composites;
+mod context;
+mod counts;
 mod deadline;
 mod decorators;
-mod full;
-mod interrupt;
+mod halt;
 mod kinds;
 mod leaves;
 mod log;
 mod macros;
 mod memory;
 mod node;
-mod overdue;
+mod owned;
+mod row;
+mod rules;
 mod status;
 mod table;
+mod visit;
 mod walk;
 
 #[cfg(test)]
@@ -98,13 +100,15 @@ mod oracle;
 #[cfg(test)]
 mod script;
 
-pub use census::Census;
 pub use check::{Rule, TreeError};
 pub use compiled::Compiled;
+pub use counts::NodeCounts;
 pub use kinds::{Basic, Compat, Full, Kinds};
 pub use leaves::Leaves;
 pub use log::{Log, Transition};
-pub use memory::{Cell, Memory};
+pub use memory::{Memory, NodeMemory};
 pub use node::{Millis, Node, Times};
-pub use status::{Halt, Status};
-pub use table::{MAX_DEPTH, MAX_NODES, Next, Row, Tick, Tree, TreeRef};
+pub use owned::OwnedTree;
+pub use row::{MAX_DEPTH, MAX_NODES, Row};
+pub use status::{Halt, Next, Status, Tick};
+pub use table::{Tree, TreeRef};

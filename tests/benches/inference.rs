@@ -4,10 +4,10 @@
 //! each beside a plain dense implementation in the same run; then how the cost grows. With `--draw FILE.svg` the growth is drawn.
 //! Without valgrind only times are printed.
 
-use firmware::bench::{Benchmark, Workspace, t1, t2};
+use firmware::bench::{Benchmark, t1, t2};
 use iibt_core::inference::{
     Beliefs, Candidates, Evaluation, Evidence, Factor, IdentityNoise, Modality, Model, NextState,
-    OutcomeTable, Policy, Problem, Scoring, decide,
+    OutcomeTable, Policy, Problem, Scoring,
 };
 use std::fmt::Write;
 use std::hint::black_box;
@@ -69,9 +69,9 @@ fn case(name: &str) -> Box<dyn FnMut()> {
 }
 
 fn benchmark<const S: usize>(benchmark: Benchmark<S>) -> Box<dyn FnMut()> {
-    let mut workspace = Workspace::new(&benchmark);
+    let mut agent = benchmark.agent(Scoring::JAX_PYMDP).expect("it has the model's sizes");
     Box::new(move || {
-        let posterior = black_box(&benchmark).run(&mut workspace, Scoring::JAX_PYMDP);
+        let posterior = black_box(&benchmark).run(&mut agent);
         black_box(posterior).expect("the observation is possible");
     })
 }
@@ -92,21 +92,22 @@ fn pair<const S: usize>(candidates: usize, horizon: usize) -> Box<dyn FnMut()> {
         let mut beliefs = Beliefs::<S, 2>::prior(model);
         beliefs.update(model, &[Evidence::Outcome(0), Evidence::Outcome(S - 1)]).expect("both are possible");
         let problem = Problem::new(model, &beliefs, Candidates::all(&sequences), Scoring::JAX_PYMDP);
-        evaluation.evaluate(black_box(&problem));
+        evaluation.evaluate(black_box(&problem)).expect("there is room");
         black_box(evaluation.best());
     })
 }
 
-/// A decision of robot 1 in a team of `robots`, with 4 policies of 6 steps each, in pairs with each teammate.
+/// The joint decision of `robots` robots, with 2 policies of 6 steps each.
 fn team(robots: usize) -> Box<dyn FnMut()> {
-    let policies = candidates_of(4, 6);
-    let mut evaluation = Box::new(Evaluation::<16, 8, 4, 4>::new());
+    let policies = candidates_of(2, 6);
+    let mut evaluation = Box::new(Evaluation::<16, 8, 2, 128>::new());
     chain::<16, 8>(robots, move |model| {
         let sequences = vec![policies.as_slice(); robots];
         let mut beliefs = Beliefs::<16, 8>::prior(model);
         beliefs.update(model, &[Evidence::Outcome(3)]).expect("it is possible");
         let problem = Problem::new(model, &beliefs, Candidates::all(&sequences), Scoring::JAX_PYMDP);
-        black_box(decide(&mut evaluation, black_box(&problem), 0));
+        evaluation.evaluate(black_box(&problem)).expect("there is room");
+        black_box(evaluation.best());
     })
 }
 
@@ -220,7 +221,7 @@ struct Sweep {
 }
 
 const SWEEPS: [Sweep; 4] = [
-    Sweep { what: "robots, decided in pairs with the first", case: "robots", sizes: &[2, 3, 4, 5, 6, 7, 8] },
+    Sweep { what: "robots, 2 policies each", case: "robots", sizes: &[2, 3, 4, 5, 6, 7, 8] },
     Sweep { what: "joint policies of two robots", case: "policies", sizes: &[4, 9, 16, 25, 36, 49, 64] },
     Sweep { what: "steps of the horizon", case: "horizon", sizes: &[1, 2, 4, 8, 16, 32] },
     Sweep { what: "states of each of two robots", case: "states", sizes: &[4, 16, 64, 256, 1024] },

@@ -5,13 +5,13 @@
 //! - modality 0: 3 outcomes of factor 0, identity with noise
 //! - modality 1: 2 outcomes of factor 0 and 1, outcome table
 //!
-//! The numbers of A, B, C and D take 261 bytes, as full tables 316; 9 policies take 297. `Beliefs` takes 20 bytes of
-//! RAM and `Evaluation` about 1055.
+//! The numbers of A, B, C and D take 261 bytes, as full tables 316; 9 policies take 297. `Agent` takes about
+//! 1147 bytes of RAM.
 
 use iibt_core::inference::transition::Dense as DenseTransition;
 use iibt_core::inference::{
-    Candidates, Combinations, Control, Factor, Habits, IdentityNoise, Modality, Model, OutcomeTable,
-    Policy, Problem, Scoring,
+    Candidates, Control, Factor, Habits, IdentityNoise, Modality, Model, OutcomeTable, Policy,
+    Scoring,
 };
 
 #[rustfmt::skip]
@@ -58,27 +58,16 @@ pub static MODALITIES: [Modality; 2] = [
 /// The generative model.
 pub static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
 
-/// An action sequence.
-const fn sequence(actions: &[u8]) -> Policy {
-    let mut sequence = Policy::EMPTY;
-    let mut step = 0;
-    while step < actions.len() {
-        assert!(sequence.push(actions[step]).is_ok(), "a sequence is too long");
-        step += 1;
-    }
-    sequence
-}
-
 static SEQUENCES_0: [Policy; 9] = [
-    sequence(&[0, 0]),
-    sequence(&[0, 1]),
-    sequence(&[0, 2]),
-    sequence(&[1, 0]),
-    sequence(&[1, 1]),
-    sequence(&[1, 2]),
-    sequence(&[2, 0]),
-    sequence(&[2, 1]),
-    sequence(&[2, 2]),
+    Policy::of(&[0, 0]),
+    Policy::of(&[0, 1]),
+    Policy::of(&[0, 2]),
+    Policy::of(&[1, 0]),
+    Policy::of(&[1, 1]),
+    Policy::of(&[1, 2]),
+    Policy::of(&[2, 0]),
+    Policy::of(&[2, 1]),
+    Policy::of(&[2, 2]),
 ];
 #[rustfmt::skip]
 static LN_E: [f32; 9] = [
@@ -87,27 +76,13 @@ static LN_E: [f32; 9] = [
 ];
 
 /// The policies to choose from, in the order of the notebook.
-pub static CANDIDATES: Candidates = Candidates {
-    sequences: &[&SEQUENCES_0],
-    combinations: Combinations::All,
-    habits: Habits::Joint(&LN_E),
-};
+pub static CANDIDATES: Candidates = Candidates::all(&[&SEQUENCES_0]).with_habits(Habits::Joint(&LN_E));
 
 /// How policies are scored: every preference at every step, per-modality information gain.
 pub const SCORING: Scoring = Scoring { precision: 4.0, ..Scoring::JAX_PYMDP };
 
-/// How many steps are looked at.
-pub const HORIZON: usize = 2;
+/// An agent with room for all policies.
+pub type Agent = iibt_core::Agent![MODEL, for CANDIDATES];
 
-/// Beliefs of the model's size.
-pub type Beliefs = iibt_core::inference::Beliefs<5, 1>;
-
-/// An evaluation that holds all policies.
-pub type Evaluation = iibt_core::inference::Evaluation<5, 1, 9, 1>;
-
-/// The decision to be made under these beliefs.
-#[must_use]
-pub fn problem(beliefs: &Beliefs) -> Problem<'_, 5, 1> {
-    let problem = Problem::new(&MODEL, beliefs, CANDIDATES, SCORING);
-    Problem { horizon: HORIZON, ..problem }
-}
+/// An agent that has observed nothing yet.
+pub const AGENT: Agent = Agent::new(&MODEL).with_scoring(SCORING);

@@ -1,7 +1,8 @@
 //! State inference: posteriors, surprise, the free energy of approximations, impossible observations.
 
 use crate::{Room, assert_distributions, assert_marginals, close, for_seeds, marginals};
-use iibt_core::inference::{Beliefs, Evidence, MAX_SWEEPS, Model, Sweeps, likelihood};
+use host_sim::notebook::Sweeps;
+use iibt_core::inference::{Beliefs, Evidence, Impossible, MAX_SWEEPS, Model, ObservationError, likelihood};
 use tests::oracle::chance::Chance;
 use tests::oracle::description::{Description, Hidden, Motion, Observed, Sense, Sensor};
 use tests::oracle::{Marginals, Tables, generator};
@@ -49,7 +50,11 @@ fn evidence(seen: &[Observed]) -> Vec<Evidence<'_>> {
 }
 
 fn actions(chance: &mut Chance, model: &Model) -> Vec<Option<u8>> {
-    (0..model.controls()).map(|_| (!chance.once_in(4)).then(|| chance.below(3) as u8)).collect()
+    let action = |control| match model.actions(control) {
+        0 => None,
+        actions => (!chance.once_in(4)).then(|| chance.below(actions.min(3)) as u8),
+    };
+    (0..model.controls()).map(action).collect()
 }
 
 /// What each factor's action is, given one for each control.
@@ -75,8 +80,8 @@ fn exact_beliefs_and_surprise_equal_enumeration_step_after_step() {
                         assert!(close(update.free_energy, surprise, 2e-5), "{update:?} against {surprise}");
                         assert_marginals(&marginals(&beliefs, model), &posterior, 1e-5);
                     }
-                    (Err(impossible), None) => {
-                        assert_eq!(Some(impossible.modality), inexplicable(&tables, &exact, &explained));
+                    (Err(ObservationError::Impossible(Impossible { modality })), None) => {
+                        assert_eq!(Some(modality), inexplicable(&tables, &exact, &explained));
                         assert_eq!(beliefs, before);
                     }
                     (ours, reference) => panic!("{ours:?} against {reference:?}"),
@@ -85,7 +90,7 @@ fn exact_beliefs_and_surprise_equal_enumeration_step_after_step() {
 
                 let exact = marginals(&beliefs, model);
                 let actions = actions(chance, model);
-                beliefs.predict(model, &actions);
+                beliefs.predict(model, &actions).expect("they are the model's");
                 let predicted = tables.predict(&exact, &factor_actions(&description, &actions));
                 assert_marginals(&marginals(&beliefs, model), &predicted, 1e-5);
             }
@@ -179,14 +184,14 @@ fn beliefs_stay_distributions_and_f_finite_after_every_call() {
                 let seen = generator::observation(chance, &description);
                 let evidence = evidence(&seen);
                 let free_energy = match chance.below(7) {
-                    0 => beliefs.update_in_parallel(model, &evidence, Sweeps::NUMPY_PYMDP).free_energy,
-                    1 => beliefs.update_in_parallel(model, &evidence, Sweeps::JAX_PYMDP).free_energy,
+                    0 => Sweeps::NUMPY_PYMDP.update(&mut beliefs, model, &evidence).free_energy,
+                    1 => Sweeps::JAX_PYMDP.update(&mut beliefs, model, &evidence).free_energy,
                     2 => beliefs.update(model, &evidence).map_or(0.0, |update| update.free_energy),
                     3 => beliefs
                         .update_by_ascent(model, &evidence, MAX_SWEEPS)
                         .map_or(0.0, |update| update.free_energy),
                     4 => {
-                        beliefs.predict(model, &actions(chance, model));
+                        beliefs.predict(model, &actions(chance, model)).expect("they are the model's");
                         0.0
                     }
                     5 => {
@@ -201,7 +206,7 @@ fn beliefs_stay_distributions_and_f_finite_after_every_call() {
                             .iter()
                             .map(|_| chance.pick(&weights[..chance.clone().pick(&[3, 3, 6])]))
                             .collect();
-                        beliefs.set(model, factor, &weights);
+                        let _ = beliefs.set(model, factor, &weights);
                         0.0
                     }
                 };

@@ -2,8 +2,9 @@
 
 use crate::close;
 use firmware::bench::{digest, t1, t2};
+use host_sim::notebook::Sweeps;
 use iibt_core::inference::{
-    Beliefs, Candidates, Evaluation, Evidence, MAX_SWEEPS, Model, Problem, Scoring, Sweeps, Update,
+    Beliefs, Candidates, Evaluation, Evidence, MAX_SWEEPS, Model, Problem, Scoring, Update,
 };
 use tests::peers::{self, Peer};
 
@@ -33,7 +34,7 @@ fn assert_beliefs<const S: usize>(
     peer: &Peer,
 ) -> Beliefs<S, 2> {
     let mut beliefs = Beliefs::<S, 2>::prior(model);
-    let update = beliefs.update_in_parallel(model, &observed, sweeps);
+    let update = sweeps.update(&mut beliefs, model, &observed);
     assert!(close(update.free_energy, peer.free_energy, 1e-5), "{update:?}");
     for (factor, peer) in peer.beliefs.iter().enumerate() {
         assert_numbers("state", beliefs.of(model, factor).iter().copied(), peer, 1e-5);
@@ -53,8 +54,8 @@ fn assert_policies<const S: usize>(
     {
         let problem = Problem::new(model, beliefs, candidates, Scoring { precision, ..scoring });
         let mut evaluation = Evaluation::<S, 2, 4, 4>::new();
-        evaluation.evaluate(&problem);
-        let values = evaluation.terms().iter().map(|terms| -terms.expected_free_energy(scoring.convention));
+        evaluation.evaluate(&problem).expect("there is room");
+        let values = evaluation.terms().iter().map(|terms| -terms.expected_free_energy());
         assert_numbers("-G", values, &peer.value, 1e-4);
         assert_numbers(
             "posterior",
@@ -121,7 +122,7 @@ fn by_ascent(observed: [usize; 3]) -> ([usize; 2], Update) {
 }
 
 fn in_parallel(observed: [usize; 3], sweeps: Sweeps) -> ([usize; 2], Update) {
-    after(observed, |beliefs, evidence| beliefs.update_in_parallel(&t2::MODEL, evidence, sweeps))
+    after(observed, |beliefs, evidence| sweeps.update(beliefs, &t2::MODEL, evidence))
 }
 
 /// Whether a free energy is what a table of two decimals, some of them cut off, says.

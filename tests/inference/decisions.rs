@@ -2,8 +2,8 @@
 
 use crate::{Room, Trial, close, for_seeds, marginals};
 use iibt_core::inference::{
-    Beliefs, Candidates, Convention, Credit, Evaluation, Factor, Gain, Likelihood, Modality, Model, Policy,
-    Problem, Scoring, Shape, Terms, Transition, policy,
+    Beliefs, Candidates, Credit, Evaluation, Factor, Gain, Likelihood, Modality, Model, Policy, Problem,
+    Scoring, Shape, Terms, Transition, policy,
 };
 use tests::oracle::decision::Decision;
 use tests::oracle::description::Description;
@@ -21,7 +21,7 @@ struct Judged {
 
 fn judge(problem: &Problem<'_, STATES, FACTORS>) -> Judged {
     let mut trial = Trial::new();
-    trial.evaluate(problem);
+    trial.evaluate(problem).expect("it fits");
     let count = trial.done();
     Judged {
         terms: trial.terms().to_vec(),
@@ -72,8 +72,8 @@ fn the_factored_terms_of_every_joint_policy_equal_brute_force() {
                 );
                 assert!(same(terms.ambiguity, sums.ambiguity), "{number}: {terms:?}, {sums:?}");
                 assert!(same(terms.risk(), sums.risk), "{number}: {terms:?}, {sums:?}");
-                let value = sums.value(decision.scoring.convention);
-                assert!(same(-terms.expected_free_energy(decision.scoring.convention), value));
+                let value = sums.value();
+                assert!(same(-terms.expected_free_energy(), value));
                 let gamma = f64::from(decision.scoring.precision);
                 let score = decision.ln_prior(number, policy) + gamma * value;
                 let slack = 1e-4 * (gamma * value.abs().max(1.0) + 1.0);
@@ -97,8 +97,7 @@ pub(crate) fn too_long(description: &Description, decision: &Decision) -> bool {
 fn risk_and_ambiguity_are_minus_utility_and_information_gain() {
     for_seeds(12, 4000, |chance| {
         let description = generator::description(chance);
-        let mut decision = generator::decision(chance, &description);
-        decision.scoring.convention = Convention::Standard;
+        let decision = generator::decision(chance, &description);
         if too_long(&description, &decision) {
             return;
         }
@@ -112,12 +111,7 @@ fn risk_and_ambiguity_are_minus_utility_and_information_gain() {
                 let risk = reference.terms(&exact, &decision.actions(policy)).risk;
                 let g = risk + f64::from(terms.ambiguity);
                 assert!(close(-(terms.utility + terms.information_gain), g, 1e-4), "{terms:?}, risk {risk}");
-                assert!(close(terms.expected_free_energy(Convention::Standard), g, 1e-4));
-                assert!(close(
-                    terms.expected_free_energy(Convention::AsPrinted),
-                    risk - f64::from(terms.ambiguity),
-                    1e-4
-                ));
+                assert!(close(terms.expected_free_energy(), g, 1e-4));
             }
         });
     });
@@ -240,12 +234,10 @@ fn novelty_of_moves_and_outcomes_adds_up_over_the_steps_and_lowers_g() {
     let sequences = [&policies[..]];
     let problem = Problem::new(&model, &beliefs, Candidates::all(&sequences), Scoring::DEFAULT);
     let mut evaluation = Evaluation::<2, 1, 2, 1>::new();
-    evaluation.evaluate(&problem);
+    evaluation.evaluate(&problem).expect("there is room");
     let [busy, idle] = [0, 1].map(|policy| evaluation.terms()[policy]);
     assert_eq!(busy.novelty, 3.0 * 0.25 + 3.0 * 0.5 * 0.75);
     assert_eq!(idle.novelty, 3.0 * 0.5 * 0.75);
-    for convention in [Convention::Standard, Convention::AsPrinted] {
-        let gained = idle.expected_free_energy(convention) - busy.expected_free_energy(convention);
-        assert!((gained - 0.75).abs() < 1e-6, "{gained}");
-    }
+    let gained = idle.expected_free_energy() - busy.expected_free_energy();
+    assert!((gained - 0.75).abs() < 1e-6, "{gained}");
 }

@@ -3,9 +3,9 @@
 use crate::{Room, Trial, assert_distributions, for_seeds};
 use iibt_core::actions::{Action, Actions, HORIZON};
 use iibt_core::inference::{
-    Beliefs, Blocks, Candidates, Combinations, Control, Encounter, Evaluation, Evidence, Factor, Habits,
-    IdentityNoise, MAX_SWEEPS, Modality, Model, NextState, Policy, Problem, Scoring, Sweeps, Transition,
-    policy,
+    Argument, Beliefs, Blocks, Candidates, Combinations, Control, Encounter, Evaluation, Evidence, Factor,
+    Habits, IdentityNoise, MAX_SWEEPS, Modality, Model, NextState, ObservationError, OutOfRange, Policy,
+    Problem, Scoring, Transition, policy,
 };
 use tests::oracle::chance::Chance;
 use tests::oracle::generator;
@@ -14,6 +14,20 @@ const ODD: [f32; 9] = [0.0, 1.0, -1.0, -0.0, 1e-45, 1e8, f32::NAN, f32::INFINITY
 
 fn odd_numbers(chance: &mut Chance, most: usize) -> Vec<f32> {
     (0..chance.within(0, most)).map(|_| chance.pick(&ODD)).collect()
+}
+
+/// Whether this could be observed of a model at all.
+fn fits(model: &Model, evidence: &[Evidence]) -> bool {
+    let sound = |(evidence, outcomes): (&Evidence, usize)| match evidence {
+        Evidence::Missing => true,
+        Evidence::Outcome(outcome) => *outcome < outcomes,
+        Evidence::Soft(weights) => {
+            weights.len() == outcomes
+                && weights.iter().all(|weight| *weight >= 0.0 && *weight < f32::INFINITY)
+        }
+    };
+    let outcomes = model.modalities().iter().map(|modality| modality.shape().values());
+    evidence.len() <= model.modalities().len() && evidence.iter().zip(outcomes).all(sound)
 }
 
 #[test]
@@ -34,25 +48,31 @@ fn odd_observations_leave_distributions() {
                     })
                     .collect();
                 let before = beliefs;
-                let update = match chance.below(4) {
-                    0 => Ok(beliefs.update_in_parallel(model, &evidence, Sweeps::NUMPY_PYMDP)),
-                    1 => Ok(beliefs.update_in_parallel(model, &evidence, Sweeps::JAX_PYMDP)),
-                    2 => beliefs.update(model, &evidence),
+                let update = match chance.below(2) {
+                    0 => beliefs.update(model, &evidence),
                     _ => beliefs.update_by_ascent(model, &evidence, chance.pick(&[0, 1, MAX_SWEEPS, 255])),
                 };
                 match update {
                     Ok(update) => assert!(update.free_energy.is_finite(), "{update:?} of {evidence:?}"),
-                    Err(impossible) => {
-                        assert!(impossible.modality < model.modalities().len());
+                    Err(ObservationError::Impossible(impossible)) => {
+                        assert!(impossible.modality < model.modalities().len() && fits(model, &evidence));
                         assert_eq!(beliefs, before);
+                    }
+                    Err(ObservationError::OutOfRange(_)) => {
+                        assert!(!fits(model, &evidence) && beliefs == before, "{evidence:?}");
                     }
                 }
                 assert_distributions(&beliefs, model);
                 let actions: Vec<Option<Action>> =
                     (0..chance.below(6)).map(|_| Some(chance.pick(&[0, 1, 3, 15, 16, 255]))).collect();
-                beliefs.predict(model, &actions);
+                let known = |(control, action): (usize, &Option<Action>)| {
+                    *action == Some(0) || usize::from(action.unwrap_or(0)) < model.actions(control)
+                };
+                let fits = actions.len() <= model.controls() && actions.iter().enumerate().all(known);
+                assert_eq!(beliefs.predict(model, &actions).is_ok(), fits, "{actions:?}");
                 let factor = chance.below(9);
-                beliefs.set(model, factor, &odd_numbers(chance, 7));
+                let before = beliefs;
+                assert!(beliefs.set(model, factor, &odd_numbers(chance, 7)).is_ok() || beliefs == before);
                 assert_distributions(&beliefs, model);
             }
         });
@@ -90,7 +110,7 @@ fn odd_decisions_give_a_posterior_or_nothing() {
             let lists: Vec<Vec<Policy>> =
                 (0..6).map(|list| (0..list % 4).map(|_| policy()).collect()).collect();
             let sequences: Vec<&[Policy]> = lists[..chance.within(0, 6)].iter().map(Vec::as_slice).collect();
-            let rows: Vec<u8> = (0..chance.below(40)).map(|_| chance.pick(&[0, 1, 2, 9, 255])).collect();
+            let rows: Vec<u16> = (0..chance.below(40)).map(|_| chance.pick(&[0, 1, 2, 9, 65_535])).collect();
             let numbers: Vec<Vec<f32>> = (0..6).map(|_| odd_numbers(chance, 6)).collect();
             let slices: Vec<&[f32]> = numbers.iter().map(Vec::as_slice).collect();
             let odd = Odd([chance.below(6), chance.below(70)], chance.pick(&ODD));
@@ -102,6 +122,7 @@ fn odd_decisions_give_a_posterior_or_nothing() {
                     1 => Habits::Joint(slices[0]),
                     _ => Habits::PerSequence(&slices),
                 },
+                announced: if chance.once_in(4) { &[None, Some(7)] } else { &[] },
             };
             let problem = Problem {
                 horizon: chance.pick(&[0, 1, 3, 7]),
@@ -121,7 +142,8 @@ fn odd_decisions_give_a_posterior_or_nothing() {
                 )
             };
             let mut trial = Trial::new();
-            trial.begin(&problem);
+            let begun = trial.begin(&problem);
+            assert!(begun.is_ok() || !trial.advance(&problem, 9));
             while trial.advance(&problem, chance.within(1, 9)) {}
             assert!(trial.done() <= Trial::CAPACITY && trial.done() <= candidates.len());
             let posterior = trial.posterior();
@@ -135,26 +157,37 @@ fn odd_decisions_give_a_posterior_or_nothing() {
 }
 
 #[test]
-fn a_model_with_more_groups_or_states_than_room_is_not_evaluated_and_does_no_harm() {
+fn a_model_with_more_groups_or_states_than_room_is_refused() {
     for_seeds(23, 2000, |chance| {
         let description = generator::description(chance);
         let decision = generator::decision(chance, &description);
         let seen = generator::observation(chance, &description);
         let evidence: Vec<Evidence> = seen.iter().map(|seen| seen.evidence()).collect();
         description.build(|model| {
-            let mut beliefs = Beliefs::<3, 2>::prior(model);
-            let _ = beliefs.update(model, &evidence);
-            let _ = beliefs.update_by_ascent(model, &evidence, MAX_SWEEPS);
-            beliefs.update_in_parallel(model, &evidence, Sweeps::JAX_PYMDP);
-            beliefs.predict(model, &[Some(0); 4]);
-            let done = decision.pose(model, &beliefs, |problem| {
-                let mut evaluation = Evaluation::<3, 2, 4, 4>::new();
-                evaluation.evaluate(problem);
-                evaluation.done()
+            let small = model.states() <= 6;
+            let error = OutOfRange { what: Argument::States, index: 0, value: model.states(), limit: 6 };
+            assert_eq!(Beliefs::<3, 2>::try_prior(model).err(), (!small).then_some(error));
+            // Beliefs of another, smaller model.
+            let mut beliefs = one_factor(|model| Beliefs::<3, 2>::prior(model));
+            let update = beliefs.update(model, &evidence);
+            assert!(small || update == Err(error.into()));
+            assert!(small || beliefs.update_by_ascent(model, &evidence, MAX_SWEEPS) == Err(error.into()));
+            assert!(small || beliefs.predict(model, &[]) == Err(error));
+            decision.pose(model, &beliefs, |problem| {
+                let mut evaluation = Evaluation::<3, 2, 16, 16>::new();
+                let result = evaluation.evaluate(problem);
+                assert_eq!(result.is_ok(), small && model.groups() <= 2, "{result:?}");
+                assert!(result.is_ok() || evaluation.done() == 0);
             });
-            assert!(model.groups() <= 2 || done == 0, "{} groups, {done} scored", model.groups());
         });
     });
+}
+
+fn one_factor<T>(with: impl FnOnce(&Model) -> T) -> T {
+    let motion = NextState::new(&[0, 1, 1, 0], 2);
+    let sensor = IdentityNoise::new(0.9, 2);
+    let factors = [Factor::new(&motion, motion.shape(), &[0.5, 0.5])];
+    with(&Model::new(&factors, &[Modality::new(&sensor, sensor.shape(), &[0], &[0.0, 1.0])]))
 }
 
 /// Sixteen factors of two states that one action sequence each moves.
@@ -169,15 +202,15 @@ fn crowd(with: impl FnOnce(&Model)) {
 }
 
 #[test]
-fn more_joint_policies_than_can_be_counted_are_cut_off_at_the_room_for_them() {
+fn more_joint_policies_than_can_be_counted_are_refused() {
     let list = vec![Policy::new(&[1]).expect("it is short"); 64];
     crowd(|model| {
         let sequences = vec![&list[..]; 16];
         let beliefs = Beliefs::<2, 16>::prior(model);
         let problem = Problem::new(model, &beliefs, Candidates::all(&sequences), Scoring::DEFAULT);
         let mut evaluation = Evaluation::<2, 16, 8, 4>::new();
-        evaluation.evaluate(&problem);
-        assert_eq!(evaluation.done(), 32);
+        let error = OutOfRange { what: Argument::Policies, index: 0, value: usize::MAX, limit: 32 };
+        assert_eq!((evaluation.evaluate(&problem), evaluation.done()), (Err(error), 0));
     });
 }
 
@@ -200,8 +233,9 @@ fn a_group_with_more_joint_candidates_than_can_be_told_apart_is_not_mistaken_for
     let rows = [255, 255, 255, 255, 255, 0, 0, 0, 0, 0];
     let problem = Problem::new(&model, &beliefs, Candidates::listed(&sequences, &rows), Scoring::DEFAULT);
     let mut evaluation = Evaluation::<10, 1, 4, 2>::new();
-    evaluation.evaluate(&problem);
-    assert_eq!(evaluation.done(), 0, "it is left out rather than wrong");
+    let error = evaluation.evaluate(&problem).expect_err("more than 32 bits count").to_string();
+    assert_eq!(error, "group 0 is moved by 1099511627776 combinations, but there can be 4294967294");
+    assert_eq!(evaluation.done(), 0);
 }
 
 #[test]

@@ -5,6 +5,8 @@ mod beliefs;
 mod benchmarks;
 mod decisions;
 mod garbage;
+mod mismatches;
+mod readme;
 mod symmetries;
 
 use iibt_core::inference::{Beliefs, Evaluation, Model};

@@ -1,10 +1,12 @@
 //! A robot on a bench: a body whose senses and radio a test holds in its hands.
 
-use firmware::hardware::{Battery, Clock, Drive, Hardware, Link, Localiser, Scanner};
+use core::num::NonZero;
+use firmware::hardware::{Battery, Clock, Drive, Link, Localiser, Scanner};
 use firmware::missions::{CANDIDATES, CELLS, SECTION_5_1, WORDS};
-use firmware::{Controller, Settings};
+use firmware::{Controller, Navigator, Settings};
 use iibt_core::grid::{Cell, Map, Move};
-use iibt_core::team::{Key, RobotId};
+use iibt_core::navigation::Intention;
+use iibt_core::team::{Context, Key, Member, RobotId};
 use iibt_core::time::Instant;
 use std::collections::VecDeque;
 
@@ -12,7 +14,7 @@ use std::collections::VecDeque;
 pub const DEMO_KEY: Key = Key::new(*b"section 5.1 demo");
 
 /// One of the robots of section 5.1 on the bench.
-pub type Bench = Controller<'static, Body, CELLS, WORDS, CANDIDATES>;
+pub type Bench = Controller<Navigator<'static, CELLS, WORDS, CANDIDATES>, Body>;
 
 /// A robot of section 5.1, by its number from zero.
 ///
@@ -21,8 +23,25 @@ pub type Bench = Controller<'static, Body, CELLS, WORDS, CANDIDATES>;
 #[must_use]
 pub fn robot(number: u8) -> Bench {
     let start = SECTION_5_1.starts[usize::from(number)];
-    let settings = Settings::new(DEMO_KEY, 1);
-    Bench::new(&SECTION_5_1, RobotId(number), settings, Body::on(start)).expect("the mission is sound")
+    let settings = settings(number, SECTION_5_1.starts.len(), 1);
+    let robot = Navigator::new(&SECTION_5_1, &settings).expect("the mission is sound");
+    Bench::new(robot, settings, Body::on(start))
+}
+
+/// The settings of a robot of a team with the demonstration key, for a clock that counts its ticks.
+///
+/// # Panics
+/// When the team has no such robot.
+#[must_use]
+pub fn settings(number: u8, team: usize, epoch: u32) -> Settings {
+    let member = Member::new(RobotId(number), team).expect("the team has such a robot");
+    Settings::new(member, DEMO_KEY, epoch, NonZero::<u16>::MIN)
+}
+
+/// What frames of section 5.1 belong to.
+#[must_use]
+pub fn context() -> Context {
+    Context::of::<Intention>(0, SECTION_5_1.id())
 }
 
 /// Ticks a robot on the bench once with what it has heard, and makes its move; returns what it sent.
@@ -152,33 +171,5 @@ impl Battery for Body {
 impl Clock for Body {
     fn now(&mut self) -> Instant {
         self.now
-    }
-}
-
-impl Hardware for Body {
-    type Link = Self;
-    type Drive = Self;
-    type Localiser = Self;
-    type Scanner = Self;
-    type Battery = Self;
-    type Clock = Self;
-
-    fn link(&mut self) -> &mut Self {
-        self
-    }
-    fn drive(&mut self) -> &mut Self {
-        self
-    }
-    fn localiser(&mut self) -> &mut Self {
-        self
-    }
-    fn scanner(&mut self) -> &mut Self {
-        self
-    }
-    fn battery(&mut self) -> &mut Self {
-        self
-    }
-    fn clock(&mut self) -> &mut Self {
-        self
     }
 }

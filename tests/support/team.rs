@@ -1,10 +1,10 @@
 //! A team on the bench: robots with the firmware's controllers in a world that is hard on them.
 
-use crate::rig::{Body, DEMO_KEY};
-use firmware::{Controller, Settings};
+use crate::rig::{Body, DEMO_KEY, settings};
+use firmware::{Controller, Navigator};
 use iibt_core::grid::{Cell, Map};
-use iibt_core::iibt::Mission;
-use iibt_core::team::{Intention, MAX_FRAME, RobotId, SipHash64, encode};
+use iibt_core::navigation::{Intention, Mission, Said};
+use iibt_core::team::{Context, MAX_FRAME, SipHash64, encode};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 
@@ -47,6 +47,10 @@ pub struct Hardship {
     pub delay: u32,
     /// The probability that a frame arrives twice.
     pub duplicates: f64,
+    /// The bytes of noise on each robot's line before each frame, none of them a delimiter.
+    pub stray: usize,
+    /// The random bytes on each robot's line in each tick.
+    pub garbage: usize,
     /// The probability that a move fails and the robot stays.
     pub slip: f64,
     /// The probability per robot and tick of a restart.
@@ -72,7 +76,8 @@ pub struct Outcome {
     pub lost: u32,
 }
 
-type Bench<'m> = Controller<'m, Body, 49, 2, 16>;
+/// A robot of the team.
+pub type Bench<'m> = Controller<Navigator<'m, 49, 2, 16>, Body>;
 
 /// A team in the air.
 #[derive(Debug)]
@@ -161,7 +166,12 @@ impl<'m> Team<'m> {
         self.on_air = later;
         let due: Vec<(u32, usize, Vec<u8>)> = due;
         for (_, to, frame) in due {
-            self.robots[to].hardware_mut().inbox.extend(frame);
+            let stray: Vec<u8> = (0..self.hardship.stray).map(|_| self.random.bits() as u8 | 1).collect();
+            self.robots[to].hardware_mut().inbox.extend(stray.into_iter().chain(frame));
+        }
+        for robot in &mut self.robots {
+            let garbage = (0..self.hardship.garbage).map(|_| self.random.bits() as u8);
+            robot.hardware_mut().inbox.extend(garbage);
         }
     }
 
@@ -211,7 +221,7 @@ impl<'m> Team<'m> {
     /// Whoever is on its charger is charged quickly; a robot that has none slowly wherever it is, if batteries fall.
     fn charge_all(&mut self) {
         for robot in &mut self.robots {
-            let charger = robot.navigation().charger();
+            let charger = robot.robot().navigation().charger();
             let body = robot.hardware_mut();
             let gain = if charger == Some(body.cell) {
                 20
@@ -232,7 +242,7 @@ impl<'m> Team<'m> {
             self.errands[robot] += 1;
             let cell = Cell(self.random.below(self.map.len() as u32) as u16);
             // What it refuses it need not visit.
-            let _ = self.robots[robot].visit(cell);
+            let _ = self.robots[robot].robot_mut().navigation_mut().visit(cell);
         }
     }
 
@@ -273,9 +283,10 @@ impl<'m> Team<'m> {
     ///
     /// # Panics
     /// When no frame carries such an intention.
-    pub fn overhear(&mut self, intention: &Intention) {
+    pub fn overhear(&mut self, said: &Said) {
+        let context = Context::of::<Intention>(0, self.mission.id());
         let mut buffer = [0; MAX_FRAME];
-        let frame = encode(intention, &SipHash64::new(DEMO_KEY), &mut buffer).expect("it fits a frame");
+        let frame = encode(said, &SipHash64::new(DEMO_KEY), context, &mut buffer).expect("it fits a frame");
         for robot in &mut self.robots {
             robot.hardware_mut().inbox.extend(frame.iter());
         }
@@ -304,8 +315,9 @@ impl<'m> Team<'m> {
 }
 
 fn boot<'m>(mission: &'m Mission<'m, 2>, robot: usize, here: Cell, epoch: u32) -> Bench<'m> {
-    Bench::new(mission, RobotId(robot as u8), Settings::new(DEMO_KEY, epoch), Body::on(here))
-        .expect("a sound mission")
+    let settings = settings(robot as u8, mission.starts.len(), epoch);
+    let robot = Navigator::new(mission, &settings).expect("a sound mission");
+    Bench::new(robot, settings, Body::on(here))
 }
 
 /// The obstacles next to `here`, corners included, that the mission's map does not show.

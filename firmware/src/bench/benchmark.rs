@@ -1,6 +1,6 @@
-//! A model with something to decide, and the memory to decide it in.
+//! A model with something to decide, and the agent that decides it.
 
-use iibt_core::inference::{Beliefs, Candidates, Evaluation, Evidence, Impossible, Model, Problem, Scoring};
+use iibt_core::inference::{Agent, Candidates, Evidence, Model, OutOfRange, Scoring};
 
 /// The joint policies of a benchmark.
 pub const POLICIES: usize = 16;
@@ -21,35 +21,24 @@ pub struct Benchmark<const S: usize> {
     pub observed: [Evidence<'static>; 3],
 }
 
-/// The memory that a benchmark works in.
-#[derive(Clone, Debug)]
-pub struct Workspace<const S: usize> {
-    /// q(s) after the update.
-    pub beliefs: Beliefs<S, 2>,
-    /// The policies' scores.
-    pub evaluation: Evaluation<S, 2, CANDIDATES, CANDIDATES>,
-}
-
-impl<const S: usize> Workspace<S> {
-    /// Empty.
-    #[must_use]
-    pub fn new(benchmark: &Benchmark<S>) -> Self {
-        Self { beliefs: Beliefs::prior(benchmark.model), evaluation: Evaluation::new() }
-    }
-}
+/// The agent that a benchmark is run by.
+pub type Workspace<const S: usize> = Agent<'static, S, 2, CANDIDATES, CANDIDATES>;
 
 impl<const S: usize> Benchmark<S> {
-    /// One belief update and the posterior over the policies.
+    /// An agent that has observed nothing.
     ///
     /// # Errors
-    /// [`Impossible`] when the observation has probability zero, which those of the benchmarks have not.
-    pub fn run(&self, workspace: &mut Workspace<S>, scoring: Scoring) -> Result<[f32; POLICIES], Impossible> {
-        workspace.beliefs = Beliefs::prior(self.model);
-        workspace.beliefs.update(self.model, &self.observed)?;
-        let problem = Problem::new(self.model, &workspace.beliefs, *self.candidates, scoring);
-        workspace.evaluation.evaluate(&problem);
-        let mut posterior = [0.0; POLICIES];
-        iibt_core::math::assign(&mut posterior, workspace.evaluation.posterior().as_flattened());
-        Ok(posterior)
+    /// [`OutOfRange`] when `S` does not fit the model.
+    pub fn agent(&self, scoring: Scoring) -> Result<Workspace<S>, OutOfRange> {
+        Ok(Workspace::try_new(self.model)?.with_scoring(scoring))
+    }
+
+    /// One belief update and the posterior over the policies; `None` when something does not fit the model, or the
+    /// observation has probability zero, which is not so for the benchmarks.
+    pub fn run(&self, agent: &mut Workspace<S>) -> Option<[f32; POLICIES]> {
+        agent.reset();
+        agent.observe(&self.observed).ok()?;
+        agent.decide(*self.candidates).ok()?;
+        agent.posterior().try_into().ok()
     }
 }

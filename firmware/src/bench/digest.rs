@@ -3,7 +3,7 @@
 use super::random_model::{RandomModel, Room, Trial};
 use super::{t1, t2};
 use iibt_core::inference::{
-    Beliefs, Candidates, Evaluation, Evidence, MAX_SWEEPS, Model, Problem, Scoring, Sweeps, Update,
+    Beliefs, Candidates, Evaluation, Evidence, MAX_SWEEPS, Model, ObservationError, Problem, Scoring, Update,
 };
 
 /// How many random models a digest has.
@@ -53,11 +53,6 @@ impl Digest {
     #[inline(never)]
     fn add_t1(&mut self) {
         let mut beliefs = Beliefs::<{ t1::S }, 2>::prior(&t1::MODEL);
-        for sweeps in [Sweeps::NUMPY_PYMDP, Sweeps::JAX_PYMDP] {
-            let mut beliefs = beliefs;
-            self.add_update(&beliefs.update_in_parallel(&t1::MODEL, &t1::OBSERVED, sweeps));
-            self.add_numbers(beliefs.as_flat());
-        }
         self.add_beliefs(&mut beliefs, &t1::MODEL, &t1::OBSERVED);
         let mut evaluation = Evaluation::<{ t1::S }, 2, 4, 4>::new();
         self.add_decision(&mut evaluation, &t1::MODEL, &beliefs, t1::CANDIDATES, &ALL);
@@ -95,7 +90,8 @@ impl Digest {
         for update in updates {
             match update {
                 Ok(update) => self.add_update(&update),
-                Err(impossible) => self.add_bits(impossible.modality as u32),
+                Err(ObservationError::Impossible(impossible)) => self.add_bits(impossible.modality as u32),
+                Err(ObservationError::OutOfRange(error)) => self.add_bits(error.value as u32),
             }
         }
         self.add_numbers(ascended.as_flat());
@@ -111,7 +107,8 @@ impl Digest {
         scorings: &[Scoring],
     ) {
         for scoring in scorings {
-            evaluation.evaluate(&Problem::new(model, beliefs, candidates, *scoring));
+            let begun = evaluation.evaluate(&Problem::new(model, beliefs, candidates, *scoring));
+            self.add_bits(u32::from(begun.is_ok()));
             for terms in evaluation.terms() {
                 self.add_numbers(&[terms.utility, terms.information_gain, terms.ambiguity, terms.novelty]);
             }

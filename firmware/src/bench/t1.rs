@@ -1,6 +1,6 @@
 //! T1: two robots among four places, sixteen joint policies of one step.
 
-use super::{Benchmark, policy};
+use super::Benchmark;
 use iibt_core::inference::{
     Candidates, Evidence, Factor, IdentityNoise, Modality, Model, NextState, OutcomeTable, Policy,
 };
@@ -47,7 +47,7 @@ static MODALITIES: [Modality; 3] = [
 /// The model.
 pub static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
 
-static MOVES: [Policy; 4] = [policy(&[0]), policy(&[1]), policy(&[2]), policy(&[3])];
+static MOVES: [Policy; 4] = [Policy::of(&[0]), Policy::of(&[1]), Policy::of(&[2]), Policy::of(&[3])];
 
 /// All pairs of moves, the second robot's running fastest.
 pub static CANDIDATES: Candidates = Candidates::all(&[&MOVES, &MOVES]);

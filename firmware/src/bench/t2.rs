@@ -1,6 +1,6 @@
 //! T2: two robots on the paper's 7 by 7 grid, four paths of six steps each.
 
-use super::{Benchmark, policy};
+use super::Benchmark;
 use iibt_core::inference::{
     Candidates, Evidence, Factor, IdentityNoise, Modality, Model, NextState, OutcomeTable, Policy,
 };
@@ -66,16 +66,16 @@ static MODALITIES: [Modality; 3] = [
 pub static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
 
 static FIRST: [Policy; 4] = [
-    policy(&[1, 1, 3, 3, 2, 3]),
-    policy(&[3, 3, 1, 1, 0, 1]),
-    policy(&[1, 1, 3, 3, 3, 3]),
-    policy(&[3, 3, 3, 3, 1, 1]),
+    Policy::of(&[1, 1, 3, 3, 2, 3]),
+    Policy::of(&[3, 3, 1, 1, 0, 1]),
+    Policy::of(&[1, 1, 3, 3, 3, 3]),
+    Policy::of(&[3, 3, 3, 3, 1, 1]),
 ];
 static SECOND: [Policy; 4] = [
-    policy(&[0, 0, 3, 3, 2, 3]),
-    policy(&[3, 3, 0, 0, 1, 0]),
-    policy(&[0, 0, 3, 3, 3, 3]),
-    policy(&[3, 3, 3, 3, 0, 0]),
+    Policy::of(&[0, 0, 3, 3, 2, 3]),
+    Policy::of(&[3, 3, 0, 0, 1, 0]),
+    Policy::of(&[0, 0, 3, 3, 3, 3]),
+    Policy::of(&[3, 3, 3, 3, 0, 0]),
 ];
 
 /// All pairs of paths, the second robot's running fastest.

@@ -13,7 +13,7 @@ fn main() {
 mod image {
     use core::hint::black_box;
     use firmware::adapters::Chassis;
-    use firmware::bench::{Benchmark, SEED, Workspace, digest, t1, t2};
+    use firmware::bench::{Benchmark, SEED, digest, t1, t2};
     use firmware::board::{self, Board};
     use iibt_core::inference::Scoring;
 
@@ -31,15 +31,15 @@ mod image {
 
     #[inline(never)]
     fn measure<const S: usize>(benchmark: &Benchmark<S>, board: &Board) {
-        let mut workspace = Workspace::new(benchmark);
+        let Ok(mut agent) = benchmark.agent(Scoring::JAX_PYMDP) else { return };
         let started = board.clock.cycles();
-        let posterior = black_box(benchmark).run(&mut workspace, Scoring::JAX_PYMDP);
+        let posterior = black_box(benchmark).run(&mut agent);
         let cycles = board.clock.cycles().wrapping_sub(started);
         defmt::info!("{=str}: took {=u32} cycles", benchmark.name, cycles);
         for (policy, p) in posterior.unwrap_or_default().iter().enumerate() {
             defmt::info!("{=str}: posterior of {=usize}: {=u32:08x}", benchmark.name, policy, p.to_bits());
         }
-        for q in workspace.beliefs.as_flat() {
+        for q in agent.beliefs().as_flat() {
             defmt::info!("{=str}: belief {=u32:08x}", benchmark.name, q.to_bits());
         }
     }

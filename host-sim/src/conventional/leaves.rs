@@ -1,8 +1,7 @@
 //! The trees' leaves, bound by name to what the robot can do.
 
-use crate::tree::{Hooked, library};
-use iibt_core::tree::{Basic, Row, TreeRef};
-use std::sync::OnceLock;
+use crate::tree::{BoundTree, Diagnostic, LeafNode, library};
+use std::sync::LazyLock;
 
 /// What a leaf stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,59 +48,25 @@ pub(crate) enum Figure {
     Eight,
 }
 
-/// A tree ready to be ticked; robots share it.
-#[derive(Debug)]
-pub(super) struct Bound {
-    pub(super) tree: TreeRef<'static, u16, Basic>,
-    pub(super) nodes: usize,
-    skills: Vec<Skill>,
-}
-
-static FIVE: OnceLock<Bound> = OnceLock::new();
-static EIGHT: OnceLock<Bound> = OnceLock::new();
+static FIVE: LazyLock<BoundTree<Skill>> = LazyLock::new(|| built_in("figure-5-classical"));
+static EIGHT: LazyLock<BoundTree<Skill>> = LazyLock::new(|| built_in("figure-8-classical"));
 
 impl Figure {
-    const fn file(self) -> &'static str {
+    /// The tree of the file, bound once for all robots.
+    pub(super) fn tree(self) -> &'static BoundTree<Skill> {
         match self {
-            Self::Five => "figure-5-classical",
-            Self::Eight => "figure-8-classical",
-        }
-    }
-
-    /// The tree of the file, put together once for all robots.
-    pub(super) fn bound(self) -> &'static Bound {
-        let place = match self {
             Self::Five => &FIVE,
             Self::Eight => &EIGHT,
-        };
-        place.get_or_init(|| {
-            let file = self.file();
-            bind(file).unwrap_or_else(|reason| unreachable!("{file} is built in, but {reason}"))
-        })
+        }
     }
 }
 
-impl Bound {
-    /// What leaf number `hook` stands for.
-    pub(super) fn skill(&self, hook: u16) -> Option<Skill> {
-        self.skills.get(usize::from(hook)).copied()
-    }
+fn built_in(file: &str) -> BoundTree<Skill> {
+    bind(file).unwrap_or_else(|reason| unreachable!("{file} is built in, but {reason}"))
 }
 
-/// Loads a tree that is built in, lowers it to the core's table and binds its leaves.
-fn bind(file: &str) -> Result<Bound, String> {
-    let instance =
-        library::instance(file).ok_or("there is no such tree")?.map_err(|error| error.to_string())?;
-    let hooked: Hooked = instance.hooked().map_err(|error| error.to_string())?;
-    let skills = hooked.leaves.iter().map(|leaf| {
-        let port = leaf.ports.first().map_or("", |(_, value)| value.as_str());
-        skill(&leaf.kind, port).ok_or_else(|| format!("no skill is called {} {port}", leaf.kind))
-    });
-    let skills = skills.collect::<Result<_, _>>()?;
-    let nodes = hooked.rows.len();
-    let rows: &'static mut [Row<u16>] = Box::leak(hooked.rows.into_iter().map(Row::new).collect());
-    let tree = TreeRef::try_new(rows).map_err(|error| format!("{:?}", error.rule))?;
-    Ok(Bound { tree, nodes, skills })
+fn bind(file: &str) -> Result<BoundTree<Skill>, Diagnostic> {
+    library::instance(file).unwrap_or_else(|| unreachable!("{file} is built in"))?.bind(Skill::of)
 }
 
 fn skill(kind: &str, port: &str) -> Option<Skill> {
@@ -124,6 +89,11 @@ fn skill(kind: &str, port: &str) -> Option<Skill> {
 }
 
 impl Skill {
+    fn of(leaf: &LeafNode) -> Result<Self, String> {
+        let port = leaf.ports.first().map_or("", |(_, value)| value.as_str());
+        skill(&leaf.kind, port).ok_or_else(|| format!("no skill is called {} {port}", leaf.kind))
+    }
+
     /// What the leaf is called on the screen.
     pub(super) const fn name(self) -> &'static str {
         match self {
@@ -147,16 +117,17 @@ impl Skill {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use iibt_core::tree::Node;
 
     #[test]
     fn every_leaf_of_the_figures_has_its_skill() {
-        let skills = |figure: Figure| figure.bound().skills.len();
-        assert_eq!((skills(Figure::Five), figure_nodes(Figure::Five)), (6, 9));
-        assert_eq!((skills(Figure::Eight), figure_nodes(Figure::Eight)), (12, 21));
+        let leaves =
+            |figure: Figure| figure.tree().by_ref().nodes().filter(|node| node.children().is_none()).count();
+        assert_eq!((leaves(Figure::Five), Figure::Five.tree().len()), (6, 9));
+        assert_eq!((leaves(Figure::Eight), Figure::Eight.tree().len()), (12, 21));
+        assert!(
+            Figure::Eight.tree().by_ref().nodes().any(|node| *node == Node::Action(Skill::MoveToCharger))
+        );
         assert_eq!(skill("MoveTo", "goal3"), None);
-    }
-
-    fn figure_nodes(figure: Figure) -> usize {
-        figure.bound().nodes
     }
 }

@@ -4,16 +4,17 @@ use super::sense::Sense;
 use super::skill::Skill;
 use super::tables::{EMPTY, GRIP, HOLD, HOLDS, IDLE, MOVE_TO, PICK, PLACE, PLACED, PUT, PUT_DOWN};
 use crate::task::{HostTask, Station, Worker};
-use crate::tree::Bound;
+use crate::tree::BoundTree;
 use firmware::Robot;
 use iibt_core::iibt::table::{Announcement, Command, Percept};
 use iibt_core::team::Peers;
 use iibt_core::time::Instant;
-use iibt_core::tree::{Halt, Leaves, Status};
+use iibt_core::tree::{Full, Halt, Leaves, NodeMemory, Status};
 
 /// A robot with a conventional tree.
 pub(super) struct Conventional<'t> {
-    tree: Bound<Skill>,
+    tree: BoundTree<Skill>,
+    memory: Vec<NodeMemory<Full>>,
     skills: Skills<'t>,
 }
 
@@ -27,13 +28,15 @@ struct Skills<'t> {
 }
 
 impl<'t> Conventional<'t> {
-    pub(super) fn new(tree: Bound<Skill>, sense: Sense<'t>) -> Self {
+    pub(super) fn new(tree: BoundTree<Skill>, sense: Sense<'t>) -> Self {
         let percept = Percept::default();
-        Self { tree, skills: Skills { percept, sense, teammate: None, doing: None, command: None } }
+        let memory = vec![NodeMemory::NEW; tree.len()];
+        let skills = Skills { percept, sense, teammate: None, doing: None, command: None };
+        Self { tree, memory, skills }
     }
 
     pub(super) fn running(&self) -> Option<Skill> {
-        self.tree.running().copied()
+        self.tree.running(&self.memory).copied()
     }
 }
 
@@ -65,7 +68,7 @@ impl Robot<Station> for Conventional<'_> {
         }
         skills.teammate = peers.fresh().next().map(|peer| *peer.message());
         skills.sense.perceive(&skills.percept, peers);
-        self.tree.tick(skills, now)
+        self.tree.tick(&mut self.memory, skills, now).status
     }
 
     fn act(&mut self, station: &mut Station) {

@@ -4,20 +4,21 @@ use super::record::Thought;
 use super::skill::Skill;
 use super::tables::{EMPTY, GOAL_C, GRIP, HOLDS, MOVE_TO, Order, PLACE, PLACED};
 use crate::task::{HostTask, Station, Worker};
-use crate::tree::Bound;
+use crate::tree::BoundTree;
 use firmware::Robot;
 use iibt_core::iibt::table::{Announcement, Command, Percept};
 use iibt_core::iibt::{Node, Task};
 use iibt_core::team::{Invalid, Peers};
 use iibt_core::time::{Duration, Instant};
-use iibt_core::tree::{Halt, Leaves, Status};
+use iibt_core::tree::{Full, Halt, Leaves, NodeMemory, Status};
 
 /// A precondition that stays unmet for so many ticks fails the node.
 const TIMEOUT: Duration = Duration(50);
 
 /// A robot whose tree has inference nodes.
 pub(super) struct Inferring<'t> {
-    tree: Bound<Skill>,
+    tree: BoundTree<Skill>,
+    memory: Vec<NodeMemory<Full>>,
     task: HostTask<'t>,
     node: Node<HostTask<'t>>,
     order: Order,
@@ -25,8 +26,9 @@ pub(super) struct Inferring<'t> {
 }
 
 impl<'t> Inferring<'t> {
-    pub(super) fn new(tree: Bound<Skill>, task: HostTask<'t>, order: Order) -> Self {
-        Self { tree, task, node: Node::new(TIMEOUT), order, percept: Percept::default() }
+    pub(super) fn new(tree: BoundTree<Skill>, task: HostTask<'t>, order: Order) -> Self {
+        let memory = vec![NodeMemory::NEW; tree.len()];
+        Self { tree, memory, task, node: Node::new(TIMEOUT), order, percept: Percept::default() }
     }
 
     /// What it thinks after a tick.
@@ -35,7 +37,7 @@ impl<'t> Inferring<'t> {
     }
 
     pub(super) fn running(&self) -> Option<Skill> {
-        self.tree.running().copied()
+        self.tree.running(&self.memory).copied()
     }
 }
 
@@ -56,8 +58,9 @@ impl Robot<Station> for Inferring<'_> {
 
     fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
         self.task.observe(&self.percept, peers);
-        let Self { task, node, order, percept, .. } = self;
-        self.tree.tick(&mut Ticking { task, node, order: *order, percept: *percept, peers }, now)
+        let Self { tree, memory, task, node, order, percept } = self;
+        let mut leaves = Ticking { task, node, order: *order, percept: *percept, peers };
+        tree.tick(memory, &mut leaves, now).status
     }
 
     fn act(&mut self, station: &mut Station) {

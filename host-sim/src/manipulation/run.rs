@@ -11,7 +11,7 @@ use super::tables::{
 use super::terms::{Disturbances, Terms, Trees, Trust};
 use crate::scenario;
 use crate::task::{Flight, Flown, Goal, HostTask, Station, Truth, Worker};
-use crate::tree::{Bound, Diagnostic};
+use crate::tree::{BoundTree, Diagnostic};
 use bumpalo::Bump;
 use firmware::Robot;
 use iibt_core::iibt::table::{Announcement, Tables, TablesError};
@@ -97,7 +97,12 @@ enum Hand<'t> {
 }
 
 impl<'t> Hand<'t> {
-    fn new(terms: &Terms, tables: &'t Tables<'t>, index: u8, tree: Bound<Skill>) -> Result<Self, RunError> {
+    fn new(
+        terms: &Terms,
+        tables: &'t Tables<'t>,
+        index: u8,
+        tree: BoundTree<Skill>,
+    ) -> Result<Self, RunError> {
         let task = || HostTask::new(tables, RobotId(index)).map_err(RunError::Tables);
         let sense = match (terms.trees, terms.trust) {
             (Trees::Inference, _) => {

@@ -1,7 +1,7 @@
 //! The leaves of the handling trees, by the names they have in the files.
 
 use super::tables::{GOAL_A, GOAL_B, GOAL_C, TO_HOLD, TO_PLACE};
-use crate::tree::HookedLeaf;
+use crate::tree::LeafNode;
 
 /// What a leaf stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +28,7 @@ pub(super) enum Skill {
 
 impl Skill {
     /// The skill of robot `own` that a leaf names.
-    pub(super) fn of(leaf: &HookedLeaf, own: usize) -> Result<Self, String> {
+    pub(super) fn of(leaf: &LeafNode, own: usize) -> Result<Self, String> {
         match leaf.kind.as_str() {
             "HoldBottle" | "HoldPlate" => Ok(Self::Infer(TO_HOLD)),
             "PlaceBottle" => Ok(Self::Infer(TO_PLACE)),
@@ -67,12 +67,12 @@ impl Skill {
     }
 }
 
-fn port<'l>(leaf: &'l HookedLeaf, name: &str) -> Result<&'l str, String> {
+fn port<'l>(leaf: &'l LeafNode, name: &str) -> Result<&'l str, String> {
     leaf.port(name).ok_or_else(|| format!("{} needs a value for its port '{name}'", leaf.kind))
 }
 
 /// A place by its name, or by the thing that is there to begin with.
-fn place(leaf: &HookedLeaf, name: &str) -> Result<u8, String> {
+fn place(leaf: &LeafNode, name: &str) -> Result<u8, String> {
     match leaf.port(name) {
         Some("goal A" | "bottle") => Ok(GOAL_A),
         Some("goal B" | "plate") => Ok(GOAL_B),
@@ -85,7 +85,7 @@ fn place(leaf: &HookedLeaf, name: &str) -> Result<u8, String> {
 }
 
 /// Robot 1 handles the bottle, robot 2 the plate.
-fn own_thing(leaf: &HookedLeaf, own: usize) -> Result<(), String> {
+fn own_thing(leaf: &LeafNode, own: usize) -> Result<(), String> {
     let (thing, given) = (["bottle", "plate"][own.min(1)], port(leaf, "thing")?);
     if given == thing {
         return Ok(());
@@ -93,7 +93,7 @@ fn own_thing(leaf: &HookedLeaf, own: usize) -> Result<(), String> {
     Err(format!("'{given}' for port 'thing' is not what robot {} handles, the {thing}", own + 1))
 }
 
-fn teammate(leaf: &HookedLeaf, own: usize) -> Result<(), String> {
+fn teammate(leaf: &LeafNode, own: usize) -> Result<(), String> {
     let (number, given) = (["2", "1"][own.min(1)], port(leaf, "robot")?);
     if given == number {
         return Ok(());

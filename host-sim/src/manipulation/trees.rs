@@ -3,7 +3,7 @@
 use super::skill::Skill;
 use super::tables::TEAM;
 use super::terms::Trees;
-use crate::tree::{Bound, Diagnostic, Instance, library};
+use crate::tree::{BoundTree, Diagnostic, Instance, library};
 use serde::Serialize;
 
 /// The size of a robot's tree, as the paper's tables 6 and 7 count.
@@ -60,7 +60,7 @@ impl Trees {
     }
 
     /// The trees, bound to the skills.
-    pub(super) fn bind(self) -> Result<[Bound<Skill>; TEAM], Diagnostic> {
+    pub(super) fn bind(self) -> Result<[BoundTree<Skill>; TEAM], Diagnostic> {
         let [first, second] = self.files();
         Ok([bind(first, 0)?, bind(second, 1)?])
     }
@@ -71,14 +71,14 @@ fn instance(name: &'static str) -> Result<Instance, Diagnostic> {
     library::instance(name).unwrap_or_else(|| unreachable!("{name} is built in"))
 }
 
-fn bind(name: &'static str, robot: usize) -> Result<Bound<Skill>, Diagnostic> {
+fn bind(name: &'static str, robot: usize) -> Result<BoundTree<Skill>, Diagnostic> {
     instance(name)?.bind(|leaf| Skill::of(leaf, robot))
 }
 
 fn size(name: &'static str, robot: usize) -> TreeSize {
-    let census = instance(name).map(|instance| instance.census()).unwrap_or_default();
-    let kinds = |end: &str| census.kinds.iter().filter(|(kind, _)| kind.ends_with(end)).map(|(_, n)| n).sum();
-    let class = |class: &str| census.classes.get(class).copied().unwrap_or(0);
+    let counts = instance(name).map(|instance| instance.counts()).unwrap_or_default();
+    let kinds = |end: &str| counts.kinds.iter().filter(|(kind, _)| kind.ends_with(end)).map(|(_, n)| n).sum();
+    let class = |class: &str| counts.classes.get(class).copied().unwrap_or(0);
     TreeSize {
         name,
         robot: robot + 1,
@@ -86,7 +86,7 @@ fn size(name: &'static str, robot: usize) -> TreeSize {
         fallbacks: kinds("Fallback"),
         conditions: class("Condition"),
         actions: class("Action"),
-        nodes: census.nodes(),
-        depth: census.depth(),
+        nodes: counts.nodes(),
+        depth: counts.depth(),
     }
 }

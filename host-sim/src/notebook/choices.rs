@@ -1,8 +1,10 @@
 //! The policies of a notebook as the core's candidates.
 
-use super::fault::Fault;
-use super::model::Notebook;
-use iibt_core::inference::{Candidates, Combinations, Habits, Policy};
+use super::model::{MAX_POLICIES, Notebook};
+use iibt_core::inference::{Candidates, Policy};
+
+/// The rows are numbers of two bytes.
+const _: () = assert!(MAX_POLICIES <= u16::MAX as usize);
 
 /// The different action sequences of each factor, and which of them each policy combines.
 pub(super) struct Choices {
@@ -47,29 +49,18 @@ impl Choices {
         all.len() == self.rows.len() && self.rows.iter().enumerate().all(same)
     }
 
+    /// The candidates of these lists and rows, in the order of the notebook.
+    pub(super) fn candidates<'a>(&self, lists: &'a [&'a [Policy]], rows: &'a [u16]) -> Candidates<'a> {
+        if self.are_all() { Candidates::all(lists) } else { Candidates::listed(lists, rows) }
+    }
+
     /// The sequences as slices.
     pub(super) fn lists(&self) -> Vec<&[Policy]> {
         self.sequences.iter().map(Vec::as_slice).collect()
     }
 
-    /// The rows in the core's numbers.
-    pub(super) fn numbers(&self) -> Result<Vec<u8>, Fault> {
-        let numbers = self.rows.iter().flatten().map(|&place| u8::try_from(place));
-        numbers.collect::<Result<_, _>>().map_err(|_| {
-            let most = self.sequences.iter().map(Vec::len).max().unwrap_or(0);
-            Fault::new(format!(
-                "a factor has {most} different action sequences: a list of policies takes 256"
-            ))
-        })
+    /// The rows in the core's numbers: there are no more sequences than policies, which are [`MAX_POLICIES`] at the most.
+    pub(super) fn numbers(&self) -> Vec<u16> {
+        self.rows.iter().flatten().map(|&place| place as u16).collect()
     }
-}
-
-/// The listed combinations, with ln E.
-pub(super) fn candidates<'a>(
-    lists: &'a [&'a [Policy]],
-    rows: &'a [u8],
-    habits: Option<&'a [f32]>,
-) -> Candidates<'a> {
-    let habits = habits.map_or(Habits::Flat, Habits::Joint);
-    Candidates { sequences: lists, combinations: Combinations::Listed(rows), habits }
 }

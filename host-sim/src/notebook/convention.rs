@@ -1,6 +1,7 @@
 //! By whose conventions a model is run.
 
-use iibt_core::inference::{Scoring, Sweeps};
+use super::sweeps::Sweeps;
+use iibt_core::inference::{Scoring, Terms};
 
 /// How beliefs and expected free energies are worked out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -43,9 +44,16 @@ impl Convention {
 
     pub(super) const fn scoring(self) -> Scoring {
         match self {
-            Self::Default | Self::PerModality => Scoring::JAX_PYMDP,
+            Self::Default | Self::PerModality | Self::AsPrinted => Scoring::JAX_PYMDP,
             Self::Joint => Scoring::NUMPY_PYMDP,
-            Self::AsPrinted => Scoring::AS_PRINTED,
+        }
+    }
+
+    /// G from its terms; lower is better.
+    pub(super) fn expected_free_energy(self, terms: &Terms) -> f32 {
+        match self {
+            Self::AsPrinted => terms.risk() - terms.ambiguity - terms.novelty,
+            _ => terms.expected_free_energy(),
         }
     }
 

@@ -42,7 +42,12 @@ impl Fault {
         let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
         let begin = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |newline| newline + 1);
         let column = 1 + String::from_utf8_lossy(&before[begin..]).chars().count();
-        Self { place: Some((line, column)), reason: reason.into() }
+        Self::at_place((line, column), reason)
+    }
+
+    /// An error of syntax at a line and column, from one.
+    pub(super) fn at_place(place: (usize, usize), reason: impl Into<String>) -> Self {
+        Self { place: Some(place), reason: reason.into() }
     }
 
     pub(super) fn in_file(self, file: &str) -> NotebookError {

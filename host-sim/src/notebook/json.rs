@@ -1,6 +1,10 @@
 //! JSON as notebooks write it: with the tokens NaN, Infinity and -Infinity, which Python adds.
+//!
+//! It is read as JSON5, which has these tokens, and comments and commas at the end of a list as well.
 
 use super::fault::Fault;
+use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use std::fmt;
 
 /// A value of a JSON text.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,220 +55,138 @@ impl Value {
 const MAX_DEPTH: usize = 64;
 
 /// Reads one JSON value and nothing after it.
+///
+/// # Errors
+/// What is wrong, with its line and column.
 pub(super) fn read(text: &[u8]) -> Result<Value, Fault> {
-    let mut reader = Reader { text, at: 0 };
-    let value = reader.value(0)?;
-    match reader.peek() {
-        None => Ok(value),
-        Some(_) => Err(reader.fault("there is more after the end of the value")),
-    }
+    let utf8 = str::from_utf8(text)
+        .map_err(|error| Fault::of_syntax(text, error.valid_up_to(), "this is not UTF-8"))?;
+    json5::from_str(utf8).map_err(|error| fault(utf8, &error))
 }
 
-struct Reader<'a> {
-    text: &'a [u8],
-    at: usize,
-}
-
-/// The bare words that are values.
-const WORDS: [(&[u8], Value); 6] = [
-    (b"null", Value::Null),
-    (b"true", Value::Bool(true)),
-    (b"false", Value::Bool(false)),
-    (b"NaN", Value::Number(f64::NAN)),
-    (b"Infinity", Value::Number(f64::INFINITY)),
-    (b"-Infinity", Value::Number(f64::NEG_INFINITY)),
-];
-
-impl Reader<'_> {
-    fn fault(&self, reason: impl Into<String>) -> Fault {
-        Fault::of_syntax(self.text, self.at, reason)
-    }
-
-    /// The next byte that is no blank.
-    fn peek(&mut self) -> Option<u8> {
-        while let Some(b' ' | b'\t' | b'\r' | b'\n') = self.text.get(self.at) {
-            self.at += 1;
-        }
-        self.text.get(self.at).copied()
-    }
-
-    /// Takes `wanted` if it comes next.
-    fn take(&mut self, wanted: u8) -> bool {
-        let found = self.peek() == Some(wanted);
-        self.at += usize::from(found);
-        found
-    }
-
-    fn expect(&mut self, wanted: u8, what: &str) -> Result<(), Fault> {
-        if self.take(wanted) { Ok(()) } else { Err(self.unexpected(what)) }
-    }
-
-    fn unexpected(&mut self, wanted: &str) -> Fault {
-        match self.peek() {
-            None => self.fault(format!("the text ends where {wanted} should be")),
-            Some(_) => {
-                let rest = String::from_utf8_lossy(&self.text[self.at..(self.at + 4).min(self.text.len())])
-                    .into_owned();
-                let found = rest.chars().next().unwrap_or(' ').escape_debug();
-                self.fault(format!("'{found}' where {wanted} should be"))
-            }
-        }
-    }
-
-    fn value(&mut self, depth: usize) -> Result<Value, Fault> {
-        if depth > MAX_DEPTH {
-            return Err(self.fault(format!("nested deeper than {MAX_DEPTH} levels")));
-        }
-        let next = self.peek();
-        if let Some((word, value)) = WORDS.iter().find(|(word, _)| self.text[self.at..].starts_with(word)) {
-            self.at += word.len();
-            return Ok(value.clone());
-        }
-        match next {
-            Some(b'[') => self.list(depth),
-            Some(b'{') => self.object(depth),
-            Some(b'"') => self.string().map(Value::Text),
-            Some(b'-' | b'0'..=b'9') => self.number(),
-            _ => Err(self.unexpected("a value")),
-        }
-    }
-
-    fn list(&mut self, depth: usize) -> Result<Value, Fault> {
-        self.at += 1;
-        let mut items = Vec::new();
-        if self.take(b']') {
-            return Ok(Value::List(items));
-        }
-        loop {
-            items.push(self.value(depth + 1)?);
-            if !self.take(b',') {
-                self.expect(b']', "',' or ']'")?;
-                return Ok(Value::List(items));
-            }
-        }
-    }
-
-    fn object(&mut self, depth: usize) -> Result<Value, Fault> {
-        self.at += 1;
-        let mut entries: Vec<(String, Value)> = Vec::new();
-        if self.take(b'}') {
-            return Ok(Value::Object(entries));
-        }
-        loop {
-            if self.peek() != Some(b'"') {
-                return Err(self.unexpected("a key in quotes"));
-            }
-            let begin = self.at;
-            let key = self.string()?;
-            if entries.iter().any(|(known, _)| *known == key) {
-                self.at = begin;
-                return Err(self.fault(format!("the key \"{key}\" is there twice")));
-            }
-            self.expect(b':', "':'")?;
-            entries.push((key, self.value(depth + 1)?));
-            if !self.take(b',') {
-                self.expect(b'}', "',' or '}'")?;
-                return Ok(Value::Object(entries));
-            }
-        }
-    }
-
-    fn number(&mut self) -> Result<Value, Fault> {
-        let rest = &self.text[self.at..];
-        let is_part = |byte: &u8| matches!(byte, b'-' | b'+' | b'.' | b'e' | b'E' | b'0'..=b'9');
-        let length = rest.iter().take_while(|byte| is_part(byte)).count();
-        let word = std::str::from_utf8(&rest[..length]).unwrap_or("");
-        match word.parse().ok().filter(|_| is_number(word)) {
-            Some(number) => {
-                self.at += length;
-                Ok(Value::Number(number))
-            }
-            None => Err(self.fault(format!("'{word}' is no number"))),
-        }
-    }
-
-    /// A text in quotes.
-    fn string(&mut self) -> Result<String, Fault> {
-        let begin = self.at;
-        self.at += 1;
-        let mut bytes = Vec::new();
-        loop {
-            let Some(&byte) = self.text.get(self.at) else {
-                self.at = begin;
-                return Err(self.fault("a text without its closing quote"));
-            };
-            self.at += 1;
-            match byte {
-                b'"' => break,
-                b'\\' => self.escaped(&mut bytes)?,
-                0..0x20 => {
-                    self.at -= 1;
-                    return Err(self.fault("a control character in a text"));
-                }
-                _ => bytes.push(byte),
-            }
-        }
-        String::from_utf8(bytes).map_err(|_| Fault::of_syntax(self.text, begin, "a text that is not UTF-8"))
-    }
-
-    fn escaped(&mut self, bytes: &mut Vec<u8>) -> Result<(), Fault> {
-        let byte = self.text.get(self.at).copied();
-        let plain = match byte {
-            Some(b'"' | b'\\' | b'/') => byte,
-            Some(b'n') => Some(b'\n'),
-            Some(b't') => Some(b'\t'),
-            Some(b'r') => Some(b'\r'),
-            Some(b'b') => Some(8),
-            Some(b'f') => Some(12),
-            _ => None,
-        };
-        if let Some(plain) = plain {
-            self.at += 1;
-            bytes.push(plain);
-            return Ok(());
-        }
-        let unit = self.unit().ok_or_else(|| self.fault("an escape that JSON does not have"))?;
-        let second = if (0xd800..0xdc00).contains(&unit) && self.text.get(self.at) == Some(&b'\\') {
-            self.at += 1;
-            self.unit()
-        } else {
-            None
-        };
-        let mut decoded = char::decode_utf16([unit].into_iter().chain(second));
-        decoded.try_for_each(|sign| {
-            let sign = sign.map_err(|_| self.fault("half of a surrogate pair"))?;
-            bytes.extend_from_slice(sign.encode_utf8(&mut [0; 4]).as_bytes());
-            Ok(())
-        })
-    }
-
-    /// `u` and four hexadecimal digits.
-    fn unit(&mut self) -> Option<u16> {
-        let digits = self.text.get(self.at..self.at + 5)?.strip_prefix(b"u")?;
-        let digits = std::str::from_utf8(digits).ok().filter(|text| !text.contains('+'))?;
-        let unit = u16::from_str_radix(digits, 16).ok()?;
-        self.at += 5;
-        Some(unit)
-    }
-}
-
-/// Whether a word is a number by JSON's grammar, which is narrower than Rust's.
-fn is_number(word: &str) -> bool {
-    let word = word.strip_prefix('-').unwrap_or(word);
-    let (mantissa, exponent) = match word.split_once(['e', 'E']) {
-        Some((mantissa, exponent)) => (mantissa, Some(exponent)),
-        None => (word, None),
+/// What the reader found wrong, and the sign at that place.
+fn fault(text: &str, error: &json5::Error) -> Fault {
+    let Some(place) = error.position().filter(|_| !is_at_end(error)) else {
+        let reason = error.code().map_or_else(|| error.to_string(), |code| code.to_string());
+        return Fault::of_syntax(text.as_bytes(), text.len(), reason);
     };
-    let (whole, fraction) = match mantissa.split_once('.') {
-        Some((whole, fraction)) => (whole, Some(fraction)),
-        None => (mantissa, None),
+    let (line, column) = (place.line + 1, place.column + 1);
+    let reason = match error.code() {
+        Some(code) => {
+            let found = text.lines().nth(place.line).and_then(|line| line.chars().nth(place.column));
+            found.map_or_else(|| code.to_string(), |sign| format!("{code}, found '{}'", sign.escape_debug()))
+        }
+        None => error.to_string().trim_end_matches(&format!(" at {place}")).to_owned(),
     };
-    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    let unsigned = |text: &str| digits(text.strip_prefix(['+', '-']).unwrap_or(text));
-    digits(whole)
-        && (whole.len() == 1 || !whole.starts_with('0'))
-        && fraction.is_none_or(digits)
-        && exponent.is_none_or(unsigned)
+    Fault::at_place((line, column), reason)
+}
+
+/// Whether the text ends too early; the reader then names where its last list or object begins, if anything.
+fn is_at_end(error: &json5::Error) -> bool {
+    error.code().is_some_and(|code| code.to_string().starts_with("EOF"))
+}
+
+impl<'de> Deserialize<'de> for Value {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Level(0).deserialize(from)
+    }
+}
+
+/// A reader of values that lie in so many lists and objects.
+#[derive(Clone, Copy)]
+struct Level(usize);
+
+impl Level {
+    fn deeper<E: Error>(self) -> Result<Self, E> {
+        match self.0 {
+            MAX_DEPTH => Err(E::custom(format!("nested deeper than {MAX_DEPTH} levels"))),
+            level => Ok(Self(level + 1)),
+        }
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Level {
+    type Value = Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<Value, D::Error> {
+        from.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Level {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a value")
+    }
+
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(Value::Bool(value))
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(Value::Number(value as f64))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(Value::Number(value as f64))
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+        Ok(Value::Number(value))
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(Value::Text(value.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
+        let level = self.deeper()?;
+        let mut list = Vec::new();
+        while let Some(item) = items.next_element_seed(level)? {
+            list.push(item);
+        }
+        Ok(Value::List(list))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
+        let level = self.deeper()?;
+        let mut object = Vec::new();
+        while let Some(key) = entries.next_key_seed(NewKey(&object))? {
+            object.push((key, entries.next_value_seed(level)?));
+        }
+        Ok(Value::Object(object))
+    }
+}
+
+/// A reader of a key that an object does not have yet.
+struct NewKey<'a>(&'a [(String, Value)]);
+
+impl<'de> DeserializeSeed<'de> for NewKey<'_> {
+    type Value = String;
+
+    fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<String, D::Error> {
+        from.deserialize_str(self)
+    }
+}
+
+impl Visitor<'_> for NewKey<'_> {
+    type Value = String;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a key")
+    }
+
+    fn visit_str<E: Error>(self, key: &str) -> Result<String, E> {
+        match self.0.iter().any(|(known, _)| known == key) {
+            true => Err(E::custom(format!("the key \"{key}\" is there twice"))),
+            false => Ok(key.to_owned()),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -291,14 +213,30 @@ mod tests {
     }
 
     #[test]
+    fn comments_and_a_last_comma_are_read() {
+        let list = Value::List(vec![Value::Number(1.0), Value::Number(2.0)]);
+        assert_eq!(read(b"// states\n[1, /* and */ 2,]").ok(), Some(list));
+    }
+
+    #[test]
     fn syntax_errors_have_a_line_and_a_column() {
-        assert_eq!(refusal("{\n  \"a\": [1,,2]}"), "f:2:11: ',' where a value should be");
-        assert_eq!(refusal("{\"a\": 1"), "f:1:8: the text ends where ',' or '}' should be");
-        assert_eq!(refusal("[1] x"), "f:1:5: there is more after the end of the value");
+        assert_eq!(refusal("{\n  \"a\": [1,,2]}"), "f:2:11: expected value, found ','");
+        assert_eq!(refusal("{\"a\": 1"), "f:1:8: EOF parsing object");
+        assert_eq!(refusal("[1] x"), "f:1:5: trailing characters, found 'x'");
         assert_eq!(refusal("{\"a\": 1, \"a\": 2}"), "f:1:10: the key \"a\" is there twice");
-        for text in
-            ["", "[01]", "[1.]", "[+1]", "[.5]", "[1e]", "{a: 1}", "\"x", "[nul]", "\"\\u12\"", "\"\\ud800\""]
-        {
+        for text in [
+            "",
+            "[01]",
+            "[1",
+            "[1 2]",
+            "{1: 1}",
+            "[1e]",
+            "{\"a\" 1}",
+            "\"x",
+            "[nul]",
+            "\"\\u12\"",
+            "\"\\ud800\"",
+        ] {
             assert!(refusal(text).starts_with("f:1:"), "{text}");
         }
         assert!(refusal(&"[".repeat(100_000)).contains("nested deeper than 64"));

@@ -100,7 +100,8 @@ fn soft(items: &[Value], name: &str, modality: usize, outcomes: usize) -> Result
         }
         weights.push(weight as f32);
     }
-    if !Evidence::Soft(&weights).is_sound(outcomes) {
+    let sum: f32 = weights.iter().sum();
+    if !(sum > 0.0 && sum.is_finite()) {
         refuse!("{name} has no weight, or more than single precision holds");
     }
     Ok(Observation::Soft(weights))

@@ -1,7 +1,8 @@
 //! One observation: which update the beliefs take, and how it went.
 
 use super::convention;
-use iibt_core::inference::{Beliefs, Evidence, Impossible, Model, Sweeps, Update};
+use super::sweeps::Sweeps;
+use iibt_core::inference::{Beliefs, Evidence, Model, ObservationError, Update};
 
 /// The most combinations of states for which parallel sweeps are tried.
 const MAX_COMBINATIONS: usize = 1 << 20;
@@ -15,7 +16,7 @@ pub(super) struct Observed {
     pub(super) update: Option<Update>,
     /// -ln P(o), where it was worked out exactly.
     pub(super) surprise: Option<f32>,
-    pub(super) impossible: Option<Impossible>,
+    pub(super) impossible: Option<ObservationError>,
     /// Why the method is not the one asked for.
     pub(super) note: Option<String>,
 }
@@ -88,7 +89,7 @@ fn sweep<const S: usize, const G: usize>(
         return Err(Unswept { after: None, update: None, reason });
     }
     let mut after = *beliefs;
-    let update = after.update_in_parallel(model, evidence, sweeps);
+    let update = sweeps.update(&mut after, model, evidence);
     if update.converged {
         *beliefs = after;
         return Ok(update);

@@ -1,7 +1,8 @@
 //! What came of running a model, as it is printed.
 
+use super::convention::Convention;
 use super::tally::Tally;
-use iibt_core::inference::{Convention, Terms};
+use iibt_core::inference::Terms;
 use serde::Serialize;
 
 /// Everything about a run.
@@ -187,7 +188,7 @@ impl Ranking<'_> {
                 Some((_, known)) if known >= score => best,
                 _ => Some((policy, score)),
             })?;
-        let value = |terms: &Terms| -terms.expected_free_energy(self.convention);
+        let value = |terms: &Terms| -self.convention.expected_free_energy(terms);
         let parts = self.tallies[chosen].by_modality.iter().zip(&self.tallies[runner_up].by_modality);
         let by_modality: Vec<f32> = parts.map(|(best, other)| value(best) - value(other)).collect();
         let habit = self.habits.map_or(0.0, |habits| habits[chosen] - habits[runner_up]);

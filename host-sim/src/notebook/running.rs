@@ -1,7 +1,7 @@
 //! A model run through the core: beliefs by observation, decisions by policy.
 
 use super::assembly::Assembly;
-use super::choices::{Choices, candidates};
+use super::choices::Choices;
 use super::convention::{self, Convention};
 use super::fault::{Fault, NotebookError};
 use super::model::{MAX_STATES, Notebook, Observation, Observations, Step};
@@ -11,7 +11,8 @@ use super::report::{Outcome, PolicyReport, Ranking, Report, StepReport, Structur
 use super::structure::Forms;
 use super::tally::Tally;
 use iibt_core::inference::{
-    Beliefs, Evaluation, Evidence, MAX_FACTORS, Model, Problem, Scoring, Terms, policy,
+    Beliefs, Candidates, Evaluation, Evidence, MAX_FACTORS, Model, OutOfRange, Problem, Scoring, Terms,
+    policy,
 };
 use iibt_core::math;
 
@@ -95,11 +96,11 @@ impl Notebook {
         let reports = assembly.with_model(|model| {
             let scoring = Scoring { precision: self.precision, ..run.convention.scoring() };
             let runner = Runner { notebook: self, model, run, scoring, floors: floors.as_ref() };
-            Ok(if model.states() <= SMALL * MAX_FACTORS {
+            if model.states() <= SMALL * MAX_FACTORS {
                 runner.all::<SMALL>(&steps, progress)
             } else {
                 runner.all::<LARGE>(&steps, progress)
-            })
+            }
         })?;
         let (name, convention) = (self.name.clone(), run.convention.name());
         let result = match <[StepReport; 1]>::try_from(reports) {
@@ -125,21 +126,24 @@ impl Runner<'_> {
         &self,
         steps: &[Step],
         progress: &mut (dyn FnMut(Progress) + Send),
-    ) -> Vec<StepReport> {
-        let mut beliefs = Beliefs::<S, MAX_FACTORS>::prior(self.model);
+    ) -> Result<Vec<StepReport>, Fault> {
+        let misfit = |error: OutOfRange| Fault::new(error.to_string());
+        let mut beliefs = Beliefs::<S, MAX_FACTORS>::try_prior(self.model).map_err(misfit)?;
         let mut evaluation = Box::new(Evaluation::<S, MAX_FACTORS, ROWS, PLANES>::new());
         let mut reports = Vec::new();
         for (number, step) in steps.iter().enumerate() {
             if let Some(action) = &step.action {
-                beliefs.predict(self.model, action);
+                // A factor that moves by itself has an action in the file and none in the model.
+                let controlled = &action[..self.model.controls().min(action.len())];
+                beliefs.predict(self.model, controlled).map_err(misfit)?;
             }
             let observed = self.observe(&mut beliefs, &step.observation);
             let policies = self.notebook.policies.len();
             let mut tell = |policy| progress(Progress { step: number, steps: steps.len(), policy, policies });
-            let decided = self.decide(&beliefs, &mut evaluation, &mut tell);
+            let decided = self.decide(&beliefs, &mut evaluation, &mut tell).map_err(misfit)?;
             reports.push(self.report(&beliefs, observed, decided));
         }
-        reports
+        Ok(reports)
     }
 
     fn observe<const S: usize>(
@@ -159,30 +163,30 @@ impl Runner<'_> {
         beliefs: &Beliefs<S, MAX_FACTORS>,
         evaluation: &mut Evaluation<S, MAX_FACTORS, ROWS, PLANES>,
         tell: &mut dyn FnMut(usize),
-    ) -> Decided {
+    ) -> Result<Decided, OutOfRange> {
         let notebook = self.notebook;
         let mut decided = Decided { terms: Vec::new(), tallies: Vec::new() };
         for batch in notebook.policies.chunks(BATCH) {
             let choices = Choices::new(notebook, batch, self.model.controls());
-            let (lists, rows) = (choices.lists(), choices.numbers().unwrap_or_default());
-            let candidates = candidates(&lists, &rows, None);
+            let (lists, rows) = (choices.lists(), choices.numbers());
+            let candidates = Candidates::listed(&lists, &rows);
             let problem = Problem::new(self.model, beliefs, candidates, self.scoring);
             let problem = Problem { horizon: notebook.horizon, ..problem };
-            evaluation.begin(&problem);
+            evaluation.begin(&problem)?;
             while evaluation.advance(&problem, ROWS) {
                 tell(decided.terms.len() + evaluation.done());
             }
             decided.terms.extend_from_slice(evaluation.terms());
             for policy in 0..batch.len() {
                 tell(decided.tallies.len());
-                decided.tallies.push(Tally::of(&problem, policy, self.floors));
+                decided.tallies.push(Tally::of(&problem, policy, self.floors)?);
             }
         }
         for (terms, tally) in decided.terms.iter_mut().zip(&decided.tallies) {
             terms.information_gain += tally.floors as f32;
             terms.ambiguity -= tally.floors as f32;
         }
-        decided
+        Ok(decided)
     }
 
     fn report<const S: usize>(
@@ -193,8 +197,9 @@ impl Runner<'_> {
     ) -> StepReport {
         let habits = self.notebook.habits.as_deref();
         let ln_prior = |policy: usize| habits.map_or(0.0, |habits| habits[policy]);
+        let convention = self.run.convention;
         let free_energies: Vec<f32> =
-            decided.terms.iter().map(|terms| terms.expected_free_energy(self.scoring.convention)).collect();
+            decided.terms.iter().map(|terms| convention.expected_free_energy(terms)).collect();
         let values: Vec<f32> = free_energies.iter().map(|free_energy| -free_energy).collect();
         let numbered = values.iter().enumerate();
         let scores: Vec<f32> =
@@ -202,7 +207,6 @@ impl Runner<'_> {
         let mut q_pi = scores.clone();
         policy::posterior(&mut q_pi, self.scoring.window);
         let chosen = math::argmax(&scores);
-        let convention = self.scoring.convention;
         let ranking =
             Ranking { scores: &scores, values: &values, habits, tallies: &decided.tallies, convention };
         let floors = |tally: &Tally| self.floors.map(|_| tally.floors);

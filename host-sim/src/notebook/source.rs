@@ -3,25 +3,22 @@
 use super::assembly::Assembly;
 use super::choices::Choices;
 use super::convention::Convention;
-use super::fault::{Fault, NotebookError, refuse};
+use super::fault::{Fault, NotebookError};
 use super::model::Notebook;
 use super::structure::{Forms, LikelihoodForm, TransitionForm};
 use iibt_core::actions::BYTES;
-use iibt_core::inference::{Model, Terms};
+use iibt_core::inference::{Room, Scoring, Terms};
 use std::collections::BTreeSet;
 use std::fmt::{Display, Write};
 
 /// The columns of a line of source.
 const WIDTH: usize = 100;
 
-/// The most candidates of one group that are rolled out side by side.
-const MAX_ROWS: usize = 64;
-
 impl Notebook {
     /// The model as a module of Rust source, for a crate that depends on `iibt-core` and on nothing else.
     ///
     /// # Errors
-    /// A [`NotebookError`] when a factor has more than 256 different action sequences that are not simply all of them.
+    /// A [`NotebookError`] when the tables are no model.
     pub fn to_rust(&self, forms: Forms) -> Result<String, NotebookError> {
         self.write(forms).map_err(|fault| fault.in_file(&self.file))
     }
@@ -35,8 +32,11 @@ impl Notebook {
 
     fn write(&self, forms: Forms) -> Result<String, Fault> {
         let assembly = Assembly::new(self, forms);
-        let sizes = assembly.with_model(|model| Ok(Sizes::of(self, model)))?;
-        let choices = Choices::new(self, &self.policies, sizes.controls);
+        let (choices, room) = assembly.with_model(|model| {
+            let choices = Choices::new(self, &self.policies, model.controls());
+            let room = Room::for_candidates(model, &choices.candidates(&choices.lists(), &choices.numbers()));
+            Ok((choices, room))
+        })?;
         let mut source = Source { text: String::new(), used: BTreeSet::new() };
         for (number, form) in assembly.transitions.iter().enumerate() {
             source.transition(number, form);
@@ -46,12 +46,12 @@ impl Notebook {
         }
         source.factors(self, &assembly);
         source.modalities(self, &assembly);
-        source.policies(self, &choices)?;
-        source.sizes(self, &sizes);
-        Ok(self.heading(&assembly, &sizes, &choices) + &source.uses() + &source.text)
+        source.policies(self, &choices);
+        source.agent(self);
+        Ok(self.heading(&assembly, &room, &choices) + &source.uses() + &source.text)
     }
 
-    fn heading(&self, assembly: &Assembly, sizes: &Sizes, choices: &Choices) -> String {
+    fn heading(&self, assembly: &Assembly, room: &Room, choices: &Choices) -> String {
         let states = assembly.transitions.iter().zip(&self.transitions).enumerate();
         let factors = states.map(|(number, (form, of))| {
             format!(
@@ -69,16 +69,15 @@ impl Notebook {
         let name: String = self.name.chars().map(|sign| if sign.is_control() { ' ' } else { sign }).collect();
         format!(
             "//! The model \"{name}\", written by `host-sim export`.\n//!\n{}{}//!\n\
-             //! The numbers of A, B, C and D take {} bytes, as full tables {}; {} policies take {}. `Beliefs` takes {} \
-             bytes of\n//! RAM and `Evaluation` about {}.\n\n",
+             //! The numbers of A, B, C and D take {} bytes, as full tables {}; {} policies take {}. `Agent` takes about\n\
+             //! {} bytes of RAM.\n\n",
             factors.collect::<String>(),
             modalities.collect::<String>(),
             assembly.bytes(),
             self.dense_bytes(),
             self.policies.len(),
             policy_bytes(choices),
-            4 * sizes.states * sizes.groups,
-            sizes.evaluation_bytes(),
+            agent_bytes(room),
         )
     }
 }
@@ -86,42 +85,15 @@ impl Notebook {
 /// The bytes of the sequences and, where the policies are not simply all of them, the rows.
 fn policy_bytes(choices: &Choices) -> usize {
     let sequences: usize = choices.sequences.iter().map(Vec::len).sum();
-    let rows = if choices.are_all() { 0 } else { choices.rows.iter().map(Vec::len).sum() };
+    let rows = if choices.are_all() { 0 } else { 2 * choices.rows.iter().map(Vec::len).sum::<usize>() };
     sequences * (BYTES + 1) + rows
 }
 
-/// The size parameters of beliefs and evaluation.
-struct Sizes {
-    controls: usize,
-    states: usize,
-    groups: usize,
-    rows: usize,
-    planes: usize,
-}
-
-impl Sizes {
-    fn of(notebook: &Notebook, model: &Model) -> Self {
-        let groups = model.groups();
-        let choices = Choices::new(notebook, &notebook.policies, model.controls());
-        let rows = choices.rows.iter().collect::<BTreeSet<_>>().len();
-        let coupled = notebook.transitions.iter().any(|of| !of.coupled_to.is_empty());
-        let most = choices.sequences.iter().map(Vec::len).max().unwrap_or(1);
-        let rows = if coupled { rows } else { most }.clamp(1, MAX_ROWS);
-        Self {
-            controls: model.controls(),
-            states: model.states().div_ceil(groups),
-            groups,
-            rows,
-            planes: notebook.policies.len().div_ceil(rows),
-        }
-    }
-
-    /// About what the evaluation takes on the robot.
-    fn evaluation_bytes(&self) -> usize {
-        let terms = size_of::<Terms>();
-        let candidates = self.rows * (4 * self.states * self.groups + self.groups * (terms + 6));
-        candidates + self.rows * self.planes * (self.groups + 2 * terms + 4) + 344
-    }
+/// About what the agent takes on the robot.
+fn agent_bytes(room: &Room) -> usize {
+    let (terms, beliefs) = (size_of::<Terms>(), 4 * room.states() * room.groups());
+    let candidates = room.rows() * (beliefs + room.groups() * (terms + 6));
+    beliefs + candidates + room.rows() * room.planes() * (room.groups() + 2 * terms + 8) + 380
 }
 
 /// The text so far, and the names that it uses.
@@ -241,57 +213,38 @@ impl Source {
         self.line("pub static MODEL: Model = Model::new(&FACTORS, &MODALITIES);\n");
     }
 
-    fn policies(&mut self, notebook: &Notebook, choices: &Choices) -> Result<(), Fault> {
-        self.used.extend(["Candidates", "Combinations", "Habits", "Policy"]);
-        self.line("/// An action sequence.");
-        self.line("const fn sequence(actions: &[u8]) -> Policy {");
-        self.line("    let mut sequence = Policy::EMPTY;\n    let mut step = 0;");
-        self.line("    while step < actions.len() {");
-        self.line("        assert!(sequence.push(actions[step]).is_ok(), \"a sequence is too long\");");
-        self.line("        step += 1;\n    }\n    sequence\n}\n");
+    fn policies(&mut self, notebook: &Notebook, choices: &Choices) {
+        self.used.extend(["Candidates", "Policy"]);
         for (control, list) in choices.sequences.iter().enumerate() {
             let skip =
                 if list.iter().any(|sequence| sequence.len() > 24) { "#[rustfmt::skip]\n" } else { "" };
             self.line(format_args!("{skip}static SEQUENCES_{control}: [Policy; {}] = [", list.len()));
             for sequence in list {
                 let actions = sequence.iter().collect::<Vec<_>>();
-                self.line(format_args!("    sequence(&{}),", bracketed(&actions)));
+                self.line(format_args!("    Policy::of(&{}),", bracketed(&actions)));
             }
             self.line("];");
         }
-        let combinations = if choices.are_all() {
-            "Combinations::All".to_owned()
-        } else {
-            let rows = choices.numbers()?;
-            self.list(format_args!("static ROWS: [u8; {}]", rows.len()), &rows);
-            "Combinations::Listed(&ROWS)".to_owned()
-        };
-        let habits = match &notebook.habits {
-            None => "Habits::Flat",
-            Some(habits) => {
-                self.numbers(format_args!("static LN_E: [f32; {}]", habits.len()), habits);
-                "Habits::Joint(&LN_E)"
-            }
-        };
-        if notebook.policies.len() > usize::from(u16::MAX) {
-            refuse!("{} policies are more than an evaluation takes", notebook.policies.len());
-        }
         let names = (0..choices.sequences.len()).map(|control| format!("&SEQUENCES_{control}"));
         let names = names.collect::<Vec<_>>().join(", ");
+        let mut candidates = format!("Candidates::all(&[{names}])");
+        if !choices.are_all() {
+            let rows = choices.numbers();
+            self.list(format_args!("static ROWS: [u16; {}]", rows.len()), &rows);
+            candidates = format!("Candidates::listed(&[{names}], &ROWS)");
+        }
+        if let Some(habits) = &notebook.habits {
+            self.used.insert("Habits");
+            self.numbers(format_args!("static LN_E: [f32; {}]", habits.len()), habits);
+            candidates += ".with_habits(Habits::Joint(&LN_E))";
+        }
         self.line("\n/// The policies to choose from, in the order of the notebook.");
-        self.line("pub static CANDIDATES: Candidates = Candidates {");
-        self.line(format_args!(
-            "    sequences: &[{names}],\n    combinations: {combinations},\n    habits: {habits},"
-        ));
-        self.line("};\n");
-        Ok(())
+        self.line(format_args!("pub static CANDIDATES: Candidates = {candidates};\n"));
     }
 
-    fn sizes(&mut self, notebook: &Notebook, sizes: &Sizes) {
-        self.used.extend(["Problem", "Scoring"]);
-        let Sizes { states, groups, rows, planes, .. } = sizes;
-        let scoring = Convention::Default.scoring();
-        debug_assert!(scoring == iibt_core::inference::Scoring::JAX_PYMDP);
+    fn agent(&mut self, notebook: &Notebook) {
+        self.used.insert("Scoring");
+        debug_assert!(Convention::Default.scoring() == Scoring::JAX_PYMDP);
         self.line(
             "/// How policies are scored: every preference at every step, per-modality information gain.",
         );
@@ -299,19 +252,16 @@ impl Source {
             "pub const SCORING: Scoring = Scoring {{ precision: {:?}, ..Scoring::JAX_PYMDP }};\n",
             notebook.precision
         ));
-        self.line("/// How many steps are looked at.");
-        self.line(format_args!("pub const HORIZON: usize = {};\n", notebook.horizon));
-        self.line("/// Beliefs of the model's size.");
-        self.line(format_args!("pub type Beliefs = iibt_core::inference::Beliefs<{states}, {groups}>;\n"));
-        self.line("/// An evaluation that holds all policies.");
+        self.line("/// An agent with room for all policies.");
+        self.line("pub type Agent = iibt_core::Agent![MODEL, for CANDIDATES];\n");
+        self.line("/// An agent that has observed nothing yet.");
+        let longest = notebook.policies.iter().map(Vec::len).max().unwrap_or(0);
+        let horizon = match notebook.horizon {
+            steps if steps == longest => String::new(),
+            steps => format!(".with_horizon({steps})"),
+        };
         self.line(format_args!(
-            "pub type Evaluation = iibt_core::inference::Evaluation<{states}, {groups}, {rows}, {planes}>;\n"
-        ));
-        self.line("/// The decision to be made under these beliefs.");
-        self.line("#[must_use]");
-        self.line(format_args!(
-            "pub fn problem(beliefs: &Beliefs) -> Problem<'_, {states}, {groups}> {{\n    let problem = \
-             Problem::new(&MODEL, beliefs, CANDIDATES, SCORING);\n    Problem {{ horizon: HORIZON, ..problem }}\n}}"
+            "pub const AGENT: Agent = Agent::new(&MODEL).with_scoring(SCORING){horizon};"
         ));
     }
 

@@ -2,7 +2,7 @@
 
 use super::numpy::Floors;
 use iibt_core::inference::explanation::{Source, trace};
-use iibt_core::inference::{Gain, Problem, Scoring, Terms};
+use iibt_core::inference::{Gain, OutOfRange, Problem, Scoring, Terms};
 
 /// The terms of one policy, in parts.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,11 +21,11 @@ impl Tally {
         problem: &Problem<'_, S, G>,
         policy: usize,
         floors: Option<&Floors>,
-    ) -> Self {
+    ) -> Result<Self, OutOfRange> {
         let mut tally = Self {
             by_modality: vec![Terms::ZERO; problem.model.modalities().len()],
             by_step: vec![Terms::ZERO; problem.horizon],
-            floors: floors.map_or(0.0, |floors| correction(problem, policy, floors)),
+            floors: floors.map_or(Ok(0.0), |floors| correction(problem, policy, floors))?,
         };
         let scoring = Scoring { gain: Gain::PerModality, ..problem.scoring };
         trace(&Problem { scoring, ..*problem }, policy, |part| {
@@ -33,8 +33,8 @@ impl Tally {
                 tally.by_modality[modality] += part.terms;
             }
             tally.by_step[part.step - 1] += part.terms;
-        });
-        tally
+        })?;
+        Ok(tally)
     }
 }
 
@@ -43,15 +43,15 @@ fn correction<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     policy: usize,
     floors: &Floors,
-) -> f64 {
+) -> Result<f64, OutOfRange> {
     let (model, candidates) = (problem.model, problem.candidates);
     let mut predicted = *problem.beliefs;
     let step = |step: usize| {
         let of = |control| candidates.actions(control, candidates.sequence(policy, control));
         let actions: Vec<Option<u8>> = (0..model.controls()).map(|control| of(control).get(step)).collect();
-        predicted.predict(model, &actions);
+        predicted.predict(model, &actions)?;
         let parts: Vec<_> = (0..model.factors().len()).map(|factor| predicted.of(model, factor)).collect();
-        floors.correction(&parts)
+        Ok(floors.correction(&parts))
     };
     (0..problem.horizon).map(step).sum()
 }

@@ -1,10 +1,11 @@
 //! The decision of two robots on the paper's grid, in the paper's arithmetic and in ours.
 
+use crate::notebook::Sweeps;
 use iibt_core::actions::Action;
 use iibt_core::grid::{Cell, Map, Move, Path, first_conflict};
 use iibt_core::inference::{
     Beliefs, Candidates, Encounter, Evaluation, Evidence, Factor, IdentityNoise, Modality, Model, NextState,
-    OutcomeTable, Policy, Problem, Scoring, Shape, Sweeps,
+    OutcomeTable, Policy, Problem, Scoring, Shape,
 };
 use iibt_core::math;
 
@@ -155,7 +156,7 @@ impl Decision {
         let policies = self
             .candidates
             .each_ref()
-            .map(|list| list.iter().map(|(_, path)| path.actions).collect::<Vec<Policy>>());
+            .map(|list| list.iter().map(|(_, path)| self.policy(mode, path)).collect::<Vec<Policy>>());
         let sequences = policies.each_ref().map(|policies| policies.as_slice());
         let aversions = self.preferences.map(|preference| preference.map(|value| value.min(0.0)));
         let problem = Problem {
@@ -165,7 +166,7 @@ impl Decision {
             ..Problem::new(&model, &beliefs, Candidates::all(&sequences), mode.scoring())
         };
         let mut evaluation = Evaluation::<CELLS, 2, CANDIDATES, CANDIDATES>::new();
-        evaluation.evaluate(&problem);
+        evaluation.evaluate(&problem).expect("there is room for 100 policies");
         let posterior = evaluation.posterior().as_flattened()[..evaluation.done()].to_vec();
         Judged {
             beliefs: [0, 1].map(|robot| beliefs.of(&model, robot).to_vec()),
@@ -174,13 +175,23 @@ impl Decision {
         }
     }
 
+    /// What a robot does on a path. As published, a robot that arrives before the horizon goes on with action zero, which is
+    /// "up", and so walks off again.
+    fn policy(&self, mode: Mode, path: &Path) -> Policy {
+        let mut policy = path.actions;
+        while mode == Mode::AsPublished && policy.len() < self.horizon {
+            policy.push(Move::Up.code()).expect("a horizon is a policy's length");
+        }
+        policy
+    }
+
     fn beliefs(&self, mode: Mode, model: &Model) -> Beliefs<CELLS, 2> {
         let [first, second] =
             self.candidates.each_ref().map(|list| Evidence::Outcome(list[0].1.start.index()));
         let seen = [first, second, Evidence::Outcome(0)];
         let mut beliefs = Beliefs::prior(model);
         if mode == Mode::AsPublished {
-            beliefs.update_in_parallel(model, &seen, Sweeps::PAPER);
+            Sweeps::PAPER.update(&mut beliefs, model, &seen);
         } else {
             beliefs.update(model, &seen).expect("every cell can be read, and nobody is on a goal");
         }
@@ -192,7 +203,7 @@ impl Mode {
     const fn scoring(self) -> Scoring {
         match self {
             Self::Default => Scoring::DEFAULT,
-            Self::AsPublished => Scoring::AS_PUBLISHED,
+            Self::AsPublished => Scoring::NUMPY_PYMDP,
         }
     }
 }

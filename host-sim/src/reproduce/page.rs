@@ -12,37 +12,58 @@ mod tree;
 use super::figure::{Figure, Panel};
 use super::report::{Item, Section, Verdict};
 use super::table::tally;
-use svg::escaped;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page/style.css");
 
 /// The page of these sections.
 #[must_use]
 pub fn page(sections: &[Section]) -> String {
-    let mut page = String::from("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
-    page += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
-    page += "<link rel=\"icon\" href=\"data:,\">\n";
-    page += &format!("<title>The paper, reproduced</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n");
-    page += &navigation(sections);
-    page += "<main>\n<header>\n<h1>The paper, reproduced</h1>\n<p>Bridging Probabilistic Inference and Behavior Trees: An \
-             Interactive Framework for Adaptive Multi-Robot Cooperation (arXiv 2512.04404). Every number in the column \
-             <em>ours</em> was computed when this page was made.</p>\n";
-    page += &format!("<p class=\"tally\">{}</p>\n{}</header>\n", escaped(&tally(sections)), legend());
-    sections.iter().for_each(|part| page += &section(part));
-    page + "</main>\n</body>\n</html>\n"
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                link rel="icon" href="data:,";
+                title { "The paper, reproduced" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                nav { @for section in sections { (link(section)) } }
+                main {
+                    (header(sections))
+                    @for part in sections { (section(part)) }
+                }
+            }
+        }
+    }
+    .into_string()
 }
 
-fn navigation(sections: &[Section]) -> String {
-    let link = |section: &Section| {
-        let misses = section.items.iter().any(|item| item.verdict == Verdict::Misses);
-        let mark = if misses { " class=\"misses\"" } else { "" };
-        format!("<a href=\"#s{0}\"{mark}>{0}</a>", section.id)
-    };
-    format!("<nav>{}</nav>\n", sections.iter().map(link).collect::<Vec<_>>().join("\n"))
+/// The way to a section, marked where something in it misses.
+fn link(section: &Section) -> Markup {
+    let misses = section.items.iter().any(|item| item.verdict == Verdict::Misses);
+    html! { a class=[misses.then_some("misses")] href={ "#s" (section.id) } { (section.id) } "\n" }
 }
 
-/// What the verdicts mean.
-fn legend() -> String {
+fn header(sections: &[Section]) -> Markup {
+    html! {
+        header {
+            h1 { "The paper, reproduced" }
+            p {
+                "Bridging Probabilistic Inference and Behavior Trees: An Interactive Framework for Adaptive "
+                "Multi-Robot Cooperation (arXiv 2512.04404). Every number in the column " em { "ours" }
+                " was computed when this page was made."
+            }
+            p.tally { (tally(sections)) }
+            (legend())
+        }
+    }
+}
+
+/// The meaning of each verdict.
+fn legend() -> Markup {
     let meanings = [
         (Verdict::Agrees, "as in the paper, within the tolerance"),
         (Verdict::Holds, "as claimed, where the paper has no such number"),
@@ -51,63 +72,63 @@ fn legend() -> String {
         (Verdict::Measured, "compared with nothing"),
         (Verdict::Misses, "short of what is wanted"),
     ];
-    let entry = |(verdict, meaning)| format!("<span>{} {meaning}</span>", badge(verdict));
-    format!("<p class=\"legend\">{}</p>\n", meanings.map(entry).join("\n"))
+    html! { p.legend { @for (verdict, meaning) in meanings { span { (badge(verdict)) " " (meaning) } "\n" } } }
 }
 
-fn section(section: &Section) -> String {
-    let mut text =
-        format!("<section id=\"s{0}\">\n<h2><small>{0}</small> {1}</h2>\n", section.id, section.title);
-    section.text.iter().for_each(|paragraph| text += &format!("<p>{}</p>\n", prose(paragraph)));
-    section.figures.iter().for_each(|part| text += &figure(part));
-    text += &items(&section.items);
-    text + "</section>\n"
+fn section(section: &Section) -> Markup {
+    html! {
+        section id={ "s" (section.id) } {
+            h2 { small { (section.id) } " " (section.title) }
+            @for paragraph in &section.text { p { (prose(paragraph)) } }
+            @for part in &section.figures { (figure(part)) }
+            (items(&section.items))
+        }
+    }
 }
 
 /// Text in which names of the library stand between backticks.
-fn prose(text: &str) -> String {
-    let parts = text.split('`').enumerate();
-    let part = |(index, part)| match index % 2 {
-        0 => escaped(part),
-        _ => format!("<code>{}</code>", escaped(part)),
-    };
-    parts.map(part).collect()
-}
-
-fn items(items: &[Item]) -> String {
-    let mut text = String::from(
-        "<table>\n<thead><tr><th>item</th><th>paper</th><th>ours</th><th>wanted</th><th></th></tr></thead>\n<tbody>\n",
-    );
-    for item in items {
-        let cell = |value: &Option<String>| value.as_deref().map(escaped).unwrap_or_default();
-        let note = item.note.as_ref().map(|note| format!("<div class=\"note\">{}</div>", escaped(note)));
-        text += &format!(
-            "<tr><td>{}{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-            escaped(&item.what),
-            note.unwrap_or_default(),
-            cell(&item.paper),
-            cell(&item.ours),
-            cell(&item.tolerance),
-            badge(item.verdict)
-        );
+fn prose(text: &str) -> Markup {
+    html! {
+        @for (index, part) in text.split('`').enumerate() {
+            @if index % 2 == 0 { (part) } @else { code { (part) } }
+        }
     }
-    text + "</tbody>\n</table>\n"
 }
 
-fn badge(verdict: Verdict) -> String {
+fn items(items: &[Item]) -> Markup {
+    html! {
+        table {
+            thead { tr { @for name in ["item", "paper", "ours", "wanted", ""] { th { (name) } } } }
+            tbody { @for item in items { (row(item)) "\n" } }
+        }
+    }
+}
+
+fn row(item: &Item) -> Markup {
+    html! {
+        tr {
+            td { (item.what) @if let Some(note) = &item.note { div.note { (note) } } }
+            @for value in [&item.paper, &item.ours, &item.tolerance] { td { (value.as_deref().unwrap_or_default()) } }
+            td { (badge(item.verdict)) }
+        }
+    }
+}
+
+fn badge(verdict: Verdict) -> Markup {
     let word = verdict.word().to_lowercase();
-    format!("<span class=\"badge {word}\">{word}</span>")
+    html! { span.badge.(word) { (word) } }
 }
 
-fn figure(figure: &Figure) -> String {
-    let panels: String = figure.panels.iter().map(panel).collect();
-    format!(
-        "<figure>\n<div class=\"panels\">\n{panels}</div>\n<figcaption>{}</figcaption>\n</figure>\n",
-        escaped(&figure.caption)
-    )
+fn figure(figure: &Figure) -> Markup {
+    html! {
+        figure {
+            div.panels { @for picture in &figure.panels { (panel(picture)) } }
+            figcaption { (figure.caption) }
+        }
+    }
 }
 
-fn panel(panel: &Panel) -> String {
+fn panel(panel: &Panel) -> Markup {
     match panel {
         Panel::Grid(picture) => grid::draw(picture),
         Panel::Bars(picture) => bars::draw(picture),

@@ -6,7 +6,7 @@ use super::world::{Truth, World};
 use crate::radio::{KEY, Radio, Traffic};
 use crate::scenario;
 use firmware::{Controller, Robot, Settings};
-use iibt_core::iibt::table::{Announcement, Command, Decision, MAX_SENSORS, Percept, Tables};
+use iibt_core::iibt::table::{Announcement, Command, JointDecision, MAX_SENSORS, Percept, Tables};
 use iibt_core::team::{Member, MemberError, RobotId};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
@@ -134,7 +134,7 @@ impl<'t, R: Worker<'t>> Flight<'t, R> {
     fn begin(&mut self, robot: usize, command: Command) {
         self.world.begin(robot, command);
         let decision = self.robots[robot].robot().task().and_then(HostTask::decision);
-        let of = |decision: &Decision<64, 4, 256>| {
+        let of = |decision: &JointDecision<64, 4, 256>| {
             let probability = decision.posterior.get(usize::from(decision.choice)).copied().unwrap_or(0.0);
             (decision.choice, probability)
         };

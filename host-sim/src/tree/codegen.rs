@@ -5,9 +5,9 @@ mod ports;
 
 use super::diagnostic::Diagnostic;
 use super::instance::Instance;
-use super::lower::{Lowered, Rules, linked};
+use super::lower::{Lowered, Rules};
 use super::model::POST_CONDITIONS;
-use iibt_core::tree::{Full, Node as Row, Status, TreeRef};
+use iibt_core::tree::{Node as Row, Status};
 use leaves::Variants;
 use std::fmt::Write;
 
@@ -44,10 +44,7 @@ impl Instance {
                 return Err(Diagnostic::error(&guard.place, format!("{}: {reason}", guard.attribute)));
             }
         }
-        let mut rows = linked(lowered);
-        let mut scratch = vec![0; rows.len()];
-        let never =
-            TreeRef::<u16, Full>::try_new(&mut rows).ok().and_then(|tree| tree.never_ticked(&mut scratch));
+        let never = lowered.never_ticked();
         match never.and_then(|row| lowered.nodes.get(usize::from(row))).and_then(|&node| self.nodes.get(node))
         {
             Some(node) => {

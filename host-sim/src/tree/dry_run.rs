@@ -2,11 +2,11 @@
 
 use super::diagnostic::Diagnostic;
 use super::instance::{Instance, Node};
-use super::lower::{Lowered, Rules, Task, linked};
+use super::lower::{Lowered, Rules, Task};
 use super::player::Player;
 use super::statuses::{Statuses, name};
 use iibt_core::time::Instant;
-use iibt_core::tree::{Cell, Compat, Full, Kinds, Next, Status, Transition, TreeRef};
+use iibt_core::tree::{Compat, Full, Kinds, Next, NodeMemory, Status, Transition, TreeRef};
 use std::fmt::Write;
 
 /// How often a tree that asks for it is gone through in one tick; BehaviorTree.CPP has no bound.
@@ -90,16 +90,15 @@ impl DryRun<'_> {
     fn play<K: Kinds>(&self, lowered: &Lowered, mut player: Player<'_>) -> DryRecord {
         let mut record =
             DryRecord { text: String::new(), ticks: Vec::new(), transitions: Vec::new(), error: None };
-        let mut rows = linked(lowered);
-        let Ok(tree) = TreeRef::<u16, K>::try_new(&mut rows) else { return record };
-        let mut memory: Vec<Cell<K>> = lowered.rows.iter().map(|_| Cell::NEW).collect();
+        let Ok(tree) = lowered.tree::<K>() else { return record };
+        let mut memory = vec![NodeMemory::NEW; tree.len()];
         for tick in 1..=self.ticks {
             let time = (tick - 1).wrapping_mul(self.tick_ms);
             let now = Instant(time);
-            player.alarms.advance(now);
+            player.timers.advance(now);
             let status = match self.mode {
                 Mode::ExactlyOnce => tree.tick(&mut memory, &mut player, now).status,
-                Mode::Once => tick_once(&tree, &mut memory, &mut player, now),
+                Mode::Once => tick_once(&tree.by_ref(), &mut memory, &mut player, now),
             };
             record.line(&format!("tick {tick}"), &mut player.events, Some(status));
             record.ticks.push((time, status));
@@ -120,13 +119,13 @@ impl DryRun<'_> {
 /// Goes through a tree as long as it runs and a node, or a timer that went off, asks for it.
 fn tick_once<K: Kinds>(
     tree: &TreeRef<'_, u16, K>,
-    memory: &mut [Cell<K>],
+    memory: &mut [NodeMemory<K>],
     player: &mut Player<'_>,
     now: Instant,
 ) -> Status {
     let mut tick = tree.tick(memory, player, now);
     for _ in 1..MAX_PASSES {
-        if tick.status != Status::Running || !(player.alarms.take() || tick.next == Next::Now) {
+        if tick.status != Status::Running || !(player.timers.take() || tick.next == Next::Now) {
             break;
         }
         tick = tree.tick(memory, player, now);

@@ -4,7 +4,9 @@ use super::diagnostic::{Diagnostic, Place, Severity};
 use super::instance::{Guard, Instance, Node};
 use super::parameter::Given;
 use super::script::Script;
-use iibt_core::tree::{Full, Millis, Node as Row, Row as LinkedRow, Rule, Status, Times, TreeRef};
+use iibt_core::tree::{
+    Full, Kinds, Millis, Node as Row, OwnedTree, Row as LinkedRow, Rule, Status, Times, TreeError,
+};
 
 /// A tree as the engine's table.
 #[derive(Clone, Debug)]
@@ -79,8 +81,7 @@ impl Instance {
         if count > 0 {
             lowering.node(0)?;
         }
-        let mut rows = linked(&lowering.lowered);
-        match TreeRef::<u16, Full>::try_new(&mut rows) {
+        match lowering.lowered.tree::<Full>() {
             Ok(_) => Ok(lowering.lowered),
             Err(error) => {
                 let place = self.place_of(&lowering.lowered, error.node);
@@ -97,9 +98,16 @@ impl Instance {
     }
 }
 
-/// The rows of a table, ready to be linked.
-pub(super) fn linked(lowered: &Lowered) -> Vec<LinkedRow<u16>> {
-    lowered.rows.iter().map(|&row| LinkedRow::new(row)).collect()
+impl Lowered {
+    /// The table, linked.
+    pub(super) fn tree<K: Kinds>(&self) -> Result<OwnedTree<u16, Vec<LinkedRow<u16>>, K>, TreeError> {
+        OwnedTree::try_new(self.rows.iter().copied().map(LinkedRow::new).collect())
+    }
+
+    /// The first row that no tick can reach.
+    pub(super) fn never_ticked(&self) -> Option<u16> {
+        self.tree::<Full>().ok()?.by_ref().never_ticked(&mut vec![0; self.rows.len()])
+    }
 }
 
 /// Why `run` and `codegen` refuse a tree that BehaviorTree.CPP loads, and nodes that no tick reaches.
@@ -111,11 +119,7 @@ pub(super) fn remarks(instance: &Instance) -> Vec<Diagnostic> {
             return vec![Diagnostic { severity: Severity::Warning, message, ..error }];
         }
     };
-    let mut rows = linked(&lowered);
-    let mut scratch = vec![0; rows.len()];
-    let never =
-        TreeRef::<u16, Full>::try_new(&mut rows).ok().and_then(|tree| tree.never_ticked(&mut scratch));
-    let place = never.map(|row| instance.place_of(&lowered, row));
+    let place = lowered.never_ticked().map(|row| instance.place_of(&lowered, row));
     place.map(|place| Diagnostic::warning(&place, "no tick can reach this node")).into_iter().collect()
 }
 

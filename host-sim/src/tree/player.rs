@@ -1,12 +1,12 @@
 //! The leaves of a dry run: they play scripts of statuses, and answer for the scripts of the file.
 
-use super::alarm::Alarms;
 use super::blackboard::Blackboard;
 use super::diagnostic::Diagnostic;
 use super::instance::{Instance, Node};
 use super::lower::{Lowered, Task};
 use super::script::Script;
 use super::statuses::{Statuses, letter};
+use super::timers::Timers;
 use iibt_core::time::Instant;
 use iibt_core::tree::{Halt, Leaves, Status, Transition};
 
@@ -22,7 +22,7 @@ pub(super) struct Player<'i> {
     /// What the leaves were told since it was last taken.
     pub events: Vec<String>,
     pub transitions: Vec<Transition>,
-    pub alarms: Alarms,
+    pub timers: Timers,
     /// The first script that could not be run.
     pub error: Option<Diagnostic>,
 }
@@ -42,7 +42,7 @@ impl<'i> Player<'i> {
             running: vec![false; lowered.rows.len()],
             events: Vec::new(),
             transitions: Vec::new(),
-            alarms: Alarms::new(&lowered.rows),
+            timers: Timers::new(&lowered.rows),
             error: None,
         })
     }
@@ -160,7 +160,7 @@ impl Leaves<u16> for Player<'_> {
     }
 
     fn transition(&mut self, transition: Transition) {
-        self.alarms.note(&transition);
+        self.timers.note(&transition);
         let row = usize::from(transition.node);
         if let Some(running) = self.running.get_mut(row) {
             *running = transition.to == Some(Status::Running);

@@ -10,7 +10,6 @@
 
 mod parser;
 mod run;
-mod token;
 
 pub(super) use run::{Scalar, Variables};
 
@@ -185,9 +184,11 @@ mod tests {
             ("1 +", "expected a value at the end"),
             ("(1", "expected ')' at the end"),
             ("a ? 1", "expected ':' at the end"),
-            ("3foo", "'3foo' at character 1 is nothing that a script knows"),
-            ("a # b", "'#' at character 3 is nothing that a script knows"),
-            ("'open", "''open' at character 1 is nothing that a script knows"),
+            ("3foo", "expected a value, found '3foo' at character 1"),
+            ("a + 1e", "expected a value, found '1e' at character 5"),
+            ("9223372036854775808", "expected a value, found '9223372036854775808' at character 1"),
+            ("a # b", "expected a value, found '#' at character 3"),
+            ("'open", "expected a closing quote at the end"),
             ("1 := 2", "only a variable can be assigned to, at character 3"),
             ("a b ) ", "expected a value, found ')' at character 5"),
         ] {

@@ -18,19 +18,19 @@ impl Instance {
     /// The tree as indented text, one node a line, and below it how many nodes of which kind there are.
     #[must_use]
     pub fn outline(&self) -> String {
-        let census = self.census();
-        let mut text = format!("{}: {}, {}\n", self.main, nodes(census.nodes()), levels(census.depth()));
+        let counts = self.counts();
+        let mut text = format!("{}: {}, {}\n", self.main, nodes(counts.nodes()), levels(counts.depth()));
         if let Some(root) = self.nodes.first() {
             self.branch(root, "", "", &mut text);
         }
         text.push('\n');
-        let width = census.kinds.keys().map(|kind| kind.chars().count()).max().unwrap_or(0);
-        for (kind, count) in &census.kinds {
+        let width = counts.kinds.keys().map(|kind| kind.chars().count()).max().unwrap_or(0);
+        for (kind, count) in &counts.kinds {
             _ = writeln!(text, "{kind:<width$}  {count:>5}");
         }
-        let classes = census.classes.iter().map(|(class, count)| format!("{class} {count}"));
+        let classes = counts.classes.iter().map(|(class, count)| format!("{class} {count}"));
         _ = writeln!(text, "\nby class  {}", classes.collect::<Vec<_>>().join(", "));
-        let levels = census.levels.iter().map(ToString::to_string);
+        let levels = counts.levels.iter().map(ToString::to_string);
         _ = writeln!(text, "by level  {}", levels.collect::<Vec<_>>().join(" "));
         text
     }

@@ -164,4 +164,4 @@ pub use definition::{
     Wish,
 };
 pub use error::TablesError;
-pub use task::{Command, Decision, Percept, Plan, SenseError, TableTask, Wanted};
+pub use task::{Command, JointDecision, Percept, Plan, TableTask, Wanted};

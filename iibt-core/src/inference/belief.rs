@@ -1,6 +1,7 @@
 //! q(s), what a robot believes about the hidden factors, and how actions and observations change it.
 
-use super::estimation::{self, Impossible, Method, Update, Work};
+use super::error::{Argument, ObservationError, OutOfRange, at_most, below, exactly};
+use super::estimation::{self, Method, Update, Work};
 use super::evidence::Evidence;
 use super::model::Model;
 use crate::actions::Action;
@@ -20,15 +21,38 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
     /// No belief: room to work in.
     pub(crate) const EMPTY: Self = Self([[0.0; S]; G]);
 
-    /// D, the belief before the first observation. Factors beyond the [`CAPACITY`](Self::CAPACITY) have no belief, and nothing
-    /// is inferred about them: compare it with [`Model::states`].
+    /// D, the belief before the first observation.
+    ///
+    /// # Panics
+    /// When the model has more states than the [`CAPACITY`](Self::CAPACITY); in a `const` or `static` this fails the build.
+    /// For a model that is only known at run time there is [`try_prior`](Self::try_prior).
     #[must_use]
-    pub fn prior(model: &Model) -> Self {
-        let mut prior = Self::EMPTY;
-        for factor in 0..model.factors().len() {
-            math::assign(model.part_mut(prior.as_flat_mut(), factor), model.prior(factor));
+    pub const fn prior(model: &Model) -> Self {
+        match Self::try_prior(model) {
+            Ok(prior) => prior,
+            Err(_) => panic!("the model has more states than these beliefs have room for"),
         }
-        prior
+    }
+
+    /// D for a model that is only known at run time.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] when the model has more states than the [`CAPACITY`](Self::CAPACITY).
+    pub const fn try_prior(model: &Model) -> Result<Self, OutOfRange> {
+        let mut prior = Self::EMPTY;
+        match model.write_prior(prior.as_flat_mut()) {
+            Ok(()) => Ok(prior),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The belief about one factor.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] when there is no such factor.
+    pub fn try_of(&self, model: &Model, factor: usize) -> Result<&[f32], OutOfRange> {
+        below(Argument::Factor, 0, factor, model.factors().len())?;
+        Ok(self.of(model, factor))
     }
 
     /// The belief about one factor; empty where there is no such factor.
@@ -55,22 +79,42 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         (state, part.get(state).copied().unwrap_or(0.0))
     }
 
-    /// Replaces the belief about one factor by one in proportion to `weights`; returns whether it did. It does not when
-    /// there are not as many weights as states, or they are no weights or sum to nothing.
-    pub fn set(&mut self, model: &Model, factor: usize, weights: &[f32]) -> bool {
+    /// Replaces the belief about one factor by one in proportion to `weights`.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] when there is no such factor, when there are not as many weights as states, or when a weight is negative
+    /// or not finite or they sum to nothing. The belief is left as it was.
+    pub fn set(&mut self, model: &Model, factor: usize, weights: &[f32]) -> Result<(), OutOfRange> {
+        below(Argument::Factor, 0, factor, model.factors().len())?;
         let part = model.part_mut(self.as_flat_mut(), factor);
+        exactly(Argument::Belief, factor, weights.len(), part.len())?;
+        let wrong = weights.iter().position(|weight| !(weight.is_finite() && *weight >= 0.0));
+        if let Some(at) = wrong {
+            return Err(OutOfRange::new(Argument::BeliefWeight, factor, at, part.len()));
+        }
         let sum: f32 = weights.iter().sum();
-        let sound = weights.iter().all(|weight| *weight >= 0.0) && sum > 0.0 && sum.is_finite();
-        if !sound || part.len() != weights.len() {
-            return false;
+        if !(sum > 0.0 && sum.is_finite()) {
+            return Err(OutOfRange::new(Argument::BeliefWeight, factor, weights.len(), part.len()));
         }
         part.iter_mut().zip(weights).for_each(|(q, weight)| *q = weight / sum);
-        true
+        Ok(())
     }
 
-    /// The beliefs after one step, in which `actions` holds an action for each of the model's action sequences, or `None`
-    /// for a robot that stays: q(s') = Σ_s B_u(s', s) q(s). Uncontrolled factors change by themselves.
-    pub fn predict(&mut self, model: &Model, actions: &[Option<Action>]) {
+    /// The beliefs after one step, in which `actions` holds an action for each of the model's controls, or `None` for a
+    /// robot that stays, as one left out does: q(s') = Σ_s B_u(s', s) q(s). Uncontrolled factors change by themselves.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] for more actions than controls, and for an action that a control does not have. The beliefs are left
+    /// as they were.
+    pub fn predict(&mut self, model: &Model, actions: &[Option<Action>]) -> Result<(), OutOfRange> {
+        model.check_room(Self::CAPACITY)?;
+        at_most(Argument::Controls, 0, actions.len(), model.controls())?;
+        for (control, action) in actions.iter().enumerate() {
+            let action = action.map_or(0, usize::from);
+            if action > 0 {
+                below(Argument::Action, control, action, model.actions(control))?;
+            }
+        }
         let before = *self;
         let from = before.as_flat();
         for factor in 0..model.factors().len() {
@@ -86,6 +130,7 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
                 }
             }
         }
+        Ok(())
     }
 
     /// Mixes in a share of other beliefs: q := (1 - share) q + share other. `share` is held to 0..=1, NaN is none.
@@ -96,15 +141,16 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         }
     }
 
-    /// The beliefs after an observation, with `evidence` for each modality; a modality left out is missing.
+    /// The beliefs after an observation, with `evidence` for each modality; one left out at the end of the list is missing.
     ///
     /// Factors that no observed modality couples are updated by Bayes' rule. Factors that one couples are updated together:
     /// exactly, without storing their product, where that takes no more than [`EXACT_LIMIT`](super::EXACT_LIMIT) steps, else
     /// by coordinate ascent on the free energy. See [`Update`] for what is returned.
     ///
     /// # Errors
-    /// [`Impossible`] when the observation has probability zero; the beliefs are left as they were.
-    pub fn update(&mut self, model: &Model, evidence: &[Evidence]) -> Result<Update, Impossible> {
+    /// [`ObservationError::Impossible`] when the observation has probability zero, which is an event of the world, and
+    /// [`ObservationError::OutOfRange`] for evidence that is none of the model's. The beliefs are left as they were.
+    pub fn update(&mut self, model: &Model, evidence: &[Evidence]) -> Result<Update, ObservationError> {
         self.infer(model, evidence, Method::Exact)
     }
 
@@ -114,8 +160,15 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
     /// Less code than [`update`](Self::update), which it equals where a model's modalities have no coupled factors in common.
     ///
     /// # Errors
-    /// [`Impossible`] when the observation has probability zero; the beliefs are left as they were.
-    pub fn observe(&mut self, model: &Model, modality: usize, evidence: Evidence) -> Result<f32, Impossible> {
+    /// As [`update`](Self::update), and [`ObservationError::OutOfRange`] for a modality that does not exist.
+    pub fn observe(
+        &mut self,
+        model: &Model,
+        modality: usize,
+        evidence: Evidence,
+    ) -> Result<f32, ObservationError> {
+        model.check_room(Self::CAPACITY)?;
+        model.check_evidence(modality, &evidence)?;
         let (mut posterior, mut scratch) = (*self, Self::EMPTY);
         let mut work =
             Work { posterior: posterior.as_flat_mut(), prior: &mut [], scratch: scratch.as_flat_mut() };
@@ -128,18 +181,25 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
     /// 1..=[`MAX_SWEEPS`](super::MAX_SWEEPS). More sweeps never end at a higher free energy.
     ///
     /// # Errors
-    /// [`Impossible`] as for [`update`](Self::update), but each coupled modality is looked at by itself: several that
-    /// contradict each other end at a free energy beyond 36 nats, -ln of the floor under a probability.
+    /// As [`update`](Self::update), but each coupled modality is looked at by itself: several that contradict each other
+    /// end at a free energy beyond 36 nats, -ln of the floor under a probability.
     pub fn update_by_ascent(
         &mut self,
         model: &Model,
         evidence: &[Evidence],
         sweeps: u8,
-    ) -> Result<Update, Impossible> {
+    ) -> Result<Update, ObservationError> {
         self.infer(model, evidence, Method::CoordinateAscent(sweeps))
     }
 
-    fn infer(&mut self, model: &Model, evidence: &[Evidence], method: Method) -> Result<Update, Impossible> {
+    fn infer(
+        &mut self,
+        model: &Model,
+        evidence: &[Evidence],
+        method: Method,
+    ) -> Result<Update, ObservationError> {
+        model.check_room(Self::CAPACITY)?;
+        model.check_all_evidence(evidence)?;
         let (mut posterior, mut prior, mut scratch) = (*self, Self::EMPTY, Self::EMPTY);
         let mut work = Work {
             posterior: posterior.as_flat_mut(),

@@ -1,18 +1,42 @@
 //! The joint policies that a decision is made among.
 
-use super::model::MAX_FACTORS;
+use super::error::{Argument, OutOfRange, at_most, below, exactly};
+use super::model::{MAX_FACTORS, Model};
 use super::policy::Policy;
 
 /// Joint policies: one action sequence for each control of a model.
+///
+/// ```
+/// use iibt_core::inference::{Candidates, Habits, Policy};
+///
+/// // Two robots that may each stay or go, but not both go.
+/// static CHOICES: [Policy; 2] = [Policy::of(&[0]), Policy::of(&[1])];
+/// static EITHER: Candidates = Candidates::listed(&[&CHOICES, &CHOICES], &[0, 0, 0, 1, 1, 0]);
+/// assert_eq!((EITHER.len(), EITHER.sequence(2, 0), EITHER.sequence(2, 1)), (3, 1, 0));
+///
+/// // The second robot has announced that it goes: what has it stay is ruled out.
+/// let announced = EITHER.with_announced(&[None, Some(1)]);
+/// assert_eq!(announced.ln_prior(1), 0.0);
+/// assert_eq!(announced.ln_prior(2), f32::NEG_INFINITY);
+///
+/// // The first robot would rather stay.
+/// let habits: [&[f32]; 1] = [&[0.0, -1.0]];
+/// assert_eq!(EITHER.with_habits(Habits::PerSequence(&habits)).ln_prior(2), -1.0);
+/// ```
+#[doc(alias = "joint policies")]
+#[doc(alias = "plan")]
 #[derive(Clone, Copy, Debug)]
 pub struct Candidates<'a> {
-    /// For each control the action sequences that may be chosen for it. A teammate that has announced what it will do
-    /// has one; an empty list, or none at all, stands for a control that stays. A control has 256 at the most.
+    /// For each control the action sequences that may be chosen for it, 65,535 at the most. An empty list, or none at all,
+    /// stands for a control that stays.
     pub sequences: &'a [&'a [Policy]],
     /// Which combinations of them are considered.
     pub combinations: Combinations<'a>,
     /// ln E, what is thought of them beforehand.
     pub habits: Habits<'a>,
+    /// For each control the number of the sequence that is fixed, as a teammate has announced it; the list may be shorter.
+    /// A joint policy with another sequence is ruled out: its posterior is zero.
+    pub announced: &'a [Option<u16>],
 }
 
 /// Which combinations of action sequences are joint policies.
@@ -21,7 +45,7 @@ pub enum Combinations<'a> {
     /// All of them, the last control's sequences running fastest.
     All,
     /// These: for each joint policy the number of a sequence for each control.
-    Listed(&'a [u8]),
+    Listed(&'a [u16]),
 }
 
 /// ln E, the log prior of policies, up to a constant.
@@ -37,7 +61,7 @@ pub enum Habits<'a> {
 
 /// The number of the sequence that a joint policy has for each control.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row([u8; MAX_FACTORS]);
+pub(super) struct Row([u16; MAX_FACTORS]);
 
 impl Row {
     #[inline]
@@ -47,7 +71,7 @@ impl Row {
 
     fn set(&mut self, control: usize, number: usize) {
         if let Some(slot) = self.0.get_mut(control) {
-            *slot = number as u8;
+            *slot = number as u16;
         }
     }
 }
@@ -56,29 +80,49 @@ impl<'a> Candidates<'a> {
     /// All combinations of these sequences, all alike.
     #[must_use]
     pub const fn all(sequences: &'a [&'a [Policy]]) -> Self {
-        Self { sequences, combinations: Combinations::All, habits: Habits::Flat }
+        Self { sequences, combinations: Combinations::All, habits: Habits::Flat, announced: &[] }
     }
 
     /// The listed combinations of these sequences, all alike.
     #[must_use]
-    pub const fn listed(sequences: &'a [&'a [Policy]], rows: &'a [u8]) -> Self {
-        Self { sequences, combinations: Combinations::Listed(rows), habits: Habits::Flat }
+    pub const fn listed(sequences: &'a [&'a [Policy]], rows: &'a [u16]) -> Self {
+        Self { combinations: Combinations::Listed(rows), ..Self::all(sequences) }
+    }
+
+    /// The same candidates with habits, ln E.
+    #[must_use]
+    pub const fn with_habits(self, habits: Habits<'a>) -> Self {
+        Self { habits, ..self }
+    }
+
+    /// The same candidates with the sequences that teammates have announced, a number or `None` for each control.
+    #[must_use]
+    pub const fn with_announced(self, announced: &'a [Option<u16>]) -> Self {
+        Self { announced, ..self }
     }
 
     /// How many joint policies there are.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub const fn len(&self) -> usize {
         match self.combinations {
             Combinations::All => {
-                (0..self.sequences.len()).map(|control| self.choices(control)).fold(1, usize::saturating_mul)
+                let (mut count, mut control) = (1_usize, 0);
+                while control < self.sequences.len() {
+                    count = count.saturating_mul(self.choices(control));
+                    control += 1;
+                }
+                count
             }
-            Combinations::Listed(rows) => rows.len() / self.sequences.len().max(1),
+            Combinations::Listed(rows) => match rows.len().checked_div(self.sequences.len()) {
+                Some(count) => count,
+                None => rows.len(),
+            },
         }
     }
 
     /// Whether there is none.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub const fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
@@ -89,8 +133,12 @@ impl<'a> Candidates<'a> {
     }
 
     /// How many sequences a control has to choose from; one, to stay, where none is given.
-    pub(super) fn choices(&self, control: usize) -> usize {
-        self.sequences.get(control).map_or(1, |list| list.len().max(1))
+    pub(super) const fn choices(&self, control: usize) -> usize {
+        if control < self.sequences.len() && !self.sequences[control].is_empty() {
+            self.sequences[control].len()
+        } else {
+            1
+        }
     }
 
     /// The number of a control's sequence in a joint policy.
@@ -152,20 +200,20 @@ impl<'a> Candidates<'a> {
         self.sequences.get(control).and_then(|list| list.get(sequence)).unwrap_or(STAY)
     }
 
-    /// ln E of one sequence of one control, where habits are about sequences.
-    pub(super) fn habit_of(&self, control: usize, sequence: usize) -> f32 {
-        match self.habits {
-            Habits::PerSequence(habits) => {
-                habits.get(control).and_then(|list| list.get(sequence)).copied().unwrap_or(0.0)
-            }
-            Habits::Flat | Habits::Joint(_) => 0.0,
-        }
+    fn is_as_announced(&self, policy: usize) -> bool {
+        let fixed = self.announced.iter().enumerate();
+        fixed
+            .filter_map(|(control, number)| Some((control, (*number)?)))
+            .all(|(control, number)| self.sequence(policy, control) == usize::from(number))
     }
 
-    /// ln E of a joint policy, up to a constant.
+    /// ln E of a joint policy, up to a constant; minus infinity for one that is ruled out by what was announced.
     #[inline]
     #[must_use]
     pub fn ln_prior(&self, policy: usize) -> f32 {
+        if !self.announced.is_empty() && !self.is_as_announced(policy) {
+            return f32::NEG_INFINITY;
+        }
         match self.habits {
             Habits::Flat => 0.0,
             Habits::Joint(habits) => habits.get(policy).copied().unwrap_or(0.0),
@@ -175,5 +223,67 @@ impl<'a> Candidates<'a> {
                 habits.iter().enumerate().filter_map(of).sum()
             }
         }
+    }
+}
+
+/// What has to hold of candidates before any of them is weighed.
+impl Candidates<'_> {
+    /// The most sequences of one control.
+    const MOST: usize = u16::MAX as usize;
+
+    /// Whether these are joint policies of a model.
+    pub(super) fn check(&self, model: &Model) -> Result<(), OutOfRange> {
+        for (control, list) in self.sequences.iter().enumerate().filter(|(_, list)| !list.is_empty()) {
+            below(Argument::Control, 0, control, model.controls())?;
+            at_most(Argument::Sequences, control, list.len(), Self::MOST)?;
+            let actions = model.actions(control);
+            for policy in list.iter().filter(|policy| !policy.is_empty()) {
+                below(Argument::Action, control, policy.largest().into(), actions)?;
+            }
+        }
+        self.check_rows()?;
+        self.check_habits()?;
+        at_most(Argument::Controls, 0, self.announced.len(), self.sequences.len())?;
+        for (control, number) in self.announced.iter().enumerate() {
+            below(Argument::Sequence, control, number.map_or(0, usize::from), self.choices(control))?;
+        }
+        (0..model.groups()).try_for_each(|group| self.check_group(model, group))
+    }
+
+    fn check_rows(&self) -> Result<(), OutOfRange> {
+        let Combinations::Listed(rows) = self.combinations else { return Ok(()) };
+        let width = self.sequences.len().max(1);
+        if !rows.len().is_multiple_of(width) {
+            return Err(OutOfRange::new(Argument::Rows, 0, rows.len(), width));
+        }
+        let mut numbers = rows.chunks(width).flat_map(|row| row.iter().enumerate());
+        numbers.try_for_each(|(control, &number)| {
+            below(Argument::Sequence, control, number.into(), self.choices(control))
+        })
+    }
+
+    fn check_habits(&self) -> Result<(), OutOfRange> {
+        match self.habits {
+            Habits::Flat => Ok(()),
+            Habits::Joint(habits) => exactly(Argument::Habits, 0, habits.len(), self.len()),
+            Habits::PerSequence(habits) => {
+                at_most(Argument::Controls, 0, habits.len(), self.sequences.len())?;
+                let mut given = habits.iter().enumerate().filter(|(_, habits)| !habits.is_empty());
+                given.try_for_each(|(control, habits)| {
+                    exactly(Argument::HabitsOfControl, control, habits.len(), self.choices(control))
+                })
+            }
+        }
+    }
+
+    /// Whether what moves a group can be numbered.
+    fn check_group(&self, model: &Model, group: usize) -> Result<(), OutOfRange> {
+        let moved_by = model.moved_by(group);
+        if moved_by & moved_by.wrapping_sub(1) == 0 {
+            return Ok(());
+        }
+        let controls = (0..MAX_FACTORS).filter(|control| moved_by >> control & 1 == 1);
+        let combinations = controls.fold(1, |all: usize, control| all.saturating_mul(self.choices(control)));
+        at_most(Argument::Combinations, group, combinations, u32::MAX as usize - 1)
     }
 }

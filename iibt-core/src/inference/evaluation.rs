@@ -16,6 +16,7 @@ use self::actions::{bits, key, only_control};
 use self::group::{Candidate, Group, Places};
 use self::rows::{Combinations, Rows};
 use super::belief::Beliefs;
+use super::error::{Argument, OutOfRange, at_most};
 use super::free_energy::{Gain, Terms};
 use super::gain;
 use super::model::{Model, Parts};
@@ -26,8 +27,7 @@ use crate::math;
 /// An evaluation under way, and its results so far.
 ///
 /// `S` and `G` are those of the [`Beliefs`], `R` is the most candidates of one group that are rolled out side by side, and there
-/// is room for `R * P` joint policies. Memory is about `4 S G R + 24 G R + 36 R P` bytes. A model with more than `G` groups is
-/// not evaluated: no joint policy is scored.
+/// is room for `R * P` joint policies. Memory is about `4 S G R + 24 G R + 36 R P` bytes.
 #[derive(Clone, Debug)]
 pub struct Evaluation<const S: usize, const G: usize, const R: usize, const P: usize> {
     /// The predicted beliefs: in row `r`, each group's `r`-th candidate.
@@ -40,6 +40,8 @@ pub struct Evaluation<const S: usize, const G: usize, const R: usize, const P: u
     combinations: [[Terms; R]; P],
     scores: [[f32; R]; P],
     done: usize,
+    /// The joint policies of the problem that was begun with.
+    total: usize,
     window: f32,
 }
 
@@ -59,42 +61,51 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
             combinations: [[Terms::ZERO; R]; P],
             scores: [[f32::NEG_INFINITY; R]; P],
             done: 0,
+            total: 0,
             window: f32::INFINITY,
         }
     }
 
-    /// Forgets all results and begins with `problem`.
-    pub fn begin(&mut self, problem: &Problem<'_, S, G>) {
-        self.done = 0;
+    /// Forgets all results and begins with `problem`, which is checked as a whole.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] when the problem does not fit its model, or has more joint policies than the
+    /// [`CAPACITY`](Self::CAPACITY). Nothing can be scored then.
+    pub fn begin(&mut self, problem: &Problem<'_, S, G>) -> Result<(), OutOfRange> {
+        (self.done, self.total) = (0, 0);
+        self.groups.iter_mut().for_each(|group| group.used = 0);
         self.window = problem.scoring.window;
         self.scores = [[f32::NEG_INFINITY; R]; P];
+        problem.check()?;
+        at_most(Argument::Policies, 0, problem.candidates.len(), Self::CAPACITY)?;
+        self.total = problem.candidates.len();
+        Ok(())
     }
 
-    /// Scores up to `count` more joint policies; returns whether there are more. Joint policies beyond the
-    /// [`CAPACITY`](Self::CAPACITY) are left out.
+    /// Scores up to `count` more joint policies; returns whether there are more.
     ///
     /// The problem must be the one that was begun with. Costs at most `count` rollouts of each group and `count`
     /// predictions of each coupled modality per step; candidates that joint policies have in common are rolled out
     /// once, `R` at a time.
     pub fn advance(&mut self, problem: &Problem<'_, S, G>, count: usize) -> bool {
-        let total = problem.candidates.len().min(Self::CAPACITY);
-        let until = self.done.saturating_add(count).min(total);
+        let until = self.done.saturating_add(count).min(self.total);
         while self.done < until {
             let next = self.gather(problem, until);
-            if next == self.done {
-                return false;
-            }
             self.roll_out(problem, next);
             self.score(problem, next);
             self.done = next;
         }
-        self.done < total
+        self.done < self.total
     }
 
     /// Scores all joint policies.
-    pub fn evaluate(&mut self, problem: &Problem<'_, S, G>) {
-        self.begin(problem);
+    ///
+    /// # Errors
+    /// As [`begin`](Self::begin).
+    pub fn evaluate(&mut self, problem: &Problem<'_, S, G>) -> Result<(), OutOfRange> {
+        self.begin(problem)?;
         while self.advance(problem, Self::CAPACITY) {}
+        Ok(())
     }
 
     /// How many joint policies are scored.
@@ -121,10 +132,12 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         self.scores.as_flattened().get(..self.done).unwrap_or(&[])
     }
 
-    /// The most probable joint policy scored so far; the first of equals.
+    /// The most probable joint policy scored so far, the first of equals; `None` while there is none that can be chosen:
+    /// one that is ruled out, or has a score that is no number, cannot.
     #[must_use]
     pub fn best(&self) -> Option<usize> {
-        (self.done > 0).then(|| math::argmax(self.scores()))
+        let best = math::argmax(self.scores());
+        self.scores().get(best).filter(|score| **score > f32::NEG_INFINITY).map(|_| best)
     }
 
     /// The posterior over the joint policies scored so far; zero beyond them.
@@ -139,9 +152,6 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     #[inline(never)]
     fn gather(&mut self, problem: &Problem<'_, S, G>, until: usize) -> usize {
         let groups = problem.model.groups();
-        if groups > G {
-            return self.done;
-        }
         let mut row = problem.candidates.row(self.done);
         let places = self.places.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
         let of = self.groups.get_mut(..groups).unwrap_or_default();
@@ -153,10 +163,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
             for ((group, place), number) in of.iter_mut().zip(places).zip(0..) {
                 let key = match group.control {
                     Some(control) => row.get(usize::from(control)) as u32,
-                    None => match key(problem, number, &row) {
-                        Some(key) => key,
-                        None => return policy,
-                    },
+                    None => key(problem, number, &row),
                 };
                 let found = group.find(key).or_else(|| {
                     let arrival = arrival(problem, number, &row);
@@ -220,7 +227,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
                     let action = match control {
                         Some(control) if model.control(factor).is_some() => {
                             let control = usize::from(control);
-                            problem.action(problem.candidates.policy(control, candidate.key as usize), step)
+                            problem.candidates.policy(control, candidate.key as usize).get(step)
                         }
                         _ => action_of(problem, factor, usize::from(candidate.policy), step),
                     };
@@ -392,7 +399,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         let scores = self.scores.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
         let terms = self.terms.as_flattened().get(self.done..until).unwrap_or_default();
         for ((score, terms), policy) in scores.iter_mut().zip(terms).zip(self.done..) {
-            let value = -terms.expected_free_energy(problem.scoring.convention);
+            let value = -terms.expected_free_energy();
             *score = problem.scoring.score(problem.candidates.ln_prior(policy), 0.0, value);
         }
     }

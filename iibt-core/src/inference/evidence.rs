@@ -1,6 +1,20 @@
 //! What was observed through one modality.
 
+use super::error::{Argument, OutOfRange, below, exactly};
+
 /// One modality's observation.
+///
+/// ```
+/// use iibt_core::inference::Evidence;
+///
+/// // A modality with three outcomes.
+/// assert!(Evidence::Outcome(2).check(0, 3).is_ok());
+/// let error = Evidence::Outcome(3).check(0, 3).unwrap_err();
+/// assert_eq!(error.to_string(), "modality 0 has no outcome 3: there are 3, from 0");
+/// let error = Evidence::Soft(&[0.2, 0.8]).check(4, 3).unwrap_err();
+/// assert_eq!(error.to_string(), "modality 4 has 3 outcomes, but 2 weights are given");
+/// assert!(Evidence::default().is_missing());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Evidence<'a> {
     /// Nothing was observed: the modality says nothing about the states.
@@ -8,7 +22,7 @@ pub enum Evidence<'a> {
     Missing,
     /// This outcome was observed.
     Outcome(usize),
-    /// The reading itself is uncertain: a weight for each outcome. One that is negative or not finite counts as zero.
+    /// The reading itself is uncertain: a weight for each outcome, finite and not negative.
     ///
     /// The states are weighed with Σ_o w(o) A(o, ·), Pearl's virtual evidence.
     Soft(&'a [f32]),
@@ -41,18 +55,19 @@ impl Evidence<'_> {
         }
     }
 
-    /// Whether the weights of a soft observation are weights: finite, not negative, not all zero, and no more
-    /// than there are outcomes.
-    #[must_use]
-    pub fn is_sound(&self, outcomes: usize) -> bool {
+    /// Whether it is an observation through modality `number`, which has `outcomes` outcomes.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] for an outcome that does not exist, and for weights that are not one for each outcome, negative or
+    /// not finite.
+    pub fn check(&self, number: usize, outcomes: usize) -> Result<(), OutOfRange> {
         match self {
-            Self::Missing => true,
-            Self::Outcome(outcome) => *outcome < outcomes,
+            Self::Missing => Ok(()),
+            Self::Outcome(outcome) => below(Argument::Outcome, number, *outcome, outcomes),
             Self::Soft(weights) => {
-                let sound = |weight: &&f32| weight.is_finite() && **weight >= 0.0;
-                weights.len() <= outcomes
-                    && weights.iter().filter(sound).count() == weights.len()
-                    && weights.iter().sum::<f32>() > 0.0
+                exactly(Argument::Weights, number, weights.len(), outcomes)?;
+                let wrong = weights.iter().position(|weight| !(weight.is_finite() && *weight >= 0.0));
+                wrong.map_or(Ok(()), |at| Err(OutOfRange::new(Argument::Weight, number, at, outcomes)))
             }
         }
     }

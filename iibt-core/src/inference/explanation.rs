@@ -1,6 +1,7 @@
 //! Why a policy: its terms by step and modality, and what set it apart from another.
 
 use super::belief::Beliefs;
+use super::error::{Argument, OutOfRange, below};
 use super::evaluation::{Sense, action_of, arrival, normalisers};
 use super::free_energy::{Credit, Gain, Terms};
 use super::gain;
@@ -37,11 +38,16 @@ pub enum Source {
 ///
 /// The contributions add up to the policy's [`Terms`] in an [`Evaluation`](super::Evaluation), but for the rounding of sums in
 /// another order. Costs one rollout, whatever the number of policies, and memory for three lists of beliefs.
+///
+/// # Errors
+/// [`OutOfRange`] when the problem does not fit its model or there is no such policy.
 pub fn trace<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     policy: usize,
     mut visit: impl FnMut(Contribution),
-) {
+) -> Result<(), OutOfRange> {
+    problem.check()?;
+    below(Argument::Policy, 0, policy, problem.candidates.len())?;
     let mut beliefs = *problem.beliefs;
     for step in 1..=problem.horizon {
         meet(problem, &beliefs, Some((policy, step)), step, &mut visit);
@@ -50,6 +56,7 @@ pub fn trace<const S: usize, const G: usize>(
         meet(problem, &beliefs, None, step, &mut visit);
         observe(problem, &beliefs, policy, step, &mut visit);
     }
+    Ok(())
 }
 
 /// The encounters, before a step of a policy or after it.
@@ -144,25 +151,26 @@ pub struct Explanation {
 
 impl Explanation {
     /// Compares two joint policies of a problem. Costs two rollouts and `4 * MAX_MODALITIES` bytes.
-    #[must_use]
+    ///
+    /// # Errors
+    /// [`OutOfRange`] when the problem does not fit its model or there is no such policy.
     pub fn of<const S: usize, const G: usize>(
         problem: &Problem<'_, S, G>,
         chosen: usize,
         other: usize,
-    ) -> Self {
-        let convention = problem.scoring.convention;
+    ) -> Result<Self, OutOfRange> {
         let mut leads =
             Leads { modalities: [0.0; MAX_MODALITIES], jointly: 0.0, encounters: 0.0, motion: 0.0 };
         let mut terms = [Terms::ZERO; 2];
         for ((policy, sign), sum) in [(chosen, 1.0), (other, -1.0)].into_iter().zip(&mut terms) {
             trace(problem, policy, |part| {
                 *sum += part.terms;
-                *leads.of(part.source) -= sign * part.terms.expected_free_energy(convention);
-            });
+                *leads.of(part.source) -= sign * part.terms.expected_free_energy();
+            })?;
         }
         let [chosen, other] = terms;
-        let lead = other.expected_free_energy(convention) - chosen.expected_free_energy(convention);
-        Self { chosen, other, decided_by: leads.largest(), lead }
+        let lead = other.expected_free_energy() - chosen.expected_free_energy();
+        Ok(Self { chosen, other, decided_by: leads.largest(), lead })
     }
 }
 
@@ -229,10 +237,10 @@ mod tests {
         for scoring in [Scoring::DEFAULT, Scoring::JAX_PYMDP, Scoring::NUMPY_PYMDP] {
             let problem = Problem::new(&MODEL, &beliefs, Candidates::all(&lists), scoring);
             let mut evaluation = Evaluation::<3, 2, 3, 3>::new();
-            evaluation.evaluate(&problem);
+            evaluation.evaluate(&problem).unwrap();
             for (policy, terms) in evaluation.terms().iter().enumerate() {
                 let mut sum = Terms::ZERO;
-                trace(&problem, policy, |part| sum += part.terms);
+                trace(&problem, policy, |part| sum += part.terms).unwrap();
                 let close = |a: f32, b: f32| (a - b).abs() < 1e-5;
                 assert!(close(sum.utility, terms.utility) && close(sum.ambiguity, terms.ambiguity));
                 assert!(close(sum.information_gain, terms.information_gain), "{sum:?} against {terms:?}");
@@ -246,11 +254,11 @@ mod tests {
         let lists = lists.each_ref().map(|list| list.as_slice());
         let problem = Problem::new(&MODEL, &beliefs, Candidates::all(&lists), Scoring::JAX_PYMDP);
         // Places 1 and 2 instead of both on 1: they are apart, which modality 2 is about.
-        let apart = Explanation::of(&problem, 5, 4);
+        let apart = Explanation::of(&problem, 5, 4).unwrap();
         assert_eq!(apart.decided_by.0, Source::Modality(2));
         assert!(apart.lead > 0.0 && apart.decided_by.1 > apart.lead / 2.0, "{apart:?}");
         // Robot 1 on place 1 instead of 0, robot 2 elsewhere: what robot 1 itself would like to see.
-        assert_eq!(Explanation::of(&problem, 5, 2).decided_by.0, Source::Modality(0));
-        assert_eq!(Explanation::of(&problem, 5, 5).lead, 0.0);
+        assert_eq!(Explanation::of(&problem, 5, 2).unwrap().decided_by.0, Source::Modality(0));
+        assert_eq!(Explanation::of(&problem, 5, 5).unwrap().lead, 0.0);
     }
 }

@@ -1,6 +1,5 @@
 //! Expected free energy, in named terms, and the conventions by which it is scored.
 
-use crate::actions::Action;
 use crate::math::Outlook;
 
 /// What a policy is expected to bring, in nats, summed over modalities and steps.
@@ -48,13 +47,10 @@ impl Terms {
         -self.utility - self.information_gain - self.ambiguity
     }
 
-    /// G, the expected free energy, under a convention; lower is better.
+    /// G = risk + ambiguity - novelty, the expected free energy; lower is better.
     #[must_use]
-    pub fn expected_free_energy(&self, convention: Convention) -> f32 {
-        match convention {
-            Convention::Standard => -self.utility - self.information_gain - self.novelty,
-            Convention::AsPrinted => self.risk() - self.ambiguity - self.novelty,
-        }
+    pub const fn expected_free_energy(&self) -> f32 {
+        -self.utility - self.information_gain - self.novelty
     }
 }
 
@@ -74,17 +70,6 @@ impl core::ops::AddAssign for Terms {
         self.ambiguity += other.ambiguity;
         self.novelty += other.novelty;
     }
-}
-
-/// The sign of the ambiguity in G.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Convention {
-    /// G = risk + ambiguity, as everywhere in the field.
-    #[default]
-    Standard,
-    /// G = risk - ambiguity, as the paper prints it (equation 6, algorithm 2).
-    AsPrinted,
 }
 
 /// How the information gain of several modalities is put together.
@@ -110,31 +95,16 @@ pub enum Credit {
     EveryStep,
 }
 
-/// What a robot does after the last action of its policy, while others are still under way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Padding {
-    /// It stays.
-    #[default]
-    Stay,
-    /// It goes on with this action.
-    Repeat(Action),
-}
-
 /// How policies are scored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Scoring {
     /// γ, the precision of the policy posterior: it scales all of G.
     pub precision: f32,
-    /// The sign of the ambiguity.
-    pub convention: Convention,
     /// Joint or per-modality information gain.
     pub gain: Gain,
     /// When preferences count.
     pub credit: Credit,
-    /// What comes after the last action.
-    pub padding: Padding,
     /// Occam's window, in nats: policies whose log posterior is more than this below the best are pruned. Infinity keeps
     /// them all.
     pub window: f32,
@@ -142,14 +112,8 @@ pub struct Scoring {
 
 impl Scoring {
     /// What is right: arrived robots stay, goals count on arrival, standard G with per-modality gain.
-    pub const DEFAULT: Self = Self {
-        precision: 16.0,
-        convention: Convention::Standard,
-        gain: Gain::PerModality,
-        credit: Credit::OnArrival,
-        padding: Padding::Stay,
-        window: f32::INFINITY,
-    };
+    pub const DEFAULT: Self =
+        Self { precision: 16.0, gain: Gain::PerModality, credit: Credit::OnArrival, window: f32::INFINITY };
 
     /// The field's: every preference counts at every step, and the gain is the sum of each modality's own, as in JAX
     /// pymdp, cpp-AIF and tira.
@@ -157,20 +121,6 @@ impl Scoring {
 
     /// The same with the joint gain, as in numpy pymdp, SPM and ActiveInference.jl.
     pub const NUMPY_PYMDP: Self = Self { gain: Gain::Joint, ..Self::JAX_PYMDP };
-
-    /// The same as [`JAX_PYMDP`](Self::JAX_PYMDP) with the sign of the ambiguity that the paper prints.
-    pub const AS_PRINTED: Self = Self { convention: Convention::AsPrinted, ..Self::JAX_PYMDP };
-
-    /// The paper's own arithmetic with its artefact: policies shorter than the horizon go on with action
-    /// zero, which is "up", so that a robot that has arrived walks off again.
-    pub const AS_PUBLISHED: Self = Self {
-        precision: 16.0,
-        convention: Convention::Standard,
-        gain: Gain::Joint,
-        credit: Credit::EveryStep,
-        padding: Padding::Repeat(0),
-        window: f32::INFINITY,
-    };
 
     /// ln E - F - γ G, the log of the policy posterior up to a constant (equation 7), from -G; minus infinity, so that the
     /// policy is never chosen, where it is no number.

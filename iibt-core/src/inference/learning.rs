@@ -94,7 +94,7 @@ fn observed<const O: usize>(evidence: Evidence) -> Option<[f32; O]> {
     match evidence {
         Evidence::Missing => return None,
         Evidence::Outcome(outcome) => *weights.get_mut(outcome)? = 1.0,
-        Evidence::Soft(soft) if evidence.is_sound(O) => math::assign(&mut weights, soft),
+        Evidence::Soft(soft) if evidence.check(0, O).is_ok() => math::assign(&mut weights, soft),
         Evidence::Soft(_) => return None,
     }
     math::normalise(&mut weights).map(|_| weights)

@@ -11,6 +11,8 @@ pub use factor::{Control, Factor};
 pub use modality::Modality;
 pub(super) use parts::Parts;
 
+use super::error::{Argument, OutOfRange, at_most};
+use super::evidence::Evidence;
 use crate::actions::Action;
 
 /// The most hidden factors of one model.
@@ -37,7 +39,7 @@ pub const MAX_MODALITIES: usize = 40;
 /// let mut beliefs = Beliefs::<3, 1>::prior(&CORRIDOR);
 /// let update = beliefs.update(&CORRIDOR, &[Evidence::Outcome(1)])?;
 /// assert!(update.free_energy > 0.0 && beliefs.most_likely(&CORRIDOR, 0).0 == 1);
-/// # Ok::<(), iibt_core::inference::Impossible>(())
+/// # Ok::<(), iibt_core::inference::ObservationError>(())
 /// ```
 ///
 /// A prior that is no distribution fails the build:
@@ -178,14 +180,15 @@ impl<'a> Model<'a> {
         self.group_count as usize
     }
 
-    /// The group that an action sequence moves.
-    pub(super) fn group_of_control(&self, control: usize) -> Option<usize> {
-        (0..self.groups()).find(|&group| self.moved_by(group) >> control & 1 == 1)
+    /// Every group, a bit for each.
+    #[must_use]
+    pub const fn all_groups(&self) -> u16 {
+        (1_u32 << self.group_count).wrapping_sub(1) as u16
     }
 
     /// The action sequences that move a group, a bit for each.
-    pub(super) fn moved_by(&self, group: usize) -> u16 {
-        self.moved_by.get(group).copied().unwrap_or(0)
+    pub(super) const fn moved_by(&self, group: usize) -> u16 {
+        if group < MAX_FACTORS { self.moved_by[group] } else { 0 }
     }
 
     /// A group's factors, a bit for each.
@@ -250,6 +253,48 @@ impl<'a> Model<'a> {
         let others = self.factors.get(factor).map_or(&[][..], |of| of.coupled_to);
         let factors = core::iter::once(factor).chain(others.iter().copied());
         Parts::new(factors.map(|factor| self.part(flat, factor)))
+    }
+
+    /// How many actions a control has: as many as each of the factors that it moves knows.
+    #[must_use]
+    pub fn actions(&self, control: usize) -> usize {
+        let factors = self.factors.iter().enumerate();
+        let moved = factors.filter(|(factor, _)| self.control(*factor) == Some(control));
+        moved.map(|(_, of)| usize::from(of.transition.actions())).min().unwrap_or(0)
+    }
+
+    /// Writes D of all factors, one after the other.
+    pub(super) const fn write_prior(&self, flat: &mut [f32]) -> Result<(), OutOfRange> {
+        if let Err(error) = self.check_room(flat.len()) {
+            return Err(error);
+        }
+        let (mut rest, mut factor) = (flat, 0);
+        while factor < self.factors.len() {
+            let prior = self.factors[factor].prior;
+            let Some((part, others)) = rest.split_at_mut_checked(prior.len()) else { break };
+            part.copy_from_slice(prior);
+            (rest, factor) = (others, factor + 1);
+        }
+        Ok(())
+    }
+
+    /// Whether `room` states are enough for all factors.
+    pub(super) const fn check_room(&self, room: usize) -> Result<(), OutOfRange> {
+        at_most(Argument::States, 0, self.states(), room)
+    }
+
+    /// Whether something can be observed through a modality.
+    pub(super) fn check_evidence(&self, number: usize, evidence: &Evidence) -> Result<(), OutOfRange> {
+        let count = self.modalities.len();
+        let unknown = OutOfRange::new(Argument::Modality, 0, number, count);
+        evidence.check(number, self.modalities.get(number).ok_or(unknown)?.shape().values())
+    }
+
+    /// The same for the first modalities of the model, one after the other.
+    pub(super) fn check_all_evidence(&self, evidence: &[Evidence]) -> Result<(), OutOfRange> {
+        at_most(Argument::Evidence, 0, evidence.len(), self.modalities.len())?;
+        let pairs = self.modalities.iter().zip(evidence).enumerate();
+        pairs.map(|(number, (of, evidence))| evidence.check(number, of.shape().values())).collect()
     }
 
     /// D of one factor.

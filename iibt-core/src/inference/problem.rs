@@ -2,12 +2,16 @@
 
 use super::belief::Beliefs;
 use super::candidates::Candidates;
-use super::free_energy::{Credit, Padding, Scoring};
+use super::error::{Argument, OutOfRange, at_most, below, exactly};
+use super::free_energy::{Credit, Scoring};
 use super::model::{Modality, Model};
 use super::policy::Policy;
-use crate::actions::Action;
+use crate::actions::{Action, HORIZON};
 
 /// A decision to be made.
+///
+/// [`Evaluation::begin`](super::Evaluation::begin) checks it as a whole: what does not fit is an [`OutOfRange`] error, and nothing is
+/// left out or cut off.
 #[derive(Clone, Copy)]
 pub struct Problem<'a, const S: usize, const G: usize> {
     /// The generative model.
@@ -18,12 +22,14 @@ pub struct Problem<'a, const S: usize, const G: usize> {
     pub candidates: Candidates<'a>,
     /// How they are scored.
     pub scoring: Scoring,
-    /// How many steps are looked at; sequences that are longer are cut off, shorter ones are padded.
+    /// How many steps are looked at, [`HORIZON`] at the most: after a shorter sequence a robot stays. It is the length of the
+    /// longest sequence unless it is set to something else; set to less, it has longer sequences judged by their first steps.
     pub horizon: usize,
-    /// C as it is now for each modality, in place of the model's; a modality without an entry keeps the model's.
+    /// C as it is now for each modality, in place of the model's; a modality without an entry, or with an empty one, keeps the
+    /// model's.
     pub preferences: &'a [&'a [f32]],
     /// The part of C that counts before a policy arrives, for each modality, with [`Credit::OnArrival`]; a modality without an
-    /// entry has all of it count.
+    /// entry, or with an empty one, has all of it count.
     pub aversions: &'a [&'a [f32]],
     /// What is liked or disliked about two factors' moves beyond any outcome.
     pub encounters: &'a [&'a dyn Encounter],
@@ -62,15 +68,13 @@ impl<'a, const S: usize, const G: usize> Problem<'a, S, G> {
             preferences: &[],
             aversions: &[],
             encounters: &[],
-            scope: u16::MAX,
+            scope: model.all_groups(),
         }
     }
 
     /// The C of a modality as it counts at a step at which a policy arrives, or at another.
     pub(super) fn preference(&self, number: usize, modality: &Modality<'a>, arrives: bool) -> &'a [f32] {
-        let given = |list: &'a [&'a [f32]]| {
-            list.get(number).copied().filter(|given| given.len() == modality.shape().values())
-        };
+        let given = |list: &'a [&'a [f32]]| list.get(number).copied().filter(|given| !given.is_empty());
         let under_way =
             if arrives || self.scoring.credit == Credit::EveryStep { None } else { given(self.aversions) };
         under_way.or_else(|| given(self.preferences)).unwrap_or(modality.preference())
@@ -84,16 +88,37 @@ impl<'a, const S: usize, const G: usize> Problem<'a, S, G> {
             .filter(|(_, _, groups)| groups & !self.scope == 0)
     }
 
-    /// What an action sequence does at `step`; `None` when it stays.
-    pub(super) fn action(&self, actions: &Policy, step: usize) -> Option<Action> {
-        actions.get(step).or(match self.scoring.padding {
-            Padding::Stay => None,
-            Padding::Repeat(action) => Some(action),
-        })
-    }
-
     /// After how many steps an action sequence arrives; one without actions never does, and is judged at the horizon.
     pub(super) fn arrival(&self, actions: &Policy) -> usize {
         if actions.is_empty() { self.horizon } else { actions.len().min(self.horizon) }
     }
+
+    /// Whether everything fits the model.
+    pub(super) fn check(&self) -> Result<(), OutOfRange> {
+        self.model.check_room(Beliefs::<S, G>::CAPACITY)?;
+        at_most(Argument::Groups, 0, self.model.groups(), G)?;
+        at_most(Argument::Horizon, 0, self.horizon, HORIZON)?;
+        if let Some(beyond) = (self.scope & !self.model.all_groups()).checked_ilog2() {
+            return Err(OutOfRange::new(Argument::Scope, 0, beyond as usize, self.model.groups()));
+        }
+        for factor in self.encounters.iter().flat_map(|encounter| encounter.factors()) {
+            below(Argument::Factor, 0, factor, self.model.factors().len())?;
+        }
+        check_preferences(self.model, self.preferences)?;
+        check_preferences(self.model, self.aversions)?;
+        self.candidates.check(self.model)
+    }
+}
+
+/// Whether there is a finite preference for each outcome of each modality, or none for any.
+fn check_preferences(model: &Model, given: &[&[f32]]) -> Result<(), OutOfRange> {
+    at_most(Argument::Preferences, 0, given.len(), model.modalities().len())?;
+    let lists = given.iter().zip(model.modalities()).enumerate();
+    for (number, (values, modality)) in lists.filter(|(_, (values, _))| !values.is_empty()) {
+        exactly(Argument::Preference, number, values.len(), modality.shape().values())?;
+        if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+            return Err(OutOfRange::new(Argument::PreferenceValue, number, at, values.len()));
+        }
+    }
+    Ok(())
 }

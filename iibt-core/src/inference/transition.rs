@@ -15,7 +15,7 @@ pub use dense::Dense;
 pub use next_state::NextState;
 
 use super::shape::{Shape, mass};
-use crate::actions::Action;
+use crate::actions::{Action, Actions};
 
 /// P(s' | s, u): how each action changes a hidden factor, given its own state and, where motion is coupled, the
 /// states of other factors.
@@ -40,6 +40,12 @@ pub trait Transition: Sync {
             }
         });
         stay_without_mass(beliefs, to);
+    }
+
+    /// How many actions there are: codes run from zero. A policy with another one is an error. All codes are known to a form
+    /// that does not say.
+    fn actions(&self) -> u8 {
+        Actions::CODES
     }
 
     /// I(s'; B | s, u), how much the next state will tell about the transition itself, in nats; zero for a table that

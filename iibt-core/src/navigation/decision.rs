@@ -81,8 +81,8 @@ impl<const S: usize, const P: usize> Decision<S, P> {
     pub(super) fn beliefs(&self, own: &[f32], here: Cell, cell: Cell) -> Beliefs<S, 2> {
         let outcome = self.world.outcome(here, cell);
         let update = |model: &Model| {
-            let mut beliefs = Beliefs::prior(model);
-            beliefs.set(model, OWN, self.world.cells(own));
+            let mut beliefs = Beliefs::try_prior(model).unwrap_or(Beliefs::EMPTY);
+            let _ = beliefs.set(model, OWN, self.world.cells(own));
             // An impossible announcement leaves the prior, which is what is then known of the teammate.
             let _ = beliefs.observe(model, PEER, Evidence::Outcome(cell.index()));
             let _ = beliefs.observe(model, TEAM, Evidence::Outcome(outcome));
@@ -99,8 +99,8 @@ impl<const S: usize, const P: usize> Decision<S, P> {
     /// Decides without teammates.
     pub(super) fn decide_alone(&mut self, own: &[f32], ours: Party<'_, S>, timing: Timing) {
         let beliefs = self.world.with_pair_model(|model| {
-            let mut beliefs = Beliefs::prior(model);
-            beliefs.set(model, OWN, self.world.cells(own));
+            let mut beliefs = Beliefs::try_prior(model).unwrap_or(Beliefs::EMPTY);
+            let _ = beliefs.set(model, OWN, self.world.cells(own));
             beliefs
         });
         self.evaluate(&beliefs.unwrap_or(Beliefs::EMPTY), ours, None, timing);
@@ -150,12 +150,12 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         let evaluation = &mut self.evaluation;
         let (scoring, avoids) = (self.scoring, self.collision != 0.0);
         self.world.with_pair_model(|model| {
-            evaluation.evaluate(&Problem {
+            let _ = evaluation.evaluate(&Problem {
                 preferences: &wanted.each_ref().map(|values| self.world.cells(values)),
                 aversions: &unwanted.each_ref().map(|values| self.world.cells(values)),
                 encounters: if avoids { &encounters } else { &[] },
                 horizon: timing.horizon,
-                scope: if theirs.is_some() { u16::MAX } else { 1 << OWN },
+                scope: if theirs.is_some() { model.all_groups() } else { 1 << OWN },
                 ..Problem::new(
                     model,
                     beliefs,
@@ -163,6 +163,7 @@ impl<const S: usize, const P: usize> Decision<S, P> {
                         sequences: &sequences,
                         combinations: Combinations::All,
                         habits: Habits::PerSequence(&habits),
+                        announced: &[],
                     },
                     scoring,
                 )
@@ -232,5 +233,5 @@ fn ln_prior(haste: f32, odds: &Odds, candidate: &Candidate, timing: Timing) -> f
 
 /// ln E - F - γ G of one candidate by itself. F is the same for all candidates of a decision and cancels.
 fn score_of(scoring: &Scoring, ln_prior: f32, terms: &Terms) -> f32 {
-    scoring.score(ln_prior, 0.0, -terms.expected_free_energy(scoring.convention))
+    scoring.score(ln_prior, 0.0, -terms.expected_free_energy())
 }

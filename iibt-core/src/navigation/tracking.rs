@@ -69,10 +69,12 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         self.decision.world().with_own_model(|model| {
             if let Some(step) = step {
                 let before = *belief;
-                belief.predict(model, &[Some(step.code())]);
+                let _ = belief.predict(model, &[Some(step.code())]);
                 belief.mix(&before, Self::SLIP);
             }
-            belief.mix(&Beliefs::prior(model), Self::DOUBT);
+            if let Ok(prior) = Beliefs::try_prior(model) {
+                belief.mix(&prior, Self::DOUBT);
+            }
             if let Some(reading) = reading {
                 *surprise = belief.observe(model, OWN, Evidence::Outcome(reading.index()));
             }

@@ -97,7 +97,7 @@ impl<const S: usize> World<S> {
 
     /// D.
     pub(super) fn initial(&self) -> Beliefs<S, 1> {
-        self.with_own_model(Beliefs::prior).unwrap_or(Beliefs::EMPTY)
+        self.with_own_model(|model| Beliefs::try_prior(model).ok()).flatten().unwrap_or(Beliefs::EMPTY)
     }
 
     /// The outcome of two cells for the team.

@@ -2,7 +2,7 @@
 //! in a `const` before the program runs.
 
 use super::node::{Millis, Node};
-use super::table::{ASK, LATER, MAX_DEPTH, MAX_NODES, NONE, Row, UP};
+use super::row::{ASK, LATER, MAX_DEPTH, MAX_NODES, NONE, Row, UP};
 
 /// A rule that a table broke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -53,7 +53,7 @@ pub struct TreeError {
 /// Links the rows of a table in preorder.
 ///
 /// `open` is the innermost row that misses children and lies past the end of the table when none does. Until a
-/// row has all its children, its ways are the row of its parent and how many of them are still to come.
+/// row has all its children, its links are the row of its parent and how many of them are still to come.
 pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeError> {
     if rows.is_empty() {
         return Err(TreeError { node: 0, rule: Rule::Empty });
@@ -76,16 +76,16 @@ pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeE
             Some(count) => count as u16,
             None => 0,
         };
-        rows[at].ways = [open as u16, children];
+        rows[at].links = [open as u16, children];
         open = at;
         depth += 1;
-        while open < rows.len() && rows[open].ways[1] == 0 {
+        while open < rows.len() && rows[open].links[1] == 0 {
             depth -= 1;
-            let parent = rows[open].ways[0] as usize;
-            rows[open].ways = if parent < rows.len() {
-                rows[parent].ways[1] -= 1;
-                let sibling = if rows[parent].ways[1] > 0 { at as u16 + 1 } else { NONE };
-                ways(&rows[parent].node, parent as u16, sibling)
+            let parent = rows[open].links[0] as usize;
+            rows[open].links = if parent < rows.len() {
+                rows[parent].links[1] -= 1;
+                let sibling = if rows[parent].links[1] > 0 { at as u16 + 1 } else { NONE };
+                links(&rows[parent].node, parent as u16, sibling)
             } else {
                 [LATER | NONE; 2]
             };
@@ -99,8 +99,8 @@ pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeE
     Ok(())
 }
 
-/// The ways on from a child of `node`, which is in row `parent`, to the next in row `sibling`.
-const fn ways<L>(node: &Node<L>, parent: u16, sibling: u16) -> [u16; 2] {
+/// The links from a child of `node`, which is in row `parent`, to the next in row `sibling`.
+const fn links<L>(node: &Node<L>, parent: u16, sibling: u16) -> [u16; 2] {
     let up = UP | parent;
     match node {
         Node::Sequence(_) | Node::ReactiveSequence(_) => [if sibling == NONE { up } else { sibling }, up],
@@ -220,9 +220,9 @@ pub(super) const fn never_ticked<L>(rows: &[Row<L>], can: &mut [u8]) -> Option<u
 
 /// What the node in row `at` can return, and the first of its children that it never ticks.
 const fn outcomes<L>(rows: &[Row<L>], can: &[u8], at: usize) -> (u8, usize) {
-    const NOBODY: usize = NONE as usize;
+    const NO_ROW: usize = NONE as usize;
     let child = if at + 1 < rows.len() { can[at + 1] } else { 0 };
-    let second = if at + 1 < rows.len() { next(rows, at + 1) } else { NOBODY };
+    let second = if at + 1 < rows.len() { next(rows, at + 1) } else { NO_ROW };
     let set = match &rows[at].node {
         Node::Sequence(_)
         | Node::SequenceWithMemory(_)
@@ -236,7 +236,7 @@ const fn outcomes<L>(rows: &[Row<L>], can: &[u8], at: usize) -> (u8, usize) {
         Node::RecoveryNode(retries) => {
             let recovers = child & F != 0 && *retries > 0;
             let below = child | if recovers { can[second] & R } else { 0 };
-            return (below, if recovers { NOBODY } else { second });
+            return (below, if recovers { NO_ROW } else { second });
         }
         Node::RetryUntilSuccessful(times) | Node::Repeat(times) => {
             let (again, end) = if matches!(rows[at].node, Node::Repeat(_)) { (S, F) } else { (F, S) };
@@ -264,7 +264,7 @@ const fn outcomes<L>(rows: &[Row<L>], can: &[u8], at: usize) -> (u8, usize) {
         Node::AlwaysFailure => F,
         Node::Sleep(_) => R | S,
     };
-    (set, NOBODY)
+    (set, NO_ROW)
 }
 
 /// The outcomes of a sequence (`passing` success) or fallback (failure).
@@ -320,7 +320,7 @@ impl Rule {
     pub(super) const fn message(self) -> &'static str {
         match self {
             Self::Empty => "a behavior tree needs a root",
-            Self::TooLarge => "a behavior tree has more than 16383 nodes",
+            Self::TooLarge => "a behavior tree has more than 8191 nodes",
             Self::NoChildren => "a composite of a behavior tree has no children",
             Self::MissingChildren => "a node of a behavior tree has fewer children than it says",
             Self::Unreachable => "a node of a behavior tree is no child of another",

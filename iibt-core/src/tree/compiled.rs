@@ -8,7 +8,6 @@
 
 use super::leaves::Leaves;
 use super::status::Status;
-use super::walk::inverted;
 use crate::time::Instant;
 
 /// A tree that the compiler knows, whose leaves are those of `V`, named by `L`.
@@ -198,7 +197,7 @@ impl<L, V: ?Sized, C: Part<L, V>> Part<L, V> for Inverter<C> {
 
     #[inline(always)]
     fn tick(&self, pass: &mut Pass<'_, V>, first: u8, resume: u8) -> Status {
-        inverted(self.0.tick(pass, first, resume))
+        self.0.tick(pass, first, resume).inverted()
     }
 
     #[inline(always)]

@@ -1,57 +1,11 @@
-//! The composites of the full set.
+//! The rules of the nodes with several children.
 
-use super::full::Step;
 use super::kinds::Kinds;
-use super::leaves::Leaves;
 use super::memory::Slot;
 use super::node::Node;
 use super::status::Status;
-use super::walk::Walk;
+use super::visit::{Decision, Effect, Visit};
 use Status::{Failure, Running, Skipped, Success};
-use core::ops::ControlFlow::{Break, Continue};
-
-/// A sequence (`passing` success) or fallback (failure) that yields after each child that passed in its first
-/// tick. One with memory keeps its place when it ends early.
-pub(super) fn yielding<L, V, K>(
-    walk: &mut Walk<'_, L, V, K>,
-    node: &Node<L>,
-    at: usize,
-    child: usize,
-    status: Status,
-    passing: Status,
-) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    if status == Running {
-        return walk.wait(at, child);
-    }
-    let next = walk.sibling(child);
-    if status == Skipped {
-        return match walk.skip(at, child) {
-            Continue(next) => {
-                walk.note_child(at, next);
-                Continue(next)
-            }
-            Break(own) => walk.conclude(at, own),
-        };
-    }
-    let fresh = !walk.slot(at).has_latch();
-    match next {
-        _ if status != passing => {
-            let keeps = matches!(node, Node::SequenceWithMemory(_));
-            let rest = if keeps { Slot::waiting(at, child).place() } else { Slot::IDLE };
-            walk.conclude_with(at, status, rest)
-        }
-        None => walk.conclude(at, status),
-        Some(next) if fresh => walk.yield_at(at, next),
-        Some(next) => {
-            walk.note_child(at, next);
-            Continue(next)
-        }
-    }
-}
 
 /// Which of a parallel node's children have ended how: three numbers in a node's extra word.
 #[derive(Clone, Copy)]
@@ -80,6 +34,10 @@ impl Tally {
         }
         self
     }
+
+    const fn ended(self) -> u32 {
+        self.successes as u32 + self.failures as u32 + self.skipped as u32
+    }
 }
 
 /// The number that a threshold stands for: a negative one counts from all `children`.
@@ -88,273 +46,198 @@ fn threshold(count: i8, children: u8) -> i32 {
     if count < 0 { (i32::from(children) + count + 1).max(0) } else { count }
 }
 
-pub(super) fn enter_parallel<L, V, K>(walk: &mut Walk<'_, L, V, K>, at: usize) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    walk.begin(at, 0);
-    let tally = Tally { skipped: 0, ..Tally::read(walk.extra(at)) };
-    walk.put_extra(at, tally.word());
-    match unfinished(walk, Some(at + 1)) {
-        Some(child) => Continue(child),
-        None => walk.conclude(at, Running), // only with the memory of another tree
+impl<L, K: Kinds> Visit<'_, L, K> {
+    /// A node of the basic set whose child is running, or decides. A later child that is running is halted: only a
+    /// reactive node has one.
+    #[inline(always)]
+    pub(super) fn settle(&self, child: usize, status: Status) -> Decision {
+        let own = if matches!(self.node, Node::Inverter) { status.inverted() } else { status };
+        if status != Running {
+            let halted = self.slot.is_running().then_some(self.first());
+            return self.conclude(own).with_slot(Slot::IDLE).halting(halted);
+        }
+        let slot = match self.node {
+            Node::ReactiveSequence(_) | Node::ReactiveFallback(_) => Slot::RUNNING,
+            _ if K::FULL => Slot::waiting(self.at, child).with_skips(self.slot.skips()),
+            _ => Slot::waiting(self.at, child),
+        };
+        // In the basic set, what follows was halted when the leaf began to run.
+        let halted = if K::FULL && self.slot.is_running() { self.sibling(child) } else { None };
+        self.conclude(own).with_slot(slot).halting(halted)
     }
-}
 
-/// The first child that has not ended, from `child` on.
-fn unfinished<L, V, K>(walk: &Walk<'_, L, V, K>, mut child: Option<usize>) -> Option<usize>
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    while let Some(at) = child
-        && walk.slot(at).is_done()
-    {
-        child = walk.sibling(at);
+    /// A sequence or fallback one of whose children was skipped: the next one, or its own status after the last.
+    /// It is skipped when all its children were.
+    #[cold]
+    pub(super) fn skip(&self, child: usize) -> (Slot, Result<usize, Status>) {
+        let mut index = 0;
+        let mut sibling = self.first();
+        while sibling < child {
+            index += 1;
+            sibling = self.sibling(sibling).unwrap_or(child);
+        }
+        let all = index == 0 || self.slot.skips() == index;
+        let slot = if all { self.slot.with_skips(index + 1) } else { self.slot };
+        let step = match (self.sibling(child), self.node) {
+            (Some(next), _) => Ok(next),
+            _ if all => Err(Skipped),
+            (None, Node::Fallback(_) | Node::ReactiveFallback(_) | Node::AsyncFallback(_)) => Err(Failure),
+            _ => Err(Success),
+        };
+        (slot, step)
     }
-    child
-}
 
-/// Counts how a child of a parallel node has ended.
-fn tallied<L, V, K>(walk: &mut Walk<'_, L, V, K>, at: usize, child: usize, status: Status) -> Tally
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    if matches!(status, Success | Failure) {
-        walk.put(child, walk.slot(child).done());
-    }
-    let tally = Tally::read(walk.extra(at)).after(status);
-    walk.put_extra(at, tally.word());
-    tally
-}
-
-pub(super) fn parallel<L, V, K>(
-    walk: &mut Walk<'_, L, V, K>,
-    at: usize,
-    child: usize,
-    status: Status,
-    children: u8,
-    (success_count, failure_count): (i8, i8),
-) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    let tally = tallied(walk, at, child, status);
-    let required = threshold(success_count, children);
-    let (successes, failures) = (i32::from(tally.successes), i32::from(tally.failures));
-    let spared = if success_count < 0 { i32::from(tally.skipped) } else { 0 };
-    let result = if successes + spared >= required {
-        Success
-    } else if i32::from(children) - failures < required || failures == threshold(failure_count, children) {
-        Failure
-    } else if let Some(next) = unfinished(walk, walk.sibling(child)) {
-        return Continue(next);
-    } else if tally.skipped == children {
-        return walk.conclude(at, Skipped);
-    } else {
-        return walk.wait(at, at + 1);
-    };
-    walk.reset_children(at);
-    walk.conclude(at, result)
-}
-
-pub(super) fn parallel_all<L, V, K>(
-    walk: &mut Walk<'_, L, V, K>,
-    at: usize,
-    child: usize,
-    status: Status,
-    children: u8,
-    max_failures: i8,
-) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    let tally = tallied(walk, at, child, status);
-    if let Some(next) = unfinished(walk, walk.sibling(child)) {
-        return Continue(next);
-    }
-    let ended = u32::from(tally.successes) + u32::from(tally.failures) + u32::from(tally.skipped);
-    if tally.skipped == children {
-        return walk.conclude(at, Skipped);
-    }
-    if ended < u32::from(children) {
-        return walk.wait(at, at + 1);
-    }
-    walk.reset_children(at);
-    let failed = i32::from(tally.failures) >= threshold(max_failures, children);
-    walk.conclude(at, if failed { Failure } else { Success })
-}
-
-pub(super) fn if_then_else<L, V, K>(
-    walk: &mut Walk<'_, L, V, K>,
-    at: usize,
-    child: usize,
-    status: Status,
-) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    let then = walk.sibling(at + 1);
-    match (status, then) {
-        (Running, _) => walk.wait(at, child),
-        (Success, Some(then)) if child == at + 1 => Continue(then),
-        (Failure, Some(then)) if child == at + 1 => match walk.sibling(then) {
-            Some(otherwise) => Continue(otherwise),
-            None => walk.conclude(at, Failure),
-        },
-        _ => walk.conclude(at, status),
-    }
-}
-
-pub(super) fn while_do_else<L, V, K>(
-    walk: &mut Walk<'_, L, V, K>,
-    at: usize,
-    child: usize,
-    status: Status,
-) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    let first = walk.sibling(at + 1);
-    let second = first.and_then(|first| walk.sibling(first));
-    let (chosen, other) = match (child == at + 1, status) {
-        (_, Running) => return walk.wait(at, child),
-        (true, Success) => (first, second),
-        (true, Failure) => (second, first),
-        _ => (None, None),
-    };
-    match chosen {
-        Some(chosen) => {
-            if let Some(other) = other.filter(|&other| walk.is_running(other)) {
-                walk.halt_from(other);
+    /// A sequence (`passing` success) or fallback (failure) that yields after each child that passed in its first
+    /// tick. One with memory keeps its place when it ends early.
+    pub(super) fn yielding(&self, child: usize, status: Status, passing: Status) -> Decision {
+        let next = self.sibling(child);
+        match next {
+            _ if status == Running => self.wait(child),
+            _ if status == Skipped => match self.skip(child) {
+                (slot, Ok(next)) => self.enter(next).with_slot(slot.with_flag(self.is_running(next))),
+                (_, Err(own)) => self.conclude(own),
+            },
+            _ if status != passing => {
+                let keeps = matches!(self.node, Node::SequenceWithMemory(_));
+                let rest = if keeps { Slot::waiting(self.at, child).place() } else { Slot::IDLE };
+                self.conclude_with(status, rest)
             }
-            Continue(chosen)
-        }
-        None => {
-            walk.reset_children(at);
-            walk.conclude(at, status)
+            None => self.conclude(status),
+            Some(next) if !self.slot.has_flag() => self.wait(next).and(Effect::Yield),
+            Some(next) => self.enter_noting(next),
         }
     }
-}
 
-pub(super) fn enter_switch<L, V, K>(walk: &mut Walk<'_, L, V, K>, at: usize, count: u8, leaf: &L) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    let case = walk.leaves.case(leaf, walk.now).min(usize::from(count).saturating_sub(1));
-    let mut chosen = at + 1;
-    for _ in 0..case {
-        chosen = walk.sibling(chosen).unwrap_or(chosen);
+    pub(super) fn enter_parallel(&self) -> Decision {
+        let tally = Tally { skipped: 0, ..Tally::read(self.begun(0)) };
+        let decision = match self.unfinished(Some(self.first())) {
+            Some(child) => self.enter(child),
+            None => self.conclude(Running), // only with the memory of another tree
+        };
+        decision.with_extra(tally.word())
     }
-    let left = walk.slot(at).child(at);
-    if walk.is_running(at) && left != chosen && walk.is_running(left) {
-        walk.halt_from(left);
-    }
-    Continue(chosen)
-}
 
-pub(super) fn pipeline<L, V, K>(
-    walk: &mut Walk<'_, L, V, K>,
-    at: usize,
-    child: usize,
-    status: Status,
-    count: u8,
-) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    let slot = walk.slot(at);
-    if status == Running && child >= slot.child(at) {
-        return walk.wait(at, child);
+    /// Goes on to the next child of a parallel node that has not ended, or waits for those that are running.
+    fn tallied(&self, child: usize, status: Status, children: u8) -> Decision {
+        let tally = Tally::read(self.extra).after(status);
+        let decision = match self.unfinished(self.sibling(child)) {
+            Some(next) => self.enter(next),
+            None if tally.skipped == children => self.conclude(Skipped),
+            None => self.wait(self.first()),
+        };
+        let has_ended = matches!(status, Success | Failure);
+        let effect = if has_ended { Effect::Done(child) } else { Effect::Nothing };
+        decision.with_extra(tally.word()).and(effect)
     }
-    if status == Skipped {
-        walk.put(at, slot.with_skips(slot.skips() + 1));
-    }
-    if status != Failure
-        && let Some(next) = walk.sibling(child)
-    {
-        return Continue(next);
-    }
-    let all_skipped = walk.slot(at).skips() == usize::from(count);
-    walk.reset_children(at);
-    walk.conclude(
-        at,
-        if status == Failure {
-            Failure
-        } else if all_skipped {
-            Skipped
-        } else {
+
+    pub(super) fn parallel(&self, child: usize, status: Status, children: u8, counts: (i8, i8)) -> Decision {
+        let tally = Tally::read(self.extra).after(status);
+        let required = threshold(counts.0, children);
+        let (successes, failures) = (i32::from(tally.successes), i32::from(tally.failures));
+        let spared = if counts.0 < 0 { i32::from(tally.skipped) } else { 0 };
+        let result = if successes + spared >= required {
             Success
-        },
-    )
-}
-
-/// Failures in the low half of the extra word, children skipped in this pass in the high one.
-pub(super) fn enter_round_robin<L, V, K>(walk: &mut Walk<'_, L, V, K>, at: usize) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    walk.begin(at, 0);
-    walk.put_extra(at, walk.extra(at) & 0xFFFF);
-    Continue(walk.slot(at).child(at))
-}
-
-pub(super) fn round_robin<L, V, K>(
-    walk: &mut Walk<'_, L, V, K>,
-    at: usize,
-    child: usize,
-    status: Status,
-    count: u8,
-) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    if status == Running {
-        return walk.wait(at, child);
+        } else if i32::from(children) - failures < required || failures == threshold(counts.1, children) {
+            Failure
+        } else {
+            return self.tallied(child, status, children);
+        };
+        self.conclude(result).halting(Some(self.first()))
     }
-    let next = walk.sibling(child).unwrap_or(at + 1);
-    if status == Success {
-        return walk.conclude_with(at, Success, Slot::waiting(at, next).place());
-    }
-    let tally = walk.extra(at).wrapping_add(if status == Failure { 1 } else { 0x1_0000 });
-    walk.put_extra(at, tally);
-    let (failures, skipped) = (tally & 0xFFFF, tally >> 16);
-    if failures + skipped < u32::from(count) {
-        return Continue(next);
-    }
-    walk.conclude(at, if skipped >= u32::from(count) { Skipped } else { Failure })
-}
 
-pub(super) fn recovery<L, V, K>(
-    walk: &mut Walk<'_, L, V, K>,
-    at: usize,
-    child: usize,
-    status: Status,
-    retries: u8,
-) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    let count = walk.extra(at);
-    match (walk.sibling(child), status) {
-        (_, Running) => walk.wait(at, child),
-        (Some(recovery), Failure) if count < u32::from(retries) => Continue(recovery),
-        (Some(_), _) => walk.conclude(at, status),
-        (None, Success) => {
-            walk.put_extra(at, count + 1);
-            Continue(at + 1)
+    pub(super) fn parallel_all(&self, child: usize, status: Status, children: u8, most: i8) -> Decision {
+        let tally = Tally::read(self.extra).after(status);
+        let ended = tally.ended() == u32::from(children) && tally.skipped < children;
+        if !ended || self.unfinished(self.sibling(child)).is_some() {
+            return self.tallied(child, status, children);
         }
-        (None, _) => walk.conclude(at, Failure),
+        let failed = i32::from(tally.failures) >= threshold(most, children);
+        self.conclude(if failed { Failure } else { Success }).halting(Some(self.first()))
+    }
+
+    pub(super) fn if_then_else(&self, child: usize, status: Status) -> Decision {
+        let then = self.sibling(self.first()).filter(|_| child == self.first());
+        match (status, then) {
+            (Running, _) => self.wait(child),
+            (Success, Some(then)) => self.enter(then),
+            (Failure, Some(then)) => {
+                self.sibling(then).map_or_else(|| self.conclude(Failure), |otherwise| self.enter(otherwise))
+            }
+            _ => self.conclude(status),
+        }
+    }
+
+    pub(super) fn while_do_else(&self, child: usize, status: Status) -> Decision {
+        let first = self.sibling(self.first());
+        let second = first.and_then(|first| self.sibling(first));
+        let (chosen, other) = match (child == self.first(), status) {
+            (_, Running) => return self.wait(child),
+            (true, Success) => (first, second),
+            (true, Failure) => (second, first),
+            _ => (None, None),
+        };
+        match chosen {
+            Some(chosen) => self.enter(chosen).halting(other.filter(|&other| self.is_running(other))),
+            None => self.conclude(status).halting(Some(self.first())),
+        }
+    }
+
+    pub(super) fn enter_switch(&self, children: u8, case: usize) -> Decision {
+        let mut chosen = self.first();
+        for _ in 0..case.min(usize::from(children).saturating_sub(1)) {
+            chosen = self.sibling(chosen).unwrap_or(chosen);
+        }
+        let left = self.place();
+        let leaves = self.slot.is_running() && left != chosen && self.is_running(left);
+        self.enter(chosen).halting(leaves.then_some(left))
+    }
+
+    pub(super) fn pipeline(&self, child: usize, status: Status, children: u8) -> Decision {
+        if status == Running && child >= self.place() {
+            return self.wait(child);
+        }
+        let skips = self.slot.skips() + usize::from(status == Skipped);
+        match self.sibling(child) {
+            Some(next) if status != Failure => self.enter(next).with_slot(self.slot.with_skips(skips)),
+            _ => {
+                let all_skipped = skips == usize::from(children);
+                let result = if status == Failure {
+                    Failure
+                } else if all_skipped {
+                    Skipped
+                } else {
+                    Success
+                };
+                self.conclude(result).halting(Some(self.first()))
+            }
+        }
+    }
+
+    /// Failures in the low half of the extra word, children skipped in this pass in the high one.
+    pub(super) fn enter_round_robin(&self) -> Decision {
+        self.enter(self.place()).with_extra(self.begun(0) & 0xFFFF)
+    }
+
+    pub(super) fn round_robin(&self, child: usize, status: Status, children: u8) -> Decision {
+        let next = self.sibling(child).unwrap_or(self.first());
+        let tally = self.extra.wrapping_add(if status == Failure { 1 } else { 0x1_0000 });
+        let (failures, skipped) = (tally & 0xFFFF, tally >> 16);
+        match status {
+            Running => self.wait(child),
+            Success => self.conclude_with(Success, Slot::waiting(self.at, next).place()),
+            _ if failures + skipped < u32::from(children) => self.enter(next).with_extra(tally),
+            _ if skipped >= u32::from(children) => self.conclude(Skipped).with_extra(tally),
+            _ => self.conclude(Failure).with_extra(tally),
+        }
+    }
+
+    pub(super) fn recovery(&self, child: usize, status: Status, retries: u8) -> Decision {
+        match (self.sibling(child), status) {
+            (_, Running) => self.wait(child),
+            (Some(recovery), Failure) if self.extra < u32::from(retries) => self.enter(recovery),
+            (Some(_), _) => self.conclude(status),
+            (None, Success) => self.enter(self.first()).with_extra(self.extra.saturating_add(1)),
+            (None, _) => self.conclude(Failure),
+        }
     }
 }

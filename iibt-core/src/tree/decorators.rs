@@ -1,179 +1,104 @@
-//! The decorators and timers of the full set.
+//! The rules of the nodes with one child, and of the timer that is a leaf.
 
-use super::full::Step;
 use super::kinds::Kinds;
-use super::leaves::Leaves;
 use super::memory::Slot;
 use super::node::{Millis, Node, Times};
+use super::row::Row;
 use super::status::Status;
-use super::table::Row;
-use super::walk::Walk;
+use super::visit::{Decision, Effect, Visit};
 use Status::{Failure, Running, Skipped, Success};
-use core::ops::ControlFlow::Continue;
 
-/// A loop that goes on while its child returns `again`.
-pub(super) fn enter_loop<L, V, K>(
-    walk: &mut Walk<'_, L, V, K>,
-    at: usize,
-    times: Times,
-    again: Status,
-) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    walk.begin(at, 0);
-    if !times.more_than(0) {
-        return walk.conclude(at, again);
+impl<L, K: Kinds> Visit<'_, L, K> {
+    /// A loop that goes on while its child returns `again`.
+    pub(super) fn enter_loop(&self, times: Times, again: Status) -> Decision {
+        let decision =
+            if times.more_than(0) { self.enter_noting(self.first()) } else { self.conclude(again) };
+        decision.with_extra(self.begun(0))
     }
-    walk.note_child(at, at + 1);
-    Continue(at + 1)
-}
 
-pub(super) fn looped<L, V, K>(
-    walk: &mut Walk<'_, L, V, K>,
-    at: usize,
-    status: Status,
-    times: Times,
-    again: Status,
-) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    if status == Running {
-        return walk.wait(at, at + 1);
+    pub(super) fn looped(&self, status: Status, times: Times, again: Status) -> Decision {
+        let count = self.extra.saturating_add(1);
+        let decision = match status {
+            Running => return self.wait(self.first()),
+            _ if status != again => return self.conclude(status),
+            _ if !times.more_than(count) => self.conclude(again),
+            _ if self.slot.has_flag() => self.enter_noting(self.first()),
+            _ => self.wait(self.first()).and(Effect::Yield),
+        };
+        decision.with_extra(count)
     }
-    if status != again {
-        return walk.conclude(at, status);
-    }
-    let count = walk.extra(at).saturating_add(1);
-    walk.put_extra(at, count);
-    if !times.more_than(count) {
-        walk.conclude(at, again)
-    } else if walk.slot(at).has_latch() {
-        walk.note_child(at, at + 1);
-        Continue(at + 1)
-    } else {
-        walk.yield_at(at, at + 1)
-    }
-}
 
-pub(super) fn enter_timeout<L, V, K>(walk: &mut Walk<'_, L, V, K>, at: usize, limit: Millis) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    walk.begin(at, walk.now.0);
-    if walk.is_running(at) && limit.get() > 0 && walk.has_passed(at, limit) {
-        walk.halt_from(at + 1);
-        return walk.conclude(at, Failure);
+    pub(super) fn enter_timeout(&self, limit: Millis) -> Decision {
+        let begun = self.begun(self.now.0);
+        let is_over = self.slot.is_running() && limit.get() > 0 && self.has_passed(begun, limit);
+        let decision = if is_over {
+            self.conclude(Failure).halting(Some(self.first()))
+        } else {
+            self.enter(self.first())
+        };
+        decision.with_extra(begun)
     }
-    Continue(at + 1)
-}
 
-pub(super) fn enter_delay<L, V, K>(walk: &mut Walk<'_, L, V, K>, at: usize, time: Millis) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    walk.begin(at, walk.now.0);
-    let slot = walk.slot(at);
-    if slot.has_latch() || walk.has_passed(at, time) {
-        walk.put(at, slot.with_latch(true));
-        return Continue(at + 1);
+    /// Once the flag is set the child runs on without another delay; when it has ended, the next one waits again.
+    pub(super) fn enter_delay(&self, time: Millis) -> Decision {
+        let begun = self.begun(self.now.0);
+        let decision = if self.slot.has_flag() || self.has_passed(begun, time) {
+            self.enter(self.first()).with_slot(self.slot.with_flag(true))
+        } else {
+            self.wait(self.first())
+        };
+        decision.with_extra(begun)
     }
-    walk.wait(at, at + 1)
-}
 
-/// The child runs on without another delay; when it has ended, the next one waits again.
-pub(super) fn delay<L, V, K>(walk: &mut Walk<'_, L, V, K>, at: usize, child: usize, status: Status) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    if status == Running { walk.wait(at, child) } else { walk.conclude(at, status) }
-}
+    pub(super) fn enter_sleep(&self, time: Millis) -> Decision {
+        let begun = self.begun(self.now.0);
+        self.conclude(if self.has_passed(begun, time) { Success } else { Running }).with_extra(begun)
+    }
 
-pub(super) fn enter_sleep<L, V, K>(walk: &mut Walk<'_, L, V, K>, at: usize, time: Millis) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    walk.begin(at, walk.now.0);
-    let status = if walk.has_passed(at, time) { Success } else { Running };
-    walk.conclude(at, status)
-}
+    pub(super) fn enter_run_once(&self, then_skip: bool) -> Decision {
+        match self.slot.kept_status() {
+            Some(_) if then_skip => self.conclude(Skipped),
+            Some(status) => self.conclude(status),
+            None => self.enter(self.first()),
+        }
+    }
 
-pub(super) fn run_once<L, V, K>(walk: &mut Walk<'_, L, V, K>, at: usize, child: usize, status: Status) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    match status {
-        Running => walk.wait(at, child),
-        Skipped => walk.conclude(at, status),
-        Success | Failure => walk.conclude_with(at, status, Slot::keeping(status as u32)),
+    pub(super) fn run_once(&self, child: usize, status: Status) -> Decision {
+        match status {
+            Running => self.wait(child),
+            Skipped => self.conclude(status),
+            Success | Failure => self.conclude_with(status, Slot::keeping(status as u32)),
+        }
     }
-}
 
-/// BehaviorTree.CPP does not ask again while the child runs.
-pub(super) fn enter_precondition<L, V, K>(
-    walk: &mut Walk<'_, L, V, K>,
-    at: usize,
-    condition: &L,
-    otherwise: Status,
-) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    let runs = walk.is_running(at + 1);
-    if K::COMPAT && runs || walk.leaves.condition(condition, walk.now) {
-        return Continue(at + 1);
+    pub(super) fn enter_precondition(&self, holds: bool, otherwise: Status) -> Decision {
+        if holds {
+            return self.enter(self.first());
+        }
+        let halted = self.is_running(self.first()).then_some(self.first());
+        self.conclude(otherwise).halting(halted)
     }
-    if runs {
-        walk.halt_from(at + 1);
-    }
-    walk.conclude(at, otherwise)
-}
 
-/// The latch says that the rate is being kept, from the time in the extra word on.
-pub(super) fn enter_rate_controller<L, V, K>(walk: &mut Walk<'_, L, V, K>, at: usize, period: Millis) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    let slot = walk.slot(at);
-    if !slot.has_latch() {
-        walk.put_extra(at, walk.now.0);
-        walk.put(at, slot.with_latch(true));
-        return Continue(at + 1);
+    /// The flag says that the rate is being kept, from the time in the extra word on.
+    pub(super) fn enter_rate_controller(&self, period: Millis) -> Decision {
+        if !self.slot.has_flag() {
+            let slot = self.slot.with_flag(true);
+            return self.enter(self.first()).with_slot(slot).with_extra(self.now.0);
+        }
+        if self.is_running(self.first()) || self.has_passed(self.extra, period) {
+            return self.enter(self.first());
+        }
+        self.wait(self.first())
     }
-    if walk.is_running(at + 1) || walk.has_passed(at, period) {
-        return Continue(at + 1);
-    }
-    walk.wait(at, at + 1)
-}
 
-/// Only a pipeline ticks a child again that has succeeded: there the rate outlives the success.
-pub(super) fn rate_controller<L, V, K>(
-    walk: &mut Walk<'_, L, V, K>,
-    at: usize,
-    child: usize,
-    status: Status,
-) -> Step
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    if status == Running {
-        return walk.wait(at, child);
+    /// Only a pipeline ticks a child again that has succeeded: there the rate outlives the success.
+    pub(super) fn rate_controller(&self, child: usize, status: Status) -> Decision {
+        if status == Running {
+            return self.wait(child);
+        }
+        let parent = self.rows.get(self.at).and_then(|row| self.rows.get(row.parent()));
+        let piped = matches!(parent.map(Row::node), Some(Node::PipelineSequence(_)));
+        let decision = self.conclude_with(status, Slot::IDLE.with_flag(piped && status == Success));
+        if status == Success { decision.with_extra(self.now.0) } else { decision }
     }
-    let parent = walk.rows.get(at).map_or(at, Row::parent);
-    let piped = matches!(walk.rows.get(parent).map(Row::node), Some(Node::PipelineSequence(_)));
-    if status == Success {
-        walk.put_extra(at, walk.now.0);
-    }
-    walk.conclude_with(at, status, Slot::IDLE.with_latch(piped && status == Success))
 }

@@ -60,3 +60,117 @@ pub trait Leaves<L> {
         let _ = transition;
     }
 }
+
+impl<L, T: Leaves<L> + ?Sized> Leaves<L> for &mut T {
+    fn condition(&mut self, leaf: &L, now: Instant) -> bool {
+        (**self).condition(leaf, now)
+    }
+
+    fn on_start(&mut self, leaf: &L, now: Instant) -> Status {
+        (**self).on_start(leaf, now)
+    }
+
+    fn on_running(&mut self, leaf: &L, now: Instant) -> Status {
+        (**self).on_running(leaf, now)
+    }
+
+    fn on_halted(&mut self, leaf: &L, now: Instant) -> Halt {
+        (**self).on_halted(leaf, now)
+    }
+
+    fn on_halting(&mut self, leaf: &L, now: Instant) -> Halt {
+        (**self).on_halting(leaf, now)
+    }
+
+    fn case(&mut self, leaf: &L, now: Instant) -> usize {
+        (**self).case(leaf, now)
+    }
+
+    fn deadline(&mut self, leaf: &L, now: Instant) -> Option<Instant> {
+        (**self).deadline(leaf, now)
+    }
+
+    fn transition(&mut self, transition: Transition) {
+        (**self).transition(transition);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    /// Answers otherwise than every default does, and notes each call.
+    #[derive(Default)]
+    struct Other(Vec<&'static str>);
+
+    impl Leaves<()> for Other {
+        fn condition(&mut self, _: &(), _: Instant) -> bool {
+            self.0.push("condition");
+            true
+        }
+
+        fn on_start(&mut self, _: &(), _: Instant) -> Status {
+            self.0.push("on_start");
+            Status::Running
+        }
+
+        fn on_running(&mut self, _: &(), _: Instant) -> Status {
+            self.0.push("on_running");
+            Status::Failure
+        }
+
+        fn on_halted(&mut self, _: &(), _: Instant) -> Halt {
+            self.0.push("on_halted");
+            Halt::Pending
+        }
+
+        fn on_halting(&mut self, _: &(), _: Instant) -> Halt {
+            self.0.push("on_halting");
+            Halt::Pending
+        }
+
+        fn case(&mut self, _: &(), _: Instant) -> usize {
+            self.0.push("case");
+            3
+        }
+
+        fn deadline(&mut self, _: &(), now: Instant) -> Option<Instant> {
+            self.0.push("deadline");
+            Some(now)
+        }
+
+        fn transition(&mut self, _: Transition) {
+            self.0.push("transition");
+        }
+    }
+
+    fn call_all(mut leaves: impl Leaves<()>) {
+        let now = Instant(7);
+        assert!(leaves.condition(&(), now));
+        assert_eq!(
+            (leaves.on_start(&(), now), leaves.on_running(&(), now)),
+            (Status::Running, Status::Failure)
+        );
+        assert_eq!((leaves.on_halted(&(), now), leaves.on_halting(&(), now)), (Halt::Pending, Halt::Pending));
+        assert_eq!((leaves.case(&(), now), leaves.deadline(&(), now)), (3, Some(now)));
+        leaves.transition(Transition { time: now, node: 0, from: None, to: None });
+    }
+
+    #[test]
+    fn a_borrow_of_leaves_passes_every_call_on() {
+        let mut other = Other::default();
+        call_all(&mut other);
+        let calls = [
+            "condition",
+            "on_start",
+            "on_running",
+            "on_halted",
+            "on_halting",
+            "case",
+            "deadline",
+            "transition",
+        ];
+        assert_eq!(other.0, calls);
+    }
+}

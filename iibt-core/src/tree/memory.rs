@@ -2,13 +2,14 @@
 
 use super::kinds::sealed::Extra;
 use super::kinds::{Basic, Kinds};
+use super::status::Status;
 
-/// The memory of a tree with `N` nodes of the set `K`: one [`Cell`] for each.
+/// The memory of a tree with `N` nodes of the set `K`: one [`NodeMemory`] for each.
 ///
 /// All nodes are idle at first, and again after every tick that ended in success or failure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Memory<const N: usize, K: Kinds = Basic> {
-    pub(super) cells: [Cell<K>; N],
+    pub(super) cells: [NodeMemory<K>; N],
 }
 
 impl<const N: usize, K: Kinds> Memory<N, K> {
@@ -18,7 +19,7 @@ impl<const N: usize, K: Kinds> Memory<N, K> {
     /// The memory of a tree of which no node is running.
     #[must_use]
     pub const fn new() -> Self {
-        Self { cells: [Cell::NEW; N] }
+        Self { cells: [NodeMemory::NEW; N] }
     }
 
     /// Whether no node is running or stopping.
@@ -42,12 +43,12 @@ impl<const N: usize, K: Kinds> Default for Memory<N, K> {
 
 /// The memory of one node: 4 bytes in the basic set, 8 in the full one.
 #[derive(Clone, Copy, Debug)]
-pub struct Cell<K: Kinds> {
+pub struct NodeMemory<K: Kinds> {
     pub(super) slot: Slot,
     pub(super) extra: K::Extra,
 }
 
-impl<K: Kinds> Cell<K> {
+impl<K: Kinds> NodeMemory<K> {
     /// The memory of a node that was never ticked.
     pub const NEW: Self = Self { slot: Slot::IDLE, extra: K::Extra::ZERO };
 
@@ -64,13 +65,13 @@ impl<K: Kinds> Cell<K> {
     }
 }
 
-impl<K: Kinds> PartialEq for Cell<K> {
+impl<K: Kinds> PartialEq for NodeMemory<K> {
     fn eq(&self, other: &Self) -> bool {
         self.slot == other.slot && self.extra == other.extra
     }
 }
 
-impl<K: Kinds> Eq for Cell<K> {}
+impl<K: Kinds> Eq for NodeMemory<K> {}
 
 /// What every node remembers.
 ///
@@ -130,8 +131,17 @@ impl Slot {
     }
 
     /// The code of the status that a node which runs once has kept; 0 if none.
-    pub(super) const fn kept(self) -> u32 {
+    const fn kept(self) -> u32 {
         self.0 >> 4 & 3
+    }
+
+    /// The status with which a node that runs once has finished; `None` if it has not.
+    pub(super) const fn kept_status(self) -> Option<Status> {
+        match self.kept() {
+            code if code == Status::Success as u32 => Some(Status::Success),
+            code if code == Status::Failure as u32 => Some(Status::Failure),
+            _ => None,
+        }
     }
 
     pub(super) const fn keeping(code: u32) -> Self {
@@ -143,12 +153,12 @@ impl Slot {
         Self::keeping(self.kept())
     }
 
-    pub(super) const fn has_latch(self) -> bool {
-        self.0 & LATCH != 0
+    pub(super) const fn has_flag(self) -> bool {
+        self.0 & FLAG != 0
     }
 
-    pub(super) const fn with_latch(self, latch: bool) -> Self {
-        if latch { Self(self.0 | LATCH) } else { Self(self.0 & !LATCH) }
+    pub(super) const fn with_flag(self, flag: bool) -> Self {
+        if flag { Self(self.0 | FLAG) } else { Self(self.0 & !FLAG) }
     }
 
     pub(super) const fn with_running(self, running: bool) -> Self {
@@ -159,19 +169,19 @@ impl Slot {
         self.0 & STOPPING != 0
     }
 
-    pub(super) const fn has_alarm(self) -> bool {
-        self.0 & ALARM != 0
+    pub(super) const fn has_pending_halt(self) -> bool {
+        self.0 & PENDING_HALT != 0
     }
 
-    pub(super) const fn with_alarm(self, alarm: bool) -> Self {
-        if alarm { Self(self.0 | ALARM) } else { Self(self.0 & !ALARM) }
+    pub(super) const fn with_pending_halt(self, pending: bool) -> Self {
+        if pending { Self(self.0 | PENDING_HALT) } else { Self(self.0 & !PENDING_HALT) }
     }
 }
 
 const DONE: u32 = 1 << 1;
-const LATCH: u32 = 1 << 2;
+const FLAG: u32 = 1 << 2;
 const STOPPING: u32 = 1 << 3;
-const ALARM: u32 = 1 << 7;
+const PENDING_HALT: u32 = 1 << 7;
 const SKIPS: u32 = 0xFF << 8;
 const PLACE: u32 = 0x3FFF << 18;
 
@@ -195,18 +205,18 @@ mod tests {
 
     #[test]
     fn the_parts_of_a_slot_do_not_touch_each_other() {
-        let full = Slot::waiting(0, 16383).with_skips(255).done().with_latch(true).with_alarm(true);
+        let full = Slot::waiting(0, 16383).with_skips(255).done().with_flag(true).with_pending_halt(true);
         assert_eq!((full.child(0), full.skips()), (16383, 255));
-        assert!(full.is_running() && full.is_done() && full.has_latch() && full.has_alarm());
+        assert!(full.is_running() && full.is_done() && full.has_flag() && full.has_pending_halt());
         assert!(!full.is_stopping() && full.kept() == 0);
-        let less = full.with_running(false).with_skips(0).with_latch(false).with_alarm(false);
+        let less = full.with_running(false).with_skips(0).with_flag(false).with_pending_halt(false);
         assert_eq!(less, Slot::waiting(0, 16383).place().done());
         assert_eq!((Slot::keeping(3).kept(), Slot::keeping(3).done().only_kept()), (3, Slot::keeping(3)));
     }
 
     #[test]
     fn rows_past_the_end_do_not_run() {
-        let running: Cell<Full> = Cell { slot: Slot::RUNNING, extra: 0 };
+        let running: NodeMemory<Full> = NodeMemory { slot: Slot::RUNNING, extra: 0 };
         let memory = Memory { cells: [running; 2] };
         assert!(memory.is_running(1) && !memory.is_running(2) && !memory.is_idle());
     }

@@ -226,6 +226,62 @@ impl<L> Node<L> {
         }
     }
 
+    /// The same node with another name for its leaf, if it has one.
+    ///
+    /// # Errors
+    /// What `name` returns.
+    ///
+    /// ```
+    /// use iibt_core::tree::Node;
+    ///
+    /// let skills = ["charge", "patrol"];
+    /// let find = |index: usize| skills.get(index).copied().ok_or("no such skill");
+    /// assert_eq!(Node::Action(1).try_map(find), Ok(Node::Action("patrol")));
+    /// assert_eq!(Node::Condition(2).try_map(find), Err("no such skill"));
+    /// assert_eq!(Node::Sequence(2).try_map(find), Ok(Node::Sequence(2)));
+    /// ```
+    pub fn try_map<M, E>(self, name: impl FnOnce(L) -> Result<M, E>) -> Result<Node<M>, E> {
+        Ok(match self {
+            Self::Action(leaf) => Node::Action(name(leaf)?),
+            Self::Inference(leaf) => Node::Inference(name(leaf)?),
+            Self::Condition(leaf) => Node::Condition(name(leaf)?),
+            Self::Switch(children, leaf) => Node::Switch(children, name(leaf)?),
+            Self::Precondition { condition, otherwise } => {
+                Node::Precondition { condition: name(condition)?, otherwise }
+            }
+            Self::Sequence(children) => Node::Sequence(children),
+            Self::Fallback(children) => Node::Fallback(children),
+            Self::ReactiveSequence(children) => Node::ReactiveSequence(children),
+            Self::ReactiveFallback(children) => Node::ReactiveFallback(children),
+            Self::Inverter => Node::Inverter,
+            Self::SequenceWithMemory(children) => Node::SequenceWithMemory(children),
+            Self::AsyncSequence(children) => Node::AsyncSequence(children),
+            Self::AsyncFallback(children) => Node::AsyncFallback(children),
+            Self::Parallel { children, success_count, failure_count } => {
+                Node::Parallel { children, success_count, failure_count }
+            }
+            Self::ParallelAll { children, max_failures } => Node::ParallelAll { children, max_failures },
+            Self::IfThenElse(children) => Node::IfThenElse(children),
+            Self::WhileDoElse(children) => Node::WhileDoElse(children),
+            Self::PipelineSequence(children) => Node::PipelineSequence(children),
+            Self::RoundRobin(children) => Node::RoundRobin(children),
+            Self::RecoveryNode(retries) => Node::RecoveryNode(retries),
+            Self::ForceSuccess => Node::ForceSuccess,
+            Self::ForceFailure => Node::ForceFailure,
+            Self::KeepRunningUntilFailure => Node::KeepRunningUntilFailure,
+            Self::RetryUntilSuccessful(times) => Node::RetryUntilSuccessful(times),
+            Self::Repeat(times) => Node::Repeat(times),
+            Self::Timeout(limit) => Node::Timeout(limit),
+            Self::Delay(time) => Node::Delay(time),
+            Self::RunOnce { then_skip } => Node::RunOnce { then_skip },
+            Self::RateController(period) => Node::RateController(period),
+            Self::SubTree => Node::SubTree,
+            Self::AlwaysSuccess => Node::AlwaysSuccess,
+            Self::AlwaysFailure => Node::AlwaysFailure,
+            Self::Sleep(time) => Node::Sleep(time),
+        })
+    }
+
     /// Whether the node belongs to the [`Basic`](super::Basic) set.
     #[must_use]
     pub const fn is_basic(&self) -> bool {

@@ -1,6 +1,8 @@
 //! The rules of every node in their own, recursive form, and random trees that must agree with them.
 
-use super::{Basic, Cell, Full, Halt, Kinds, Leaves, MAX_DEPTH, Millis, Node, Row, Status, Times, TreeRef};
+use super::{
+    Basic, Full, Halt, Kinds, Leaves, MAX_DEPTH, Millis, Node, NodeMemory, Row, Status, Times, TreeRef,
+};
 use crate::time::Instant;
 use Status::{Failure, Running, Skipped, Success};
 use std::vec::Vec;
@@ -567,7 +569,7 @@ fn agrees<K: Kinds>(size: usize, trees: usize, answers: &'static [Status], seed:
         let tree = TreeRef::<u16, K>::try_new(&mut rows).unwrap();
         let most = tree.visits(&mut std::vec![(0, 0); table.len()]);
         let mut model = Model::read(&mut table.iter().copied());
-        let mut memory = std::vec![Cell::<K>::NEW; table.len()];
+        let mut memory = std::vec![NodeMemory::<K>::NEW; table.len()];
         let (mut ours, mut theirs) = (Recorder::new(&random, answers), Recorder::new(&random, answers));
         let mut now = Instant(u32::MAX - 20);
         for tick in 0..60 {
@@ -591,7 +593,7 @@ fn agrees<K: Kinds>(size: usize, trees: usize, answers: &'static [Status], seed:
                 }
             }
             assert_eq!(ours.calls, theirs.calls, "{name}");
-            let running: Vec<bool> = memory.iter().map(Cell::is_running).collect();
+            let running: Vec<bool> = memory.iter().map(NodeMemory::is_running).collect();
             assert_eq!(running, model.running(), "{name}");
         }
     }
@@ -622,7 +624,7 @@ fn every_start_has_one_end() {
         grow(&mut table, 34, true, &mut random);
         let mut rows = rows(&table);
         let tree = TreeRef::<u16, Full>::try_new(&mut rows).unwrap();
-        let mut memory = std::vec![Cell::NEW; table.len()];
+        let mut memory = std::vec![NodeMemory::NEW; table.len()];
         let mut leaves = Recorder::new(&random, ANY);
         let mut running = std::vec![false; table.len()];
         for tick in 0..40 {
@@ -640,7 +642,7 @@ fn every_start_has_one_end() {
             }
         }
         assert!(running.iter().all(|running| !running));
-        assert!(memory.iter().all(Cell::is_idle));
+        assert!(memory.iter().all(NodeMemory::is_idle));
     }
 }
 
@@ -654,7 +656,7 @@ fn the_memory_of_another_tree_neither_panics_nor_loops() {
         }
         let mut all = tables.each_ref().map(|table| rows(table));
         let [one, other] = all.each_mut().map(|rows| TreeRef::<u16, Full>::try_new(rows).unwrap());
-        let mut memory = std::vec![Cell::NEW; 21];
+        let mut memory = std::vec![NodeMemory::NEW; 21];
         let mut leaves = Recorder::new(&random, ANY);
         for tick in 0..20 {
             one.tick(&mut memory, &mut leaves, Instant(tick));
@@ -683,7 +685,7 @@ fn random_tables_are_trees_or_errors_and_trees_can_be_ticked() {
             Ok(tree) => {
                 trees += 1;
                 let mut leaves = Recorder::new(&random, ANY);
-                let mut memory = std::vec![Cell::NEW; size];
+                let mut memory = std::vec![NodeMemory::NEW; size];
                 for tick in 0..4 {
                     tree.tick_until_idle(&mut memory, &mut leaves, Instant(tick), 8);
                 }
@@ -706,7 +708,7 @@ fn nodes_that_are_said_to_be_unreachable_are() {
         let tree = TreeRef::<u16, Full>::try_new(&mut rows).unwrap();
         let Some(never) = tree.never_ticked(&mut [0; 32]) else { continue };
         dead += 1;
-        let mut memory = std::vec![Cell::NEW; table.len()];
+        let mut memory = std::vec![NodeMemory::NEW; table.len()];
         let mut leaves = Recorder::new(&random, ANY);
         for tick in 0..100 {
             tree.tick(&mut memory, &mut leaves, Instant(tick));
@@ -723,6 +725,6 @@ fn the_deepest_tree_is_ticked_to_its_leaf() {
     let mut rows = rows(&table);
     let tree = TreeRef::<u16, Full>::try_new(&mut rows).unwrap();
     let mut leaves = Recorder::new(&Lcg(0), &[Success]);
-    let result = tree.tick_until_idle(&mut [Cell::NEW; MAX_DEPTH], &mut leaves, Instant(0), 10);
+    let result = tree.tick_until_idle(&mut [NodeMemory::NEW; MAX_DEPTH], &mut leaves, Instant(0), 10);
     assert_eq!((result.status, leaves.calls.len()), (Running, 10));
 }

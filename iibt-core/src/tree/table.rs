@@ -2,20 +2,15 @@
 
 use super::check;
 use super::check::{Rule, TreeError};
+use super::context::Context;
 use super::kinds::{Basic, Kinds};
 use super::leaves::Leaves;
-use super::memory::{Cell, Memory};
+use super::memory::{Memory, NodeMemory};
 use super::node::Node;
-use super::status::{Halt, Status};
-use super::walk;
+use super::row::{NONE, Row};
+use super::status::{Halt, Next, Status, Tick};
 use crate::time::Instant;
 use core::marker::PhantomData;
-
-/// The most levels a tree may have, the root being the first: what BehaviorTree.CPP loads.
-pub const MAX_DEPTH: usize = 256;
-
-/// The most nodes a tree may have.
-pub const MAX_NODES: usize = 8191;
 
 /// A behavior tree of `N` nodes of the set `K`, whose leaves are named by `L`.
 ///
@@ -31,97 +26,6 @@ pub struct Tree<L, const N: usize, K: Kinds = Basic> {
 pub struct TreeRef<'t, L, K: Kinds = Basic> {
     rows: &'t [Row<L>],
     kinds: PhantomData<K>,
-}
-
-/// A node and its way on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Row<L> {
-    pub(super) node: Node<L>,
-    /// What follows when the node has succeeded, and when it has failed. The low 14 bits are a row, [`NONE`] for
-    /// none, the high two say which: the next child of the same parent (0), the parent ([`UP`], [`ASK`]), or the
-    /// next child if the parent so decides ([`LATER`]; the parent is then in the other of the two).
-    pub(super) ways: [u16; 2],
-}
-
-/// Past the end of every table.
-pub(super) const NONE: u16 = 0x3FFF;
-
-/// To the parent, which has the status of this child.
-pub(super) const UP: u16 = 1 << 14;
-
-/// To the parent, which decides what comes next.
-pub(super) const ASK: u16 = 2 << 14;
-
-/// To the next child if the parent, which is asked first, wants it.
-pub(super) const LATER: u16 = 3 << 14;
-
-/// What a tick came to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Tick {
-    /// The status of the root.
-    pub status: Status,
-    /// When the next tick can change something.
-    pub next: Next,
-}
-
-/// When ticking again can change something.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Next {
-    /// At once: a node has yielded, or an action is still stopping.
-    Now,
-    /// At this time a timer of the tree, or an action that knows when, is due; an event may come before.
-    At(Instant),
-    /// When a leaf has something new to say; the tree waits for no time.
-    Event,
-}
-
-impl<L> Row<L> {
-    /// A row that is not linked yet.
-    pub const fn new(node: Node<L>) -> Self {
-        Self { node, ways: [LATER | NONE; 2] }
-    }
-
-    /// The node.
-    pub const fn node(&self) -> &Node<L> {
-        &self.node
-    }
-
-    /// The row of the parent; past the end of every table for the root.
-    #[inline]
-    pub(super) const fn parent(&self) -> usize {
-        let [success, failure] = self.ways;
-        ((if success < UP { failure } else { success }) & NONE) as usize
-    }
-
-    /// The row of the next child of the same parent.
-    pub(super) const fn sibling(&self) -> Option<usize> {
-        let [success, failure] = self.ways;
-        let next = if success < UP { success } else { failure };
-        if matches!(next & LATER, UP | ASK) || next & NONE == NONE {
-            None
-        } else {
-            Some((next & NONE) as usize)
-        }
-    }
-
-    /// The way on from a success (0) or a failure (1).
-    #[inline(always)]
-    pub(super) const fn way(&self, failed: usize) -> usize {
-        self.ways[failed & 1] as usize
-    }
-
-    /// The row of the next child of the same parent, if that is what follows `status` in any case.
-    pub(super) const fn next_on(&self, status: Status) -> Option<usize> {
-        let [success, failure] = self.ways;
-        let way = match status {
-            Status::Success => success,
-            Status::Failure => failure,
-            Status::Running | Status::Skipped => UP,
-        };
-        if way < UP { Some(way as usize) } else { None }
-    }
 }
 
 impl<L: Copy, const N: usize, K: Kinds> Tree<L, N, K> {
@@ -176,7 +80,7 @@ impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
     /// The same tree, without its size in its type.
     #[must_use]
     pub const fn by_ref(&self) -> TreeRef<'_, L, K> {
-        TreeRef { rows: &self.rows, kinds: PhantomData }
+        TreeRef::linked(&self.rows)
     }
 
     /// Ticks the tree exactly once: one pass, starting or continuing what it leads to.
@@ -184,26 +88,25 @@ impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
     /// `memory` must be this tree's own; with that of another tree the nodes that are ticked mean
     /// nothing, but the tick ends all the same.
     #[inline(always)]
-    pub fn tick<V>(&self, memory: &mut Memory<N, K>, leaves: &mut V, now: Instant) -> Tick
-    where
-        V: Leaves<L> + ?Sized,
-    {
-        walk::tick(&self.rows, &mut memory.cells, leaves, now)
+    pub fn tick(
+        &self,
+        memory: &mut Memory<N, K>,
+        leaves: &mut (impl Leaves<L> + ?Sized),
+        now: Instant,
+    ) -> Tick {
+        self.by_ref().tick(&mut memory.cells, leaves, now)
     }
 
     /// Ticks the tree until it no longer wants the next pass at once, `passes` times at the most and at
     /// least once: what BehaviorTree.CPP calls `tickOnce`, with a bound.
-    pub fn tick_until_idle<V>(
+    pub fn tick_until_idle(
         &self,
         memory: &mut Memory<N, K>,
-        leaves: &mut V,
+        leaves: &mut (impl Leaves<L> + ?Sized),
         now: Instant,
         passes: u16,
-    ) -> Tick
-    where
-        V: Leaves<L> + ?Sized,
-    {
-        walk::tick_until_idle(&self.rows, &mut memory.cells, leaves, now, passes)
+    ) -> Tick {
+        self.by_ref().tick_until_idle(&mut memory.cells, leaves, now, passes)
     }
 
     /// Interrupts the tree: halts every running action and leaves all nodes idle.
@@ -211,11 +114,19 @@ impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
     /// While the answer is [`Halt::Pending`], some action has not stopped: call it again, or tick, which goes
     /// on halting before it does anything else.
     #[inline(always)]
-    pub fn halt<V>(&self, memory: &mut Memory<N, K>, leaves: &mut V, now: Instant) -> Halt
-    where
-        V: Leaves<L> + ?Sized,
-    {
-        walk::halt(&self.rows, &mut memory.cells, leaves, now)
+    pub fn halt(
+        &self,
+        memory: &mut Memory<N, K>,
+        leaves: &mut (impl Leaves<L> + ?Sized),
+        now: Instant,
+    ) -> Halt {
+        self.by_ref().halt(&mut memory.cells, leaves, now)
+    }
+
+    /// The leaf that is running, the first in preorder of several; `None` if none is.
+    #[must_use]
+    pub fn running(&self, memory: &Memory<N, K>) -> Option<&L> {
+        self.by_ref().running(&memory.cells)
     }
 
     /// The nodes in the order of the table.
@@ -237,6 +148,11 @@ impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
 }
 
 impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
+    /// The tree over rows that are linked.
+    pub(super) const fn linked(rows: &'t [Row<L>]) -> Self {
+        Self { rows, kinds: PhantomData }
+    }
+
     /// The tree that `rows`, in preorder, describe. Unlike [`Tree::try_new`] it accepts nodes that no tick
     /// can reach; [`never_ticked`](Self::never_ticked) finds them.
     ///
@@ -244,7 +160,7 @@ impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
     /// The first row that breaks a [`Rule`].
     pub const fn try_new(rows: &'t mut [Row<L>]) -> Result<Self, TreeError> {
         match check::link(rows, K::FULL) {
-            Ok(()) => Ok(Self { rows, kinds: PhantomData }),
+            Ok(()) => Ok(Self::linked(rows)),
             Err(error) => Err(error),
         }
     }
@@ -256,36 +172,50 @@ impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
         if scratch.len() < self.rows.len() { None } else { check::never_ticked(self.rows, scratch) }
     }
 
-    /// As [`Tree::tick`]; `memory` has a cell for each row, else the tree fails.
+    /// As [`Tree::tick`]; `memory` has an element for each row, else the tree fails.
     #[inline(always)]
-    pub fn tick<V>(&self, memory: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Tick
-    where
-        V: Leaves<L> + ?Sized,
-    {
-        walk::tick(self.rows, memory, leaves, now)
+    pub fn tick(
+        &self,
+        memory: &mut [NodeMemory<K>],
+        leaves: &mut (impl Leaves<L> + ?Sized),
+        now: Instant,
+    ) -> Tick {
+        Context::new(self.rows, memory, leaves, now)
+            .map_or(Tick { status: Status::Failure, next: Next::Event }, |mut context| context.tick())
     }
 
     /// As [`Tree::tick_until_idle`].
-    pub fn tick_until_idle<V>(
+    pub fn tick_until_idle(
         &self,
-        memory: &mut [Cell<K>],
-        leaves: &mut V,
+        memory: &mut [NodeMemory<K>],
+        leaves: &mut (impl Leaves<L> + ?Sized),
         now: Instant,
         passes: u16,
-    ) -> Tick
-    where
-        V: Leaves<L> + ?Sized,
-    {
-        walk::tick_until_idle(self.rows, memory, leaves, now, passes)
+    ) -> Tick {
+        Context::new(self.rows, memory, leaves, now)
+            .map_or(Tick { status: Status::Failure, next: Next::Event }, |mut context| {
+                context.tick_until_idle(passes)
+            })
     }
 
     /// As [`Tree::halt`].
     #[inline(always)]
-    pub fn halt<V>(&self, memory: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Halt
-    where
-        V: Leaves<L> + ?Sized,
-    {
-        walk::halt(self.rows, memory, leaves, now)
+    pub fn halt(
+        &self,
+        memory: &mut [NodeMemory<K>],
+        leaves: &mut (impl Leaves<L> + ?Sized),
+        now: Instant,
+    ) -> Halt {
+        Context::new(self.rows, memory, leaves, now).map_or(Halt::Done, |mut context| context.halt_tree())
+    }
+
+    /// As [`Tree::running`].
+    #[must_use]
+    pub fn running(&self, memory: &[NodeMemory<K>]) -> Option<&'t L> {
+        self.rows.iter().zip(memory).find_map(|(row, cell)| match &row.node {
+            Node::Action(leaf) | Node::Inference(leaf) if cell.is_running() => Some(leaf),
+            _ => None,
+        })
     }
 
     /// The nodes in the order of the table.

@@ -1,323 +1,212 @@
-//! Ticking.
+//! One walk of a tree's table for every set of kinds.
 //!
-//! The walk goes down the table and comes back along the parents, so it needs no stack. It ends whatever the
-//! memory holds: a node is entered again in the same pass only when a count has grown or a child that
-//! was running no longer is.
+//! It goes down the table and comes back along the [links](super::row), so it needs no stack. It asks each node's
+//! rules what they decide, and does it. It ends whatever the memory holds: a node is entered again in the
+//! same pass only when a count has grown or a child that was running no longer is.
+//!
+//! A set leaves its kinds out at compile time: in the basic set no branch of another kind is left, and a
+//! sequence or fallback that was not running is passed on the way up by a look at its memory.
 
-use super::interrupt::{go_on_halting, halt_all, halt_from};
+use super::context::Context;
 use super::kinds::Kinds;
+use super::kinds::sealed::Extra;
 use super::leaves::Leaves;
-use super::log::Transition;
-use super::memory::{Cell, Slot};
+use super::memory::Slot;
 use super::node::Node;
-use super::overdue::halt_overdue;
-use super::status::{Halt, Status};
-use super::table::{Next, Row, Tick};
-use super::{deadline, full};
-use crate::time::Instant;
-use core::ops::ControlFlow::{self, Break, Continue};
+use super::row::{NONE, Row, UP};
+use super::status::{Halt, Next, Status, Tick};
+use super::visit::{Decision, Effect, Step, Visit};
 
-/// Ticks the tree in `rows`, in one pass.
-#[inline(always)]
-pub(super) fn tick<L, V, K>(rows: &[Row<L>], cells: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Tick
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    // One length for both spares the walk every other bounds check.
-    let Some(cells) = cells.get_mut(..rows.len()) else {
-        return Tick { status: Status::Failure, next: Next::Event };
-    };
-    if !K::FULL {
-        let status = Walk { rows, cells, leaves, now, stopping: false, yielded: false }.basic_pass();
-        return Tick { status, next: Next::Event };
-    }
-    full_tick(rows, cells, leaves, now)
-}
+/// What follows where there is no node.
+const NO_NODE: usize = usize::MAX;
 
-#[inline(never)]
-fn full_tick<L, V, K>(rows: &[Row<L>], cells: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Tick
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    if cells.first().is_some_and(|root| root.slot.has_alarm())
-        && go_on_halting(rows, cells, leaves, now) == Halt::Pending
-    {
-        return Tick { status: Status::Running, next: Next::Now };
+impl<L, V: Leaves<L> + ?Sized, K: Kinds> Context<'_, L, V, K> {
+    /// Ticks the tree, in one pass.
+    #[inline(always)]
+    pub(super) fn tick(&mut self) -> Tick {
+        if K::FULL { self.full_tick() } else { Tick { status: self.pass(), next: Next::Event } }
     }
-    let stopping = K::COMPAT && halt_overdue(rows, cells, leaves, now) == Halt::Pending;
-    let mut walk = Walk { rows, cells, leaves, now, stopping, yielded: false };
-    let status = walk.pass();
-    let (stopping, yielded) = (walk.stopping, walk.yielded);
-    if stopping {
-        raise_alarm(cells);
-    }
-    let next = if stopping || yielded && status == Status::Running {
-        Next::Now
-    } else if status == Status::Running {
-        deadline::next(rows, cells, leaves, now)
-    } else {
-        Next::Event
-    };
-    Tick { status, next }
-}
 
-/// Ticks the tree until it no longer wants the next pass at once, `passes` times at the most.
-pub(super) fn tick_until_idle<L, V, K>(
-    rows: &[Row<L>],
-    cells: &mut [Cell<K>],
-    leaves: &mut V,
-    now: Instant,
-    passes: u16,
-) -> Tick
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    let mut result = tick(rows, cells, leaves, now);
-    for _ in 1..passes {
-        // An action that is still stopping is asked once a tick, not once a pass.
-        let stopping = cells.first().is_some_and(|root| root.slot.has_alarm());
-        if result.status != Status::Running || result.next != Next::Now || stopping {
-            break;
+    #[inline(never)]
+    fn full_tick(&mut self) -> Tick {
+        if self.has_pending_halt() && self.go_on_halting() == Halt::Pending {
+            return Tick { status: Status::Running, next: Next::Now };
         }
-        result = tick(rows, cells, leaves, now);
-    }
-    result
-}
-
-/// Halts the whole tree.
-#[inline(always)]
-pub(super) fn halt<L, V, K>(rows: &[Row<L>], cells: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Halt
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    let Some(cells) = cells.get_mut(..rows.len()) else { return Halt::Done };
-    if K::FULL {
-        return full_halt(rows, cells, leaves, now);
-    }
-    Walk { rows, cells, leaves, now, stopping: false, yielded: false }.halt_rows(0, 0);
-    Halt::Done
-}
-
-#[inline(never)]
-fn full_halt<L, V, K>(rows: &[Row<L>], cells: &mut [Cell<K>], leaves: &mut V, now: Instant) -> Halt
-where
-    V: Leaves<L> + ?Sized,
-    K: Kinds,
-{
-    let mut pending = false;
-    if cells.first().is_some_and(|root| root.slot.has_alarm()) {
-        pending = go_on_halting(rows, cells, leaves, now) == Halt::Pending;
-    }
-    let is_running = cells.first().is_some_and(Cell::is_running);
-    pending |= halt_from(rows, cells, leaves, now, 0) == Halt::Pending;
-    if K::COMPAT {
-        if rows.len() == 1 && !is_running {
-            let _ = halt_all(rows, leaves, now); // there the root is halted even if idle, then every node
+        (self.stopping, self.yielded) = (false, false);
+        if K::COMPAT {
+            self.halt_overdue();
         }
-        pending |= halt_all(rows, leaves, now) == Halt::Pending;
-    }
-    if !pending {
-        return Halt::Done;
-    }
-    raise_alarm(cells);
-    Halt::Pending
-}
-
-fn raise_alarm<K: Kinds>(cells: &mut [Cell<K>]) {
-    if let Some(root) = cells.first_mut() {
-        root.slot = root.slot.with_alarm(true);
-    }
-}
-
-pub(super) struct Walk<'a, L, V: ?Sized, K: Kinds> {
-    pub(super) rows: &'a [Row<L>],
-    pub(super) cells: &'a mut [Cell<K>],
-    pub(super) leaves: &'a mut V,
-    pub(super) now: Instant,
-    /// Whether an action that was halted in this pass has not stopped.
-    pub(super) stopping: bool,
-    /// Whether a node wants the next pass at once.
-    pub(super) yielded: bool,
-}
-
-impl<L, V: Leaves<L> + ?Sized, K: Kinds> Walk<'_, L, V, K> {
-    #[inline]
-    fn pass(&mut self) -> Status {
-        let mut at = 0;
-        loop {
-            let status = match self.enter(at) {
-                Some(Continue(child)) => {
-                    at = child;
-                    continue;
-                }
-                Some(Break(status)) => status,
-                None => return Status::Failure,
-            };
-            match self.climb(at, status) {
-                Continue(sibling) => at = sibling,
-                Break(status) => return status,
-            }
-        }
-    }
-
-    /// Ticks the node in row `at`: its status if it is a leaf, else the row of the child to enter first; `None`
-    /// past the end, which only the memory of another tree leads to.
-    #[inline]
-    fn enter(&mut self, at: usize) -> Option<ControlFlow<Status, usize>> {
-        let (row, cell) = (self.rows.get(at)?, self.cells.get_mut(at)?);
-        if self.stopping {
-            return Some(Break(Status::Running));
-        }
-        let before = cell.slot;
-        let status = match &row.node {
-            Node::Sequence(_)
-            | Node::Fallback(_)
-            | Node::ReactiveSequence(_)
-            | Node::ReactiveFallback(_)
-            | Node::Inverter => {
-                return Some(Continue(before.child(at)));
-            }
-            Node::Condition(leaf) => self.leaves.condition(leaf, self.now).into(),
-            Node::Action(leaf) | Node::Inference(leaf) => {
-                let status = if before.is_running() {
-                    self.leaves.on_running(leaf, self.now)
-                } else {
-                    self.leaves.on_start(leaf, self.now)
-                };
-                cell.slot = if status == Status::Running { Slot::RUNNING } else { Slot::IDLE };
-                status
-            }
-            _ => return Some(full::enter(self, row, at)),
+        let status = self.pass();
+        self.note_pending_halt();
+        let next = match status {
+            _ if self.stopping => Next::Now,
+            Status::Running if self.yielded => Next::Now,
+            Status::Running => self.next_deadline(),
+            _ => Next::Event,
         };
-        self.report(at, before, Some(status));
-        Some(Break(status))
+        Tick { status, next }
     }
 
-    /// Takes the status of the node in row `at` to its parent, and on from there to the next node to enter, or to
-    /// the status of the root.
-    #[inline]
-    fn climb(&mut self, mut at: usize, mut status: Status) -> ControlFlow<Status, usize> {
-        let rows = self.rows;
-        while let Some(child) = rows.get(at) {
-            if let Some(next) = child.next_on(status) {
-                return Continue(next);
+    /// Ticks the tree until it no longer wants the next pass at once, `passes` times at the most.
+    pub(super) fn tick_until_idle(&mut self, passes: u16) -> Tick {
+        let mut result = self.tick();
+        for _ in 1..passes {
+            // An action that is still stopping is asked once a tick, not once a pass.
+            if result.status != Status::Running || result.next != Next::Now || self.has_pending_halt() {
+                break;
             }
-            let parent = child.parent();
-            let Some(row) = rows.get(parent) else { break };
-            if !row.node.is_basic() {
-                match full::returned(self, row, parent, at, status) {
-                    Continue(next) => return Continue(next),
-                    Break(own) => status = own,
-                }
-            } else if status == Status::Running {
-                self.settle(parent, at, Slot::waiting(parent, at), status);
-            } else {
-                if matches!(row.node, Node::Inverter) {
-                    status = inverted(status);
-                } else if status == Status::Skipped {
-                    match self.skip(parent, at) {
-                        Continue(next) => return Continue(next),
-                        Break(own) => status = own,
+            result = self.tick();
+        }
+        result
+    }
+
+    #[inline(never)]
+    fn pass(&mut self) -> Status {
+        let nodes = self.rows.len().min(self.cells.len());
+        // `at` is the row of the node whose end `end` is; the basic set can do without.
+        let (mut link, mut at, mut end) = (0, 0, 0);
+        loop {
+            if link < nodes
+                && let (Some(row), Some(cell)) = (self.rows.get(link), self.cells.get(link))
+            {
+                at = if K::FULL { link } else { 0 };
+                end = match &row.node {
+                    _ if K::FULL && self.stopping => Status::Running.end(),
+                    Node::Condition(leaf) => self.condition(link, leaf),
+                    Node::Action(leaf) | Node::Inference(leaf) => {
+                        let Some(end) = self.act(link, leaf, cell.slot) else { return Status::Running };
+                        end
                     }
-                }
-                self.settle(parent, at, Slot::IDLE, status);
+                    node if !K::FULL || node.is_basic() => {
+                        link = cell.slot.child(link);
+                        continue;
+                    }
+                    _ => {
+                        let own;
+                        (link, own) = self.enter(at);
+                        end = own.end();
+                        continue;
+                    }
+                };
+                link = row.link(end, K::FULL);
+                continue;
+            }
+            let up = link ^ usize::from(UP);
+            if up < nodes
+                && let (Some(row), Some(cell)) = (self.rows.get(up), self.cells.get(up))
+                && cell.slot == Slot::IDLE
+            {
+                at = if K::FULL { up } else { 0 };
+                self.report(up, Slot::IDLE, Some(Status::of_end(end)));
+                link = row.link(end, K::FULL);
+                continue;
+            }
+            let parent = if K::FULL { self.parent(at) } else { link & usize::from(NONE) };
+            if parent >= nodes {
+                return Status::of_end(end);
+            }
+            let own;
+            (link, own) = self.leave(parent, at, Status::of_end(end));
+            end = own.end();
+            at = if K::FULL { parent } else { 0 };
+            if !K::FULL {
+                end &= 1; // as it is: so the compiler knows, and spares a step at each link
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn condition(&mut self, at: usize, leaf: &L) -> usize {
+        let end = usize::from(!self.leaves.condition(leaf, self.now));
+        self.report(at, Slot::IDLE, Some(Status::of_end(end)));
+        end
+    }
+
+    /// Ticks an action. In the basic set a running one ends the pass: `None`.
+    #[inline(always)]
+    fn act(&mut self, at: usize, leaf: &L, before: Slot) -> Option<usize> {
+        let status = if before.is_running() {
+            self.leaves.on_running(leaf, self.now)
+        } else {
+            self.leaves.on_start(leaf, self.now)
+        };
+        if !K::FULL && status == Status::Running {
+            if !before.is_running() {
+                self.suspend(at, before);
+            }
+            return None;
+        }
+        self.update(at, |_| if status == Status::Running { Slot::RUNNING } else { Slot::IDLE });
+        self.report(at, before, Some(status));
+        Some(if K::FULL { status.end() } else { usize::from(status == Status::Failure) })
+    }
+
+    /// Leaves the action in row `at` running, and all nodes above waiting for it.
+    #[inline(never)]
+    fn suspend(&mut self, mut at: usize, before: Slot) {
+        self.halt(at + 1, 0);
+        self.update(at, |_| Slot::RUNNING);
+        self.report(at, before, Some(Status::Running));
+        loop {
+            let parent = self.parent(at);
+            let (link, _) = self.leave(parent, at, Status::Running);
+            if link == NO_NODE {
+                break;
             }
             at = parent;
         }
-        Break(status)
     }
 
-    /// Ends the tick of the basic inner node in row `parent`, which ticked the child in row `child` last and
-    /// keeps `after` in mind. A later child that is running is halted: only a reactive node has one.
-    #[inline]
-    fn settle(&mut self, parent: usize, child: usize, after: Slot, status: Status) {
-        let (Some(row), Some(cell)) = (self.rows.get(parent), self.cells.get_mut(parent)) else { return };
-        let before = cell.slot;
-        if before != Slot::IDLE || after != Slot::IDLE {
-            cell.slot = match row.node {
-                _ if !after.is_running() => after,
-                Node::ReactiveSequence(_) | Node::ReactiveFallback(_) => Slot::RUNNING,
-                _ => after.with_skips(before.skips()),
-            };
-        }
-        if before.is_running() {
-            self.halt_after(child);
-        }
-        self.report(parent, before, Some(status));
+    fn parent(&self, at: usize) -> usize {
+        self.rows.get(at).map_or(NO_NODE, Row::parent)
     }
 
-    /// Halts what runs among the siblings after the node in row `at`.
-    fn halt_after(&mut self, at: usize) {
-        let mut at = at;
-        while let Some(sibling) = self.rows.get(at).and_then(Row::sibling) {
-            if self.cells.get(sibling).is_some_and(Cell::is_running) {
-                self.halt_from(sibling);
+    /// Takes the end of the node in row `child` to its parent, in row `at`: what follows, and the end of that.
+    #[inline(never)]
+    fn leave(&mut self, at: usize, child: usize, status: Status) -> (usize, Status) {
+        self.ask(at, |visit| visit.child_returned(child, status))
+    }
+
+    /// Ticks a node beyond the basic set.
+    #[inline(never)]
+    fn enter(&mut self, at: usize) -> (usize, Status) {
+        let runs = self.is_running(at + 1);
+        let answer = match self.rows.get(at).map(Row::node) {
+            Some(Node::Switch(_, leaf)) => self.leaves.case(leaf, self.now),
+            // BehaviorTree.CPP does not ask again while the child runs.
+            Some(Node::Precondition { condition, .. }) => {
+                usize::from(K::COMPAT && runs || self.leaves.condition(condition, self.now))
             }
-            at = sibling;
-        }
-    }
-
-    /// Counts a child that was skipped: the next one to enter or, after the last, the parent's own status.
-    /// A sequence or fallback is skipped when all its children were.
-    #[cold]
-    pub(super) fn skip(&mut self, parent: usize, child: usize) -> ControlFlow<Status, usize> {
-        let rows = self.rows;
-        let (Some(row), Some(this)) = (rows.get(parent), rows.get(child)) else {
-            return Break(Status::Skipped);
+            _ => 0,
         };
-        let mut index = 0;
-        let mut sibling = parent + 1;
-        while sibling < child {
-            index += 1;
-            sibling = rows.get(sibling).and_then(Row::sibling).unwrap_or(child);
+        self.ask(at, |visit| visit.ticked(answer))
+    }
+
+    /// Does what the node in row `at` decides: what follows, and the end of the node if it has one.
+    #[inline(always)]
+    fn ask(&mut self, at: usize, decide: impl FnOnce(Visit<'_, L, K>) -> Decision) -> (usize, Status) {
+        let (Some(row), Some(cell)) = (self.rows.get(at), self.cells.get(at)) else {
+            return (NO_NODE, Status::Failure);
+        };
+        let before = cell.slot;
+        let decision = decide(Visit::new(self.rows, self.cells, row, cell, at, self.now));
+        match decision.effect {
+            Effect::Nothing => {}
+            Effect::Halt(first) => self.halt(first, at),
+            Effect::Done(child) => self.update(child, Slot::done),
+            Effect::Yield => self.yielded = true,
         }
-        let Some(cell) = self.cells.get_mut(parent) else { return Break(Status::Skipped) };
-        let all = index == 0 || cell.slot.skips() == index;
-        if all {
-            cell.slot = cell.slot.with_skips(index + 1);
+        if let Some(cell) = self.cells.get_mut(at) {
+            cell.slot = decision.slot;
+            cell.extra = K::Extra::of(decision.extra);
         }
-        if let Some(next) = this.sibling() {
-            return Continue(next);
+        match decision.step {
+            Step::Enter(child) => (child, Status::Running),
+            Step::Return(status) => {
+                self.report(at, before, Some(status));
+                (row.link(status.end(), K::FULL), status)
+            }
         }
-        Break(match row.node {
-            _ if all => Status::Skipped,
-            Node::Fallback(_) | Node::ReactiveFallback(_) | Node::AsyncFallback(_) => Status::Failure,
-            _ => Status::Success,
-        })
-    }
-
-    /// Halts the node in row `top` and what runs below it.
-    pub(super) fn halt_from(&mut self, top: usize) {
-        let halted = halt_from(self.rows, self.cells, self.leaves, self.now, top);
-        self.stopping |= halted == Halt::Pending;
-    }
-
-    #[inline]
-    pub(super) fn report(&mut self, node: usize, before: Slot, to: Option<Status>) {
-        report(self.leaves, self.now, node, before, to);
-    }
-}
-
-#[inline]
-pub(super) fn report<L, V>(leaves: &mut V, time: Instant, node: usize, before: Slot, to: Option<Status>)
-where
-    V: Leaves<L> + ?Sized,
-{
-    let from = before.is_running().then_some(Status::Running);
-    if from != to {
-        leaves.transition(Transition { time, node: node as u16, from, to });
-    }
-}
-
-pub(super) const fn inverted(status: Status) -> Status {
-    match status {
-        Status::Success => Status::Failure,
-        Status::Failure => Status::Success,
-        other => other,
     }
 }
 

@@ -134,7 +134,7 @@ impl Decision {
         let lists: Vec<Vec<Policy>> =
             self.sequences.iter().map(|list| list.iter().map(policy).collect()).collect();
         let sequences: Vec<&[Policy]> = lists.iter().map(Vec::as_slice).collect();
-        let rows: Vec<u8> = self.listed.iter().flatten().flatten().copied().collect();
+        let rows: Vec<u16> = self.listed.iter().flatten().flatten().map(|&number| number.into()).collect();
         let slices = |lists: &'_ [Vec<f32>]| -> Vec<Vec<f32>> { lists.to_vec() };
         let habits = match &self.habits {
             Habit::PerSequence(habits) => slices(habits),
@@ -152,6 +152,7 @@ impl Decision {
                 Habit::Joint(habits) => Habits::Joint(habits),
                 Habit::PerSequence(_) => Habits::PerSequence(&habits),
             },
+            announced: &[],
         };
         with(&Problem {
             horizon: self.horizon,
@@ -191,6 +192,19 @@ impl Description {
         firsts.sort_unstable();
         firsts.dedup();
         name.iter().map(|of| firsts.iter().position(|first| first == of).expect("it is there")).collect()
+    }
+
+    /// Every group, a bit for each.
+    #[must_use]
+    pub fn all_groups(&self) -> u16 {
+        self.groups().iter().fold(0, |all, group| all | 1 << group)
+    }
+
+    /// How many actions every factor that a control moves knows.
+    #[must_use]
+    pub fn actions(&self, control: usize) -> usize {
+        let moved = self.factors.iter().filter(|factor| factor.control == Some(control));
+        moved.map(|factor| factor.actions).min().unwrap_or(0)
     }
 
     /// How many action sequences a joint policy has.

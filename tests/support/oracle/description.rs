@@ -77,7 +77,7 @@ pub enum Observed {
     Missing,
     /// An outcome.
     Outcome(usize),
-    /// A weight for each of the first outcomes.
+    /// A weight for each outcome.
     Soft(Vec<f32>),
 }
 

@@ -4,7 +4,7 @@ use super::decision::Decision;
 use super::description::Description;
 use super::{Marginals, Tables, log_softmax, p_ln_p, wide};
 use iibt_core::actions::Action;
-use iibt_core::inference::{Convention, Credit, Gain, Padding};
+use iibt_core::inference::{Credit, Gain};
 
 /// What a policy is expected to bring, in nats.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,11 +22,8 @@ pub struct Sums {
 impl Sums {
     /// -G.
     #[must_use]
-    pub fn value(&self, convention: Convention) -> f64 {
-        match convention {
-            Convention::Standard => self.utility + self.information_gain,
-            Convention::AsPrinted => self.ambiguity - self.risk,
-        }
+    pub fn value(&self) -> f64 {
+        self.utility + self.information_gain
     }
 }
 
@@ -75,11 +72,7 @@ impl<'a> Reference<'a> {
             return None;
         }
         let Some(control) = self.description.factors[factor].control else { return Some(0) };
-        let padding = match self.decision.scoring.padding {
-            Padding::Stay => None,
-            Padding::Repeat(action) => Some(action),
-        };
-        policy.get(control).and_then(|actions| actions.get(step)).copied().or(padding)
+        policy.get(control).and_then(|actions| actions.get(step)).copied()
     }
 
     fn meet(&self, beliefs: &Marginals, actions: Option<&[Option<Action>]>) -> f64 {

@@ -4,7 +4,7 @@ use super::chance::Chance;
 use super::decision::{Decision, Habit, Meeting};
 use super::description::{Description, Hidden, Motion, Observed, Sense, Sensor};
 use iibt_core::actions::Action;
-use iibt_core::inference::{Convention, Credit, Gain, Padding, Scoring};
+use iibt_core::inference::{Credit, Gain, Scoring};
 
 /// The most states of a factor.
 pub const STATES: usize = 6;
@@ -132,7 +132,7 @@ pub fn preference(chance: &mut Chance, outcomes: usize) -> Vec<f32> {
     (0..outcomes).map(|_| if chance.once_in(3) { 0.0 } else { chance.between(-4.0, 4.0) }).collect()
 }
 
-/// Something observed: every modality or fewer, with readings that may be soft, missing or impossible.
+/// Something observed: every modality or fewer, with readings that may be soft or missing.
 pub fn observation(chance: &mut Chance, description: &Description) -> Vec<Observed> {
     let mut seen: Vec<Observed> = description
         .modalities
@@ -140,11 +140,9 @@ pub fn observation(chance: &mut Chance, description: &Description) -> Vec<Observ
         .map(|sense| match chance.below(12) {
             0 | 1 => Observed::Missing,
             2 | 3 => {
-                let weights = chance.within(1, sense.outcomes);
                 let weight = |_| if chance.once_in(3) { 0.0 } else { chance.unit() };
-                Observed::Soft((0..weights).map(weight).collect())
+                Observed::Soft((0..sense.outcomes).map(weight).collect())
             }
-            4 if chance.once_in(8) => Observed::Outcome(sense.outcomes + chance.below(3)),
             _ => Observed::Outcome(chance.below(sense.outcomes)),
         })
         .collect();
@@ -159,14 +157,14 @@ pub fn decision(chance: &mut Chance, description: &Description) -> Decision {
     let horizon = chance.pick(&[1, 1, 2, 2, 3, 3, 4, 6]);
     let mut room = 32;
     let mut sequences: Vec<Vec<Vec<Action>>> = vec![];
-    for _ in 0..description.controls() {
+    for control in 0..description.controls() {
+        let actions = description.actions(control);
         let choices = chance.within(0, 4).min(room);
         room /= choices.max(1);
-        // Some know actions that the model does not, some are longer than the horizon.
+        // Some are longer than the horizon; a control that moves nothing has nothing to do.
         let mut sequence = || {
-            let steps = chance.within(0, horizon + 1);
-            let codes = if chance.once_in(10) { 16 } else { 3 };
-            (0..steps).map(|_| chance.below(codes) as u8).collect()
+            let steps = if actions == 0 { 0 } else { chance.within(0, horizon + 1) };
+            (0..steps).map(|_| chance.below(actions) as u8).collect()
         };
         sequences.push((0..choices).map(|_| sequence()).collect());
     }
@@ -202,7 +200,7 @@ pub fn decision(chance: &mut Chance, description: &Description) -> Decision {
         preferences,
         aversions,
         meetings: (0..chance.pick(&[0, 0, 0, 1, 2])).map(|_| meeting(chance, description)).collect(),
-        scope: if chance.once_in(8) { chance.below(16) as u16 } else { u16::MAX },
+        scope: description.all_groups() & if chance.once_in(8) { chance.below(16) as u16 } else { u16::MAX },
     }
 }
 
@@ -215,10 +213,8 @@ fn meeting(chance: &mut Chance, description: &Description) -> Meeting {
 pub fn scoring(chance: &mut Chance) -> Scoring {
     Scoring {
         precision: chance.pick(&[0.1, 0.5, 1.0, 4.0, 16.0, 32.0]),
-        convention: chance.pick(&[Convention::Standard, Convention::Standard, Convention::AsPrinted]),
         gain: chance.pick(&[Gain::PerModality, Gain::Joint]),
         credit: chance.pick(&[Credit::OnArrival, Credit::EveryStep]),
-        padding: chance.pick(&[Padding::Stay, Padding::Stay, Padding::Repeat(0), Padding::Repeat(1)]),
         window: chance.pick(&[f32::INFINITY, f32::INFINITY, 3.0, 0.5]),
     }
 }

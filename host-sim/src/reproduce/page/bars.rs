@@ -4,6 +4,7 @@ use super::legend::{Legend, Mark};
 use super::svg::{Anchor, Svg, colour, width_of};
 use crate::reproduce::figure::{Bars, Scale};
 use crate::reproduce::report::number;
+use maud::Markup;
 
 const BAR: f64 = 11.0;
 const GAP: f64 = 8.0;
@@ -14,7 +15,7 @@ const BELOW: f64 = 18.0;
 /// The least probability that a logarithmic bar shows.
 const LEAST: f64 = 1e-30;
 
-pub(super) fn draw(bars: &Bars) -> String {
+pub(super) fn draw(bars: &Bars) -> Markup {
     let names = bars.labels.iter().map(|label| width_of(label)).fold(30.0, f64::max) + 10.0;
     let group = BAR * bars.series.len() as f64 + GAP;
     let series = bars.series.iter().enumerate();

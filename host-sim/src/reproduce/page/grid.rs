@@ -4,6 +4,7 @@ use super::legend::{Legend, Mark};
 use super::svg::{Anchor, Svg, colour};
 use crate::reproduce::figure::{Grid, Track};
 use iibt_core::grid::Cell;
+use maud::Markup;
 
 /// The side of a cell, in pixels.
 const SIDE: f64 = 38.0;
@@ -11,7 +12,7 @@ const SIDE: f64 = 38.0;
 /// Room around the map.
 const MARGIN: f64 = 4.0;
 
-pub(super) fn draw(grid: &Grid) -> String {
+pub(super) fn draw(grid: &Grid) -> Markup {
     let (columns, rows) = (f64::from(grid.width), f64::from(grid.height));
     let (width, bottom) = (columns * SIDE + 2.0 * MARGIN, rows * SIDE + 2.0 * MARGIN);
     let tracks = grid.paths.iter().enumerate();

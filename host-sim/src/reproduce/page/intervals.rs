@@ -5,6 +5,7 @@ use super::legend::{Legend, Mark};
 use super::svg::{Anchor, Svg, colour, width_of};
 use crate::reproduce::figure::{Estimate, Intervals};
 use crate::reproduce::report::{number, with_interval};
+use maud::Markup;
 
 const WIDTH: f64 = 320.0;
 const LINE: f64 = 15.0;
@@ -15,7 +16,7 @@ const BESIDE: f64 = 10.0;
 /// The size of figures over that of labels.
 const FIGURES: f64 = 0.82;
 
-pub(super) fn draw(intervals: &Intervals) -> String {
+pub(super) fn draw(intervals: &Intervals) -> Markup {
     let estimates = || intervals.rows.iter().flat_map(|row| &row.values).map(|(_, estimate)| *estimate);
     let left = intervals.rows.iter().map(|row| width_of(&row.label)).fold(40.0, f64::max) + 12.0;
     let right =

@@ -5,6 +5,7 @@ use super::legend::{Legend, Mark};
 use super::svg::{Anchor, Svg, colour};
 use crate::reproduce::figure::Lines;
 use crate::reproduce::report::number;
+use maud::Markup;
 
 const LEFT: f64 = 56.0;
 const WIDTH: f64 = 460.0;
@@ -12,7 +13,7 @@ const HEIGHT: f64 = 190.0;
 const NAME: f64 = 24.0;
 const BELOW: f64 = 38.0;
 
-pub(super) fn draw(lines: &Lines) -> String {
+pub(super) fn draw(lines: &Lines) -> Markup {
     let series = || lines.series.iter().enumerate().map(|(index, series)| (series, colour(index + 1)));
     let legend = Legend::new(Mark::Box, WIDTH, series().map(|(series, class)| (series.name.as_str(), class)));
     let top = legend.height() + NAME;

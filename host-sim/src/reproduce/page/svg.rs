@@ -1,6 +1,7 @@
 //! A drawing in SVG, built up element by element.
 
-use std::fmt::{Display, Write};
+use maud::{Markup, PreEscaped, Render, html};
+use std::fmt::Display;
 
 /// A drawing of a certain size, in pixels.
 pub(super) struct Svg {
@@ -17,17 +18,23 @@ pub(super) enum Anchor {
     End,
 }
 
+/// A length or a place, to a tenth of a pixel.
+struct Pixels(f64);
+
+impl Render for Pixels {
+    fn render_to(&self, to: &mut String) {
+        format_args!("{:.1}", self.0).render_to(to);
+    }
+}
+
 impl Svg {
-    pub(super) fn new(width: f64, height: f64) -> Self {
+    pub(super) const fn new(width: f64, height: f64) -> Self {
         Self { width, height, body: String::new() }
     }
 
     pub(super) fn line(&mut self, class: &str, from: (f64, f64), to: (f64, f64)) {
-        let ((x1, y1), (x2, y2)) = (from, to);
-        _ = writeln!(
-            self.body,
-            "<line class=\"{class}\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>"
-        );
+        let [x1, y1, x2, y2] = [from.0, from.1, to.0, to.1].map(Pixels);
+        self.add(html! { line class=(class) x1=(x1) y1=(y1) x2=(x2) y2=(y2) {} });
     }
 
     pub(super) fn rectangle(
@@ -37,25 +44,21 @@ impl Svg {
         (width, height): (f64, f64),
         round: f64,
     ) {
-        _ = writeln!(
-            self.body,
-            "<rect class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{height:.1}\" rx=\"{round}\"/>",
-            width.max(0.0)
-        );
+        let [x, y, width, height, round] = [x, y, width.max(0.0), height, round].map(Pixels);
+        self.add(html! { rect class=(class) x=(x) y=(y) width=(width) height=(height) rx=(round) {} });
     }
 
     pub(super) fn circle(&mut self, class: &str, (x, y): (f64, f64), radius: f64) {
-        _ = writeln!(self.body, "<circle class=\"{class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\"/>");
+        let [x, y, radius] = [x, y, radius].map(Pixels);
+        self.add(html! { circle class=(class) cx=(x) cy=(y) r=(radius) {} });
     }
 
     pub(super) fn polyline(&mut self, class: &str, points: &[(f64, f64)]) {
-        let points: Vec<_> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
-        _ = writeln!(self.body, "<polyline class=\"{class}\" points=\"{}\"/>", points.join(" "));
+        self.add(html! { polyline class=(class) points=(listed(points)) {} });
     }
 
     pub(super) fn polygon(&mut self, class: &str, points: &[(f64, f64)]) {
-        let points: Vec<_> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
-        _ = writeln!(self.body, "<polygon class=\"{class}\" points=\"{}\"/>", points.join(" "));
+        self.add(html! { polygon class=(class) points=(listed(points)) {} });
     }
 
     pub(super) fn text(&mut self, class: &str, (x, y): (f64, f64), anchor: Anchor, text: impl Display) {
@@ -64,23 +67,30 @@ impl Svg {
             Anchor::Middle => "middle",
             Anchor::End => "end",
         };
-        let text = escaped(&text.to_string());
-        _ = writeln!(
-            self.body,
-            "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{text}</text>"
-        );
+        let [x, y] = [x, y].map(Pixels);
+        self.add(html! { text class=(class) x=(x) y=(y) text-anchor=(anchor) { (text.to_string()) } });
+    }
+
+    fn add(&mut self, element: Markup) {
+        self.body += &element.into_string();
+        self.body.push('\n');
     }
 
     /// The drawing, below its title.
-    pub(super) fn finish(self, title: &str) -> String {
-        let (width, height) = (self.width, self.height);
-        format!(
-            "<div class=\"panel\"><h3>{0}</h3>\n<svg role=\"img\" aria-label=\"{0}\" width=\"{width:.0}\" height=\"{height:.0}\" \
-             viewBox=\"0 0 {width:.0} {height:.0}\">\n{1}</svg></div>\n",
-            escaped(title),
-            self.body
-        )
+    pub(super) fn finish(self, title: &str) -> Markup {
+        let (width, height) = (self.width.round(), self.height.round());
+        html! {
+            div.panel {
+                h3 { (title) }
+                svg role="img" aria-label=(title) width=(width) height=(height)
+                    viewBox={ "0 0 " (width) " " (height) } { (PreEscaped(self.body)) }
+            }
+        }
     }
+}
+
+fn listed(points: &[(f64, f64)]) -> String {
+    points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ")
 }
 
 /// How wide a text of small letters is, roughly.
@@ -97,19 +107,4 @@ pub(super) fn colour(index: usize) -> String {
         None => "c0".to_owned(),
         Some(ours) => format!("c{}", ours % COLOURS + 1),
     }
-}
-
-/// Text that may stand in HTML and SVG, in quotes too.
-pub(super) fn escaped(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => safe += "&amp;",
-            '<' => safe += "&lt;",
-            '>' => safe += "&gt;",
-            '"' => safe += "&quot;",
-            other => safe.push(other),
-        }
-    }
-    safe
 }

@@ -2,11 +2,12 @@
 
 use super::svg::{Anchor, Svg, width_of};
 use crate::reproduce::figure::{TreeNode, TreeNodeKind, TreePicture};
+use maud::Markup;
 
 const LINE: f64 = 24.0;
 const INDENT: f64 = 22.0;
 
-pub(super) fn draw(tree: &TreePicture) -> String {
+pub(super) fn draw(tree: &TreePicture) -> Markup {
     let right = |node: &TreeNode| INDENT * node.level as f64 + width_of(&node.name) + 40.0;
     let width = tree.nodes.iter().map(right).fold(160.0, f64::max);
     let mut svg = Svg::new(width, LINE * tree.nodes.len() as f64 + 6.0);

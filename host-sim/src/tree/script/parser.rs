@@ -1,7 +1,15 @@
-//! From words to expressions.
+//! From text to expressions.
 
-use super::token::{Kind, Token, tokens};
 use super::{Assignment, Binary, Comparison, Expression, Prefix, Scalar};
+use winnow::ascii::{digit1, hex_digit1};
+use winnow::combinator::{
+    Infix, alt, cut_err, delimited, eof, expression, fail, not, opt, preceded, repeat, repeat_till,
+    terminated,
+};
+use winnow::error::{ContextError, ErrMode, StrContext, StrContextValue};
+use winnow::prelude::*;
+use winnow::stream::Stateful;
+use winnow::token::{one_of, take_till, take_while};
 
 /// The deepest nesting of expressions that is read.
 const MAX_DEPTH: usize = 100;
@@ -9,220 +17,244 @@ const MAX_DEPTH: usize = 100;
 /// The most operators of a script.
 const MAX_OPERATORS: usize = 1000;
 
-pub(super) fn statements(text: &str) -> Result<Vec<Expression>, String> {
-    let mut parser = Parser { text, tokens: tokens(text), at: 0, depth: 0, operators: 0 };
-    let mut statements = Vec::new();
-    while parser.peek().kind != Kind::End {
-        statements.push(parser.expression(0)?);
-        while parser.takes(";") {}
-    }
-    Ok(statements)
-}
+/// What is left to read, and what was met on the way.
+type Text<'t> = Stateful<&'t str, Met>;
 
-struct Parser<'t> {
-    text: &'t str,
-    tokens: Vec<Token<'t>>,
-    at: usize,
+#[derive(Debug, Default)]
+struct Met {
     depth: usize,
     operators: usize,
 }
 
-const ASSIGNMENT: u8 = 2;
-const CHOICE: u8 = 4;
-const COMPARISON: u8 = 10;
-const PREFIX: u8 = 20;
+/// The statements of a script.
+///
+/// # Errors
+/// What is wrong and at which character.
+pub(super) fn statements(text: &str) -> Result<Vec<Expression>, String> {
+    let ends = repeat::<_, _, (), _, _>(0.., word(";"));
+    let script = repeat_till(0.., terminated(statement, ends), (blanks, eof));
+    let input = Stateful { input: text, state: Met::default() };
+    script
+        .map(|(statements, _)| statements)
+        .parse(input)
+        .map_err(|error| reason(text, error.offset(), error.inner()))
+}
 
-impl<'t> Parser<'t> {
-    fn peek(&self) -> Token<'t> {
-        let end = Token { kind: Kind::End, text: "", at: self.text.len() };
-        self.tokens.get(self.at).copied().unwrap_or(end)
-    }
-
-    fn next(&mut self) -> Token<'t> {
-        let token = self.peek();
-        self.at += 1;
-        token
-    }
-
-    fn takes(&mut self, operator: &str) -> bool {
-        let token = self.peek();
-        let is_next = token.kind == Kind::Operator && token.text == operator;
-        self.at += usize::from(is_next);
-        is_next
-    }
-
-    fn expect(&mut self, operator: &str) -> Result<(), String> {
-        if self.takes(operator) { Ok(()) } else { Err(self.expected(&format!("'{operator}'"))) }
-    }
-
-    fn expected(&self, what: &str) -> String {
-        let token = self.peek();
-        match token.kind {
-            Kind::End => format!("expected {what} at the end"),
-            Kind::Wrong => self.wrong(token),
-            _ => format!("expected {what}, found '{}' {}", token.text, self.place(token)),
+/// The innermost thing that was expected, and what was found in its place.
+fn reason(text: &str, at: usize, error: &ContextError) -> String {
+    let rest = text.get(at..).unwrap_or_default().trim_start();
+    let place = 1 + text.chars().count() - rest.chars().count();
+    let is_part = |sign: char| sign.is_alphanumeric() || matches!(sign, '_' | '@' | '.');
+    let word = rest.split(|sign| !is_part(sign)).next().unwrap_or_default();
+    let first = rest.chars().next().map_or(0, char::len_utf8);
+    let found = &rest[..word.len().max(first)];
+    match error.context().next() {
+        Some(StrContext::Label(label)) => format!("{label}, at character {place}"),
+        Some(StrContext::Expected(wanted)) if found.is_empty() => format!("expected {wanted} at the end"),
+        Some(StrContext::Expected(wanted)) => {
+            format!("expected {wanted}, found '{found}' at character {place}")
         }
-    }
-
-    fn wrong(&self, token: Token<'_>) -> String {
-        format!("'{}' {} is nothing that a script knows", token.text, self.place(token))
-    }
-
-    fn place(&self, token: Token<'_>) -> String {
-        format!("at character {}", 1 + self.text.get(..token.at).unwrap_or_default().chars().count())
-    }
-
-    /// Reads what binds at least as tightly as `least`.
-    fn expression(&mut self, least: u8) -> Result<Expression, String> {
-        self.depth += 1;
-        if self.depth > MAX_DEPTH {
-            return Err(format!("more than {MAX_DEPTH} expressions in each other"));
-        }
-        let mut left = self.operand()?;
-        loop {
-            let token = self.peek();
-            if token.kind == Kind::Wrong {
-                return Err(self.wrong(token));
-            }
-            let Some(power) = power(token).filter(|power| *power >= least) else { break };
-            self.operators += 1;
-            if self.operators > MAX_OPERATORS {
-                return Err(format!("more than {MAX_OPERATORS} operators"));
-            }
-            left = match power {
-                ASSIGNMENT => self.assignment(left)?,
-                CHOICE => self.choice(left)?,
-                COMPARISON => self.comparison(left)?,
-                _ => self.binary(left, power)?,
-            };
-            if matches!(power, ASSIGNMENT | CHOICE) {
-                break;
-            }
-        }
-        self.depth -= 1;
-        Ok(left)
-    }
-
-    fn operand(&mut self) -> Result<Expression, String> {
-        let token = self.peek();
-        match token.kind {
-            Kind::Integer | Kind::Real | Kind::Text | Kind::Truth => {
-                self.next();
-                let literal = literal(token).ok_or_else(|| self.wrong(token))?;
-                Ok(Expression::Literal(literal))
-            }
-            Kind::Name => Ok(Expression::Name(self.next().text.to_owned())),
-            Kind::Operator if token.text == "(" => {
-                self.next();
-                let inner = self.expression(0)?;
-                self.expect(")")?;
-                Ok(inner)
-            }
-            _ => {
-                let prefix = match token.text {
-                    "-" => Prefix::Minus,
-                    "~" => Prefix::Complement,
-                    "!" => Prefix::Not,
-                    _ => return Err(self.expected("a value")),
-                };
-                self.next();
-                Ok(Expression::Prefix(prefix, Box::new(self.expression(PREFIX)?)))
-            }
-        }
-    }
-
-    fn assignment(&mut self, target: Expression) -> Result<Expression, String> {
-        let token = self.next();
-        let Expression::Name(name) = target else {
-            return Err(format!("only a variable can be assigned to, {}", self.place(token)));
-        };
-        let kind = match token.text {
-            ":=" => Assignment::Create,
-            "+=" => Assignment::Change(Binary::Add),
-            "-=" => Assignment::Change(Binary::Subtract),
-            "*=" => Assignment::Change(Binary::Multiply),
-            "/=" => Assignment::Change(Binary::Divide),
-            _ => Assignment::Set,
-        };
-        Ok(Expression::Assignment(kind, name, Box::new(self.expression(0)?)))
-    }
-
-    fn choice(&mut self, condition: Expression) -> Result<Expression, String> {
-        self.next();
-        let then = self.expression(0)?;
-        self.expect(":")?;
-        let otherwise = self.expression(CHOICE)?;
-        Ok(Expression::Choice(Box::new([condition, then, otherwise])))
-    }
-
-    fn comparison(&mut self, first: Expression) -> Result<Expression, String> {
-        let mut others = Vec::new();
-        while let Some(comparison) = comparison(self.peek()) {
-            self.next();
-            others.push((comparison, self.expression(COMPARISON + 1)?));
-        }
-        Ok(Expression::Comparison(Box::new(first), others))
-    }
-
-    fn binary(&mut self, left: Expression, power: u8) -> Result<Expression, String> {
-        let token = self.next();
-        let binary = match token.text {
-            "||" => Binary::Or,
-            "&&" => Binary::And,
-            "|" => Binary::BitOr,
-            "^" => Binary::BitXor,
-            "&" => Binary::BitAnd,
-            "+" => Binary::Add,
-            "-" => Binary::Subtract,
-            ".." => Binary::Concatenate,
-            "*" => Binary::Multiply,
-            _ => Binary::Divide,
-        };
-        let right = self.expression(power + 1)?;
-        Ok(Expression::Binary(binary, Box::new(left), Box::new(right)))
+        _ => format!("a script has no '{found}' at character {place}"),
     }
 }
 
-/// How tightly an operator between two operands binds them.
-fn power(token: Token<'_>) -> Option<u8> {
-    if token.kind != Kind::Operator {
-        return None;
+fn expected(what: &'static str) -> StrContext {
+    StrContext::Expected(StrContextValue::Description(what))
+}
+
+/// Refuses what was just read.
+fn refused<T>(label: &'static str, input: &mut Text<'_>) -> ModalResult<T> {
+    cut_err(fail).context(StrContext::Label(label)).parse_next(input)
+}
+
+/// An assignment, or a choice.
+fn statement(input: &mut Text<'_>) -> ModalResult<Expression> {
+    nested(
+        |input| {
+            let first = logic(input)?;
+            let start = input.checkpoint();
+            let kind = opt(sign.verify_map(assignment)).parse_next(input)?;
+            match (kind, first) {
+                (None, condition) => choice(condition, input),
+                (Some(kind), Expression::Name(name)) => {
+                    Ok(Expression::Assignment(kind, name, Box::new(statement(input)?)))
+                }
+                (Some(_), _) => {
+                    input.reset(&start);
+                    refused("only a variable can be assigned to", input)
+                }
+            }
+        },
+        input,
+    )
+}
+
+/// What follows a condition, or the condition itself.
+fn choice(condition: Expression, input: &mut Text<'_>) -> ModalResult<Expression> {
+    if opt(word("?")).parse_next(input)?.is_none() {
+        return Ok(condition);
     }
-    Some(match token.text {
-        ":=" | "=" | "+=" | "-=" | "*=" | "/=" => ASSIGNMENT,
-        "?" => CHOICE,
-        "||" => 6,
-        "&&" => 8,
-        "==" | "!=" | "<" | ">" | "<=" | ">=" => COMPARISON,
-        "|" | "^" => 12,
-        "&" => 14,
-        "+" | "-" | ".." => 16,
-        "*" | "/" => 18,
+    let then = statement(input)?;
+    cut_err(word(":")).context(expected("':'")).parse_next(input)?;
+    let otherwise = nested(|input| logic(input).and_then(|condition| choice(condition, input)), input)?;
+    Ok(Expression::Choice(Box::new([condition, then, otherwise])))
+}
+
+/// Conjunctions and disjunctions of comparisons.
+fn logic(input: &mut Text<'_>) -> ModalResult<Expression> {
+    let infix = sign.verify_map(|sign| {
+        Some(match sign {
+            "||" => Infix::Left(1, |input, a, b| binary(Binary::Or, a, b, input)),
+            "&&" => Infix::Left(2, |input, a, b| binary(Binary::And, a, b, input)),
+            _ => return None,
+        })
+    });
+    expression(comparison).prefix(fail).infix(infix).parse_next(input)
+}
+
+/// A value and all that it is compared with.
+fn comparison(input: &mut Text<'_>) -> ModalResult<Expression> {
+    let first = arithmetic(input)?;
+    let others: Vec<_> = repeat(0.., (sign.verify_map(comparison_sign), arithmetic)).parse_next(input)?;
+    Ok(if others.is_empty() { first } else { Expression::Comparison(Box::new(first), others) })
+}
+
+/// What is worked out from values.
+fn arithmetic(input: &mut Text<'_>) -> ModalResult<Expression> {
+    let infix = sign.verify_map(|sign| {
+        Some(match sign {
+            "|" => Infix::Left(1, |input, a, b| binary(Binary::BitOr, a, b, input)),
+            "^" => Infix::Left(1, |input, a, b| binary(Binary::BitXor, a, b, input)),
+            "&" => Infix::Left(2, |input, a, b| binary(Binary::BitAnd, a, b, input)),
+            "+" => Infix::Left(3, |input, a, b| binary(Binary::Add, a, b, input)),
+            "-" => Infix::Left(3, |input, a, b| binary(Binary::Subtract, a, b, input)),
+            ".." => Infix::Left(3, |input, a, b| binary(Binary::Concatenate, a, b, input)),
+            "*" => Infix::Left(4, |input, a, b| binary(Binary::Multiply, a, b, input)),
+            "/" => Infix::Left(4, |input, a, b| binary(Binary::Divide, a, b, input)),
+            _ => return None,
+        })
+    });
+    expression(operand).prefix(fail).infix(infix).parse_next(input)
+}
+
+fn binary(
+    operator: Binary,
+    left: Expression,
+    right: Expression,
+    input: &mut Text<'_>,
+) -> ModalResult<Expression> {
+    input.state.operators += 1;
+    if input.state.operators > MAX_OPERATORS {
+        return refused("more than 1000 operators", input);
+    }
+    Ok(Expression::Binary(operator, Box::new(left), Box::new(right)))
+}
+
+/// A value, or a sign before one.
+fn operand(input: &mut Text<'_>) -> ModalResult<Expression> {
+    if let Some(prefix) = opt(sign.verify_map(prefix)).parse_next(input)? {
+        return Ok(Expression::Prefix(prefix, Box::new(nested(operand, input)?)));
+    }
+    let inner = delimited(word("("), statement, cut_err(word(")")).context(expected("')'")));
+    let value = alt((inner, text, number, name));
+    cut_err(preceded(blanks, value)).context(expected("a value")).parse_next(input)
+}
+
+fn text(input: &mut Text<'_>) -> ModalResult<Expression> {
+    let end = cut_err("'").context(expected("a closing quote"));
+    let text = delimited("'", take_till(0.., '\''), end);
+    text.map(|text: &str| Expression::Literal(Scalar::Text(text.to_owned()))).parse_next(input)
+}
+
+fn number(input: &mut Text<'_>) -> ModalResult<Expression> {
+    let hexadecimal = preceded(alt(("0x", "0X")), hex_digit1)
+        .verify_map(|digits| i64::from_str_radix(digits, 16).ok().map(Scalar::Integer));
+    let fraction = preceded(('.', not('.')), digit1);
+    let exponent = preceded((one_of(['e', 'E']), opt(one_of(['+', '-']))), digit1);
+    let decimal = (digit1, opt(fraction), opt(exponent)).take().verify_map(|word: &str| {
+        let is_whole = word.bytes().all(|digit| digit.is_ascii_digit());
+        if is_whole { word.parse().ok().map(Scalar::Integer) } else { word.parse().ok().map(Scalar::Real) }
+    });
+    let end = not(one_of(|sign: char| is_part_of_name(sign) || sign == '@'));
+    let number = terminated(alt((hexadecimal, decimal)), end);
+    number.map(Expression::Literal).parse_next(input)
+}
+
+/// A variable, or a truth value.
+fn name(input: &mut Text<'_>) -> ModalResult<Expression> {
+    let first = one_of(|sign: char| sign.is_ascii_alphabetic() || matches!(sign, '_' | '@'));
+    let name = (first, take_while(0.., is_part_of_name)).take();
+    let mut value = name.map(|name: &str| match name {
+        "true" => Expression::Literal(true.into()),
+        "false" => Expression::Literal(false.into()),
+        name => Expression::Name(name.to_owned()),
+    });
+    value.parse_next(input)
+}
+
+fn is_part_of_name(sign: char) -> bool {
+    sign.is_ascii_alphanumeric() || sign == '_'
+}
+
+/// What `read` reads, one level deeper.
+fn nested(
+    mut read: impl FnMut(&mut Text<'_>) -> ModalResult<Expression>,
+    input: &mut Text<'_>,
+) -> ModalResult<Expression> {
+    input.state.depth += 1;
+    if input.state.depth > MAX_DEPTH {
+        return refused("more than 100 expressions in each other", input);
+    }
+    let inner = read(input)?;
+    input.state.depth -= 1;
+    Ok(inner)
+}
+
+fn blanks<'t>(input: &mut Text<'t>) -> ModalResult<&'t str> {
+    take_while(0.., [' ', '\t', '\n', '\r']).parse_next(input)
+}
+
+/// The next sign, the longest that there is.
+fn sign<'t>(input: &mut Text<'t>) -> ModalResult<&'t str> {
+    let pairs = alt(["..", "&&", "||", "==", "!=", "<=", ">=", ":=", "+=", "-=", "*=", "/="]);
+    let single = one_of(|sign| "+-*/&|^~!<>=?:();".contains(sign)).take();
+    preceded(blanks, alt((pairs, single))).parse_next(input)
+}
+
+/// This very sign.
+fn word<'t>(wanted: &'static str) -> impl Parser<Text<'t>, &'t str, ErrMode<ContextError>> {
+    sign.verify(move |sign: &str| sign == wanted)
+}
+
+fn prefix(sign: &str) -> Option<Prefix> {
+    Some(match sign {
+        "-" => Prefix::Minus,
+        "~" => Prefix::Complement,
+        "!" => Prefix::Not,
         _ => return None,
     })
 }
 
-fn comparison(token: Token<'_>) -> Option<Comparison> {
-    Some(match (token.kind, token.text) {
-        (Kind::Operator, "==") => Comparison::Equal,
-        (Kind::Operator, "!=") => Comparison::Unequal,
-        (Kind::Operator, "<") => Comparison::Less,
-        (Kind::Operator, ">") => Comparison::Greater,
-        (Kind::Operator, "<=") => Comparison::LessOrEqual,
-        (Kind::Operator, ">=") => Comparison::GreaterOrEqual,
+fn comparison_sign(sign: &str) -> Option<Comparison> {
+    Some(match sign {
+        "==" => Comparison::Equal,
+        "!=" => Comparison::Unequal,
+        "<" => Comparison::Less,
+        ">" => Comparison::Greater,
+        "<=" => Comparison::LessOrEqual,
+        ">=" => Comparison::GreaterOrEqual,
         _ => return None,
     })
 }
 
-fn literal(token: Token<'_>) -> Option<Scalar> {
-    let text = token.text;
-    Some(match token.kind {
-        Kind::Text => Scalar::Text(text.trim_matches('\'').to_owned()),
-        Kind::Truth => Scalar::Real(if text == "true" { 1.0 } else { 0.0 }),
-        Kind::Real => Scalar::Real(text.parse().ok()?),
-        _ => Scalar::Integer(match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
-            Some(digits) => i64::from_str_radix(digits, 16).ok()?,
-            None => text.parse().ok()?,
-        }),
+fn assignment(sign: &str) -> Option<Assignment> {
+    Some(match sign {
+        ":=" => Assignment::Create,
+        "=" => Assignment::Set,
+        "+=" => Assignment::Change(Binary::Add),
+        "-=" => Assignment::Change(Binary::Subtract),
+        "*=" => Assignment::Change(Binary::Multiply),
+        "/=" => Assignment::Change(Binary::Divide),
+        _ => return None,
     })
 }

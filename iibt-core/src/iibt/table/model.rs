@@ -1,15 +1,15 @@
 //! The tables as models of `inference`: the only file that knows how those are built and used.
 
+use super::Command;
 use super::definition::{
     Accuracy, HiddenFactor, JointOutcome, Labels, MAX_FACTORS, MAX_OPERATORS, MAX_SENSORS, MAX_STATES,
     Postcondition, Reads, Role, Tables,
 };
-use super::{Command, SenseError};
 use crate::actions::Action;
 use crate::inference::likelihood::Dense;
 use crate::inference::{
     Beliefs, Candidates, Control, Evaluation, Evidence, Factor, Habits, IdentityNoise, Likelihood, Modality,
-    Model, Policy, Preference, Problem, Scoring, Shape, Transition,
+    Model, ObservationError, Policy, Preference, Problem, Scoring, Shape, Transition,
 };
 use crate::team::MAX_TEAM;
 use heapless::Vec;
@@ -190,7 +190,7 @@ fn with_own_model<T>(role: &Role<'_>, target: Option<u8>, then: impl FnOnce(&Mod
 
 /// The belief over a role's hidden factors before the first reading.
 pub(super) fn prior<const S: usize>(role: &Role<'_>) -> Option<Beliefs<S, 1>> {
-    with_own_model(role, None, Beliefs::prior)
+    with_own_model(role, None, |model| Beliefs::try_prior(model).ok())?
 }
 
 /// How likely a robot takes itself to be in any state at all, so that no reading is ever impossible.
@@ -202,31 +202,26 @@ pub(super) fn track<const S: usize>(
     role: &Role<'_>,
     ended: Option<Command>,
     readings: &[Option<u8>],
-) -> Result<f32, SenseError> {
+) -> Result<f32, ObservationError> {
     let target = ended.and_then(|command| command.target);
     let updated = with_own_model(role, target, |model| {
         if let Some(command) = ended {
-            beliefs.predict(model, &[Some(command.operator)]);
+            beliefs.predict(model, &[Some(command.operator)])?;
         }
         let mut doubt = *beliefs;
         for (factor, of) in role.factors.iter().enumerate() {
-            doubt.set(model, factor, [1.0; MAX_STATES].get(..of.states.len()).unwrap_or(&[]));
+            doubt.set(model, factor, [1.0; MAX_STATES].get(..of.states.len()).unwrap_or(&[]))?;
         }
         beliefs.mix(&doubt, DOUBT);
         let mut evidence = [Evidence::Missing; MAX_SENSORS];
-        for ((evidence, reading), modality) in evidence.iter_mut().zip(readings).zip(model.modalities()) {
-            *evidence = match *reading {
-                Some(outcome) if usize::from(outcome) < modality.shape().values() => {
-                    Evidence::Outcome(usize::from(outcome))
-                }
-                Some(outcome) => return Err(SenseError::NoSuchReading(outcome)),
-                None => Evidence::Missing,
-            };
+        for (evidence, reading) in evidence.iter_mut().zip(readings) {
+            *evidence = reading.map_or(Evidence::Missing, |outcome| Evidence::Outcome(usize::from(outcome)));
         }
-        let updated = beliefs.update(model, evidence.get(..model.modalities().len()).unwrap_or(&[]));
-        updated.map(|update| update.free_energy).map_err(SenseError::Impossible)
+        let update = beliefs.update(model, evidence.get(..role.sensors.len()).unwrap_or(&[]))?;
+        Ok(update.free_energy)
     });
-    updated.unwrap_or(Err(SenseError::NoModel))
+    // Checked tables are a model.
+    updated.unwrap_or(Ok(0.0))
 }
 
 /// What a joint decision is made from.
@@ -249,8 +244,8 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
     /// Algorithm 2 over the joint policies.
     pub(super) fn answer<const P: usize>(&self) -> Option<Answer<S, N, P>> {
         self.with_model(|model| {
-            let mut beliefs = Beliefs::<S, N>::prior(model);
-            beliefs.set(model, self.own, self.states);
+            let mut beliefs = Beliefs::<S, N>::try_prior(model).ok()?;
+            beliefs.set(model, self.own, self.states).ok()?;
             for (robot, announced) in self.announced.iter().enumerate().take(self.tables.robots()) {
                 if let Some(state) = announced {
                     // A message is read like a sensor; the flat prior leaves no outcome impossible that
@@ -262,11 +257,11 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
             for (robot, row) in rows.iter_mut().enumerate() {
                 crate::math::assign(row, beliefs.of(model, robot));
             }
-            (rows, self.posterior(model, &beliefs))
-        })
+            Some((rows, self.posterior(model, &beliefs)?))
+        })?
     }
 
-    fn posterior<const P: usize>(&self, model: &Model, beliefs: &Beliefs<S, N>) -> [f32; P] {
+    fn posterior<const P: usize>(&self, model: &Model, beliefs: &Beliefs<S, N>) -> Option<[f32; P]> {
         let policies: [_; MAX_OPERATORS] = core::array::from_fn(|code| {
             let mut policy = Policy::EMPTY;
             // There is room, and the code is below 16.
@@ -294,9 +289,9 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
         let problem =
             Problem { preferences: &preferences, ..Problem::new(model, beliefs, candidates, scoring) };
         let mut evaluation = Evaluation::<S, N, 1, P>::new();
-        evaluation.evaluate(&problem);
+        evaluation.evaluate(&problem).ok()?;
         let posterior = evaluation.posterior();
-        core::array::from_fn(|policy| posterior.as_flattened().get(policy).copied().unwrap_or(0.0))
+        Some(core::array::from_fn(|policy| posterior.as_flattened().get(policy).copied().unwrap_or(0.0)))
     }
 
     /// Puts the model of a decision together for `then`: a factor and a modality for each robot, and the

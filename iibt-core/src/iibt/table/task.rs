@@ -5,7 +5,7 @@ use super::definition::{Aim, Fact, Holds, MAX_SENSORS, Operator, Postcondition, 
 use super::error::TablesError;
 use super::model::{Question, prior, track};
 use crate::iibt::{Condition, Literal, Logic, Task};
-use crate::inference::{Beliefs, Impossible, Preference};
+use crate::inference::{Beliefs, ObservationError, Preference};
 use crate::math;
 use crate::team::{Invalid, MAX_TEAM, Peers, RobotId};
 use crate::time::Instant;
@@ -44,18 +44,6 @@ pub enum Plan {
     Take(u16),
 }
 
-/// Why readings changed no belief.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum SenseError {
-    /// They have probability zero under the belief.
-    Impossible(Impossible),
-    /// A sensor has no such reading: what drives it and the tables differ.
-    NoSuchReading(u8),
-    /// The tables are no model, which those of [`Tables::new`] always are.
-    NoModel,
-}
-
 /// C of all robots as one robot has it, raises included, and where they lead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted<const S: usize, const N: usize> {
@@ -76,7 +64,7 @@ pub struct Offered<const N: usize> {
 
 /// The last decision: what it was made from and what came of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Decision<const S: usize, const N: usize, const P: usize> {
+pub struct JointDecision<const S: usize, const N: usize, const P: usize> {
     /// C of each robot as it was, raises included.
     pub preferences: [[f32; S]; N],
     /// q(s) of each robot.
@@ -98,7 +86,7 @@ pub struct TableTask<'a, const S: usize, const N: usize, const P: usize> {
     own: usize,
     aim: &'a Aim<'a>,
     beliefs: Beliefs<S, 1>,
-    surprise: Result<f32, SenseError>,
+    surprise: Result<f32, ObservationError>,
     /// What teammates announced last.
     said: [Option<Announcement>; N],
     observed: Option<Instant>,
@@ -106,7 +94,7 @@ pub struct TableTask<'a, const S: usize, const N: usize, const P: usize> {
     /// What is under way.
     pending: Option<Command>,
     command: Option<Command>,
-    decision: Option<Decision<S, N, P>>,
+    decision: Option<JointDecision<S, N, P>>,
 }
 
 impl<'a, const S: usize, const N: usize, const P: usize> TableTask<'a, S, N, P> {
@@ -173,7 +161,7 @@ impl<'a, const S: usize, const N: usize, const P: usize> TableTask<'a, S, N, P> 
 
     /// The decision of this tick, if one was made.
     #[must_use]
-    pub const fn decision(&self) -> Option<&Decision<S, N, P>> {
+    pub const fn decision(&self) -> Option<&JointDecision<S, N, P>> {
         self.decision.as_ref()
     }
 
@@ -248,8 +236,8 @@ impl<'a, const S: usize, const N: usize, const P: usize> TableTask<'a, S, N, P> 
     /// F of the last readings, the surprise -ln P(o), in nats.
     ///
     /// # Errors
-    /// [`SenseError`] when they changed no belief.
-    pub const fn surprise(&self) -> Result<f32, SenseError> {
+    /// [`ObservationError`] when they changed no belief.
+    pub const fn surprise(&self) -> Result<f32, ObservationError> {
         self.surprise
     }
 
@@ -304,7 +292,8 @@ impl<'a, const S: usize, const N: usize, const P: usize> TableTask<'a, S, N, P> 
 
     /// The posterior probability of the last choice; one before the first.
     fn probability(&self) -> f32 {
-        let of = |decision: &Decision<S, N, P>| decision.posterior.get(usize::from(decision.choice)).copied();
+        let of =
+            |decision: &JointDecision<S, N, P>| decision.posterior.get(usize::from(decision.choice)).copied();
         self.decision.as_ref().and_then(of).unwrap_or(1.0)
     }
 
@@ -345,7 +334,7 @@ impl<'a, const S: usize, const N: usize, const P: usize> TableTask<'a, S, N, P> 
         best.map(|(policy, _)| policy)
     }
 
-    fn decide(&self, offered: &Offered<N>, wanted: &Wanted<S, N>) -> Option<Decision<S, N, P>> {
+    fn decide(&self, offered: &Offered<N>, wanted: &Wanted<S, N>) -> Option<JointDecision<S, N, P>> {
         let states = self.states();
         let possible = |operator: u8| self.unmet_of(operator, offered.target).is_none();
         let outcome = self.role.outcome.as_ref().filter(|outcome| outcome.possible.is_none_or(possible));
@@ -360,7 +349,7 @@ impl<'a, const S: usize, const N: usize, const P: usize> TableTask<'a, S, N, P> 
         let (beliefs, posterior) = question.answer()?;
         let choice = self.best(&posterior, &offered.announced)?;
         let preferences = wanted.rows.each_ref().map(Preference::values);
-        Some(Decision { preferences, beliefs, posterior, choice })
+        Some(JointDecision { preferences, beliefs, posterior, choice })
     }
 }
 

@@ -31,24 +31,18 @@ pub(super) fn only_control<const S: usize, const G: usize>(
     moves.then(|| moved_by.trailing_zeros() as u8)
 }
 
-/// A number for what a joint policy does to a group; `None` where numbers are too small. Sequences that do not exist stay,
-/// and count as one.
+/// A number for what a joint policy does to a group; that numbers are large enough was checked.
 pub(super) fn key<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     group: usize,
     row: &Row,
-) -> Option<u32> {
+) -> u32 {
     if problem.scope >> group & 1 == 0 {
-        return Some(0);
+        return 0;
     }
-    controls(problem.model, group).try_fold(0, |key: u32, control| {
-        let choices = problem.candidates.choices(control);
-        let sequence = row.get(control).min(choices);
-        if key == 0 {
-            Some(sequence as u32)
-        } else {
-            key.checked_mul(choices as u32 + 1)?.checked_add(sequence as u32)
-        }
+    controls(problem.model, group).fold(0, |key: u32, control| {
+        let choices = problem.candidates.choices(control) as u32;
+        key.wrapping_mul(choices).wrapping_add(row.get(control) as u32)
     })
 }
 
@@ -60,7 +54,7 @@ pub(in crate::inference) fn action_of<const S: usize, const G: usize>(
     step: usize,
 ) -> Option<Action> {
     let Some(control) = problem.model.control(factor) else { return Some(0) };
-    problem.action(sequence(problem, control, &problem.candidates.row(policy)), step)
+    sequence(problem, control, &problem.candidates.row(policy)).get(step)
 }
 
 /// After how many steps a group arrives: when the last of its action sequences ends.

@@ -297,7 +297,7 @@ mod tests {
             assert!((soft.probability(outcome, &[1, 0]) - p).abs() < 1e-6);
         }
         soft = hard.clone();
-        soft.learn(Evidence::Soft(&[0.0, 3.0]), &[&[0.5, 0.5], &[0.5, 0.5]]);
+        soft.learn(Evidence::Soft(&[0.0, 3.0, 0.0]), &[&[0.5, 0.5], &[0.5, 0.5]]);
         hard.learn(Evidence::Outcome(1), &[&[0.5, 0.5], &[0.5, 0.5]]);
         assert_eq!(soft.columns.get(2), hard.columns.get(2));
     }

@@ -180,6 +180,10 @@ impl<const S: usize, const C: usize, const U: usize> Transition for TransitionCo
         self.counts(action, states).map_or(0.0, |column| column.probability(next))
     }
 
+    fn actions(&self) -> u8 {
+        U as u8
+    }
+
     fn predict(&self, _: &Shape, action: Action, beliefs: &[&[f32]], to: &mut [f32]) {
         match self.actions.get(usize::from(action)) {
             Some(columns) => math::assign(to, &columns.predict(&Columns::<S, C>::masses(beliefs))),
@@ -454,7 +458,7 @@ mod tests {
             let scoring = Scoring { credit: Credit::EveryStep, ..Scoring::DEFAULT };
             let problem = Problem::new(&model, &beliefs, Candidates::all(&among), scoring);
             let mut evaluation = Evaluation::<4, 1, 2, 2>::new();
-            evaluation.evaluate(&problem);
+            evaluation.evaluate(&problem).unwrap();
             let [first, second] = [0, 1].map(|policy| evaluation.terms()[policy].utility);
             (evaluation.best(), first - second)
         };
@@ -472,7 +476,7 @@ mod tests {
             let model = Model::new(&factors, &modalities);
             let before = Beliefs::<4, 1>::prior(&model);
             let mut after = before;
-            after.predict(&model, &[Some(0)]);
+            after.predict(&model, &[Some(0)]).unwrap();
             if after.update(&model, &[Evidence::Outcome(seen)]).is_ok() {
                 let (before, after) = (before.as_flat(), after.as_flat());
                 assert!(drive.learn(0, &[before], after));

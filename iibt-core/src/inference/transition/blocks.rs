@@ -102,4 +102,8 @@ impl Transition for Blocks<'_> {
         }
         stay_without_mass(beliefs, to);
     }
+
+    fn actions(&self) -> u8 {
+        self.blocks.iter().map(|(_, block)| block.actions()).min().unwrap_or(0)
+    }
 }

@@ -81,4 +81,9 @@ impl Transition for Dense<'_> {
         let rows = matrix.chunks_exact(shape.columns().unwrap_or(1).max(1));
         to.iter_mut().zip(rows).for_each(|(next, row)| *next = table::contract(row, beliefs));
     }
+
+    fn actions(&self) -> u8 {
+        let matrix = self.shape.columns().map_or(0, |columns| columns * self.shape.values());
+        self.table.len().checked_div(matrix).map_or(0, |actions| actions as u8)
+    }
 }

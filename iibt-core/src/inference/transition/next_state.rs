@@ -161,6 +161,10 @@ impl Transition for NextState<'_> {
             }
         }
     }
+
+    fn actions(&self) -> u8 {
+        self.table.len().checked_div(usize::from(self.states)).map_or(0, |rows| rows as u8)
+    }
 }
 
 #[cfg(test)]

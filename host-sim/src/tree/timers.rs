@@ -8,7 +8,7 @@ use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::{Node, Status, Transition};
 
 /// The timers of a table's rows.
-pub(super) struct Alarms {
+pub(super) struct Timers {
     timers: Vec<Timer>,
     now: Instant,
     /// Whether a timer has gone off that nobody has taken notice of.
@@ -22,7 +22,7 @@ struct Timer {
     started: Option<Instant>,
 }
 
-impl Alarms {
+impl Timers {
     pub(super) fn new(rows: &[Node<u16>]) -> Self {
         let timers = rows.iter().map(|row| Timer { length: length(row), started: None });
         Self { timers: timers.collect(), now: Instant(0), pending: false }

@@ -7,7 +7,7 @@ use super::table::Tree;
 /// The size of a tree: its nodes by kind, and its levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Census {
+pub struct NodeCounts {
     /// Sequences, reactive ones included.
     pub sequences: usize,
     /// Fallbacks, reactive ones included.
@@ -26,7 +26,7 @@ pub struct Census {
     pub depth: usize,
 }
 
-impl Census {
+impl NodeCounts {
     /// All nodes.
     #[must_use]
     pub const fn total(&self) -> usize {
@@ -63,8 +63,8 @@ impl Census {
 impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
     /// Counts the nodes by kind and the levels; time grows as nodes times levels.
     #[must_use]
-    pub const fn census(&self) -> Census {
-        let mut census = Census {
+    pub const fn counts(&self) -> NodeCounts {
+        let mut counts = NodeCounts {
             sequences: 0,
             fallbacks: 0,
             controls: 0,
@@ -76,14 +76,14 @@ impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
         };
         let mut at = 0;
         while at < N {
-            census.count(&self.rows[at].node);
+            counts.count(&self.rows[at].node);
             let level = self.level(at);
-            if level > census.depth {
-                census.depth = level;
+            if level > counts.depth {
+                counts.depth = level;
             }
             at += 1;
         }
-        census
+        counts
     }
 
     /// The level of the node in row `at`, 1 for the root and 0 past the end.
@@ -111,8 +111,8 @@ mod tests {
                 Inference("MoveToGoal"),
             }
         };
-        const CENSUS: Census = MISSION.census();
-        let expected = Census {
+        const COUNTS: NodeCounts = MISSION.counts();
+        let expected = NodeCounts {
             sequences: 1,
             fallbacks: 1,
             controls: 0,
@@ -122,8 +122,8 @@ mod tests {
             inferences: 1,
             depth: 3,
         };
-        assert_eq!(CENSUS, expected);
-        assert_eq!(CENSUS.total(), 5);
+        assert_eq!(COUNTS, expected);
+        assert_eq!(COUNTS.total(), 5);
     }
 
     /// Table 7, the classical tree of the second robot: figures 14 (right) and 16a.
@@ -142,9 +142,9 @@ mod tests {
                 Action("MoveTo(Goal C)"),
             }
         };
-        let census = tree.census();
-        let counts = (census.sequences, census.fallbacks, census.conditions, census.actions);
-        assert_eq!((counts, census.total(), census.depth), ((2, 2, 3, 3), 10, 5));
+        let counts = tree.counts();
+        let kinds = (counts.sequences, counts.fallbacks, counts.conditions, counts.actions);
+        assert_eq!((kinds, counts.total(), counts.depth), ((2, 2, 3, 3), 10, 5));
     }
 
     #[test]
@@ -152,7 +152,7 @@ mod tests {
         let tree: Tree<_, 5> = tree! {
             ReactiveSequence { Inverter { Condition('g') }, ReactiveFallback { Action('a') } }
         };
-        let census = tree.census();
-        assert_eq!((census.sequences, census.fallbacks, census.decorators, census.depth), (1, 1, 1, 3));
+        let counts = tree.counts();
+        assert_eq!((counts.sequences, counts.fallbacks, counts.decorators, counts.depth), (1, 1, 1, 3));
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 /// The size of a tree.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Census {
+pub struct NodeCounts {
     /// How many nodes of each kind, by the kind's name.
     pub kinds: BTreeMap<String, usize>,
     /// How many nodes of each class: Control, Decorator, Condition, Action, SubTree.
@@ -14,7 +14,7 @@ pub struct Census {
     pub levels: Vec<usize>,
 }
 
-impl Census {
+impl NodeCounts {
     /// The number of nodes.
     #[must_use]
     pub fn nodes(&self) -> usize {
@@ -31,18 +31,18 @@ impl Census {
 impl Instance {
     /// Counts the nodes.
     #[must_use]
-    pub fn census(&self) -> Census {
-        let mut census = Census::default();
+    pub fn counts(&self) -> NodeCounts {
+        let mut counts = NodeCounts::default();
         for node in &self.nodes {
-            *census.kinds.entry(node.id().to_owned()).or_default() += 1;
-            *census.classes.entry(node.model.class.tag()).or_default() += 1;
-            if census.levels.len() < node.level {
-                census.levels.resize(node.level, 0);
+            *counts.kinds.entry(node.id().to_owned()).or_default() += 1;
+            *counts.classes.entry(node.model.class.tag()).or_default() += 1;
+            if counts.levels.len() < node.level {
+                counts.levels.resize(node.level, 0);
             }
-            if let Some(count) = census.levels.get_mut(node.level - 1) {
+            if let Some(count) = counts.levels.get_mut(node.level - 1) {
                 *count += 1;
             }
         }
-        census
+        counts
     }
 }
