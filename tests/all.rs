@@ -23,5 +23,7 @@ mod paper;
 mod rejected_models;
 mod safety;
 mod scenarios;
+#[path = "tasks.rs"]
+mod tasks;
 mod tree_files;
 mod trees;

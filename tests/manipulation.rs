@@ -1,315 +1,235 @@
 //! The paper's section 6.2: one robot's decisions on the bench, then two robots with a bottle and a plate.
 
 mod decisions {
-    use iibt_core::iibt::manipulation::{
-        Announcement, Command, Deed, HOLDING, Joint, Manipulation, Mission, Order, PLACED, Percept, Place,
-        Preset, REACHED, State, TEAMMATE_FREE, TEAMMATE_READY,
+    use host_sim::manipulation::tables::{
+        ELSEWHERE, EMPTY, FREE, GOAL_A, GOAL_B, GOAL_C, GRIP, HOLD, HOLDS, IDLE, IN_TURN, LOC, MOVE_TO, PICK,
+        PLACE, PLACED, PUT, PUT_DOWN, TO_PLACE, TOGETHER,
     };
-    use iibt_core::iibt::{Condition, Logic, Node};
-    use iibt_core::team::{Intention, Limits, RobotId, Roster};
-    use iibt_core::time::{Duration, Instant};
+    use iibt_core::iibt::table::{Announcement, Operator, Role, Tables};
+    use iibt_core::iibt::{Condition, Logic};
+    use iibt_core::team::Message;
     use iibt_core::tree::Status;
     use proptest::prelude::*;
+    use tests::handling::{Bench, idle, ready, said};
 
-    /// A robot on the bench, whose readings and teammate are what a test says.
-    struct Bench {
-        task: Manipulation,
-        node: Node,
-        teammate: Intention,
-        now: u32,
-        place: Place,
-        state: State,
-    }
+    static TURNS: Tables = Tables::new(&IN_TURN);
+    static AT_ONCE: Tables = Tables::new(&TOGETHER);
 
-    const IDLE: Announcement = Announcement { place: Place::Elsewhere, state: State::Free, deed: Deed::Idle };
-
-    impl Bench {
-        fn of(robot: u8, mission: Mission) -> Self {
-            let task = |robot| {
-                let limits = Limits::for_beacons(Duration(1)).unwrap();
-                Manipulation::new(mission, robot, Roster::new(robot, 2, limits).unwrap()).unwrap()
-            };
-            Self {
-                task: task(RobotId(robot)),
-                node: Node::new(Duration(50)),
-                teammate: task(RobotId(1 - robot)).intention(),
-                now: 0,
-                place: Place::Elsewhere,
-                state: State::Free,
-            }
-        }
-
-        fn new(robot: u8) -> Self {
-            Self::of(robot, Mission::BOTTLE_AND_PLATE)
-        }
-
-        fn sense(&mut self, said: Option<Announcement>) {
-            self.now += 1;
-            let now = Instant(self.now);
-            if let Some(said) = said {
-                self.teammate.sequence += 1;
-                self.teammate.path = said.path();
-                self.task.roster_mut().hear(self.teammate.clone(), now).unwrap();
-            }
-            let (place, state) = (Some(self.place), Some(self.state));
-            self.task.perceive(Percept { now, place, state, busy: false });
-        }
-
-        fn tick(&mut self, said: Option<Announcement>) -> Status {
-            self.sense(said);
-            self.node.tick(&mut self.task, Instant(self.now))
-        }
-
-        /// Puts the robot somewhere and lets it look until it is sure.
-        fn put(&mut self, place: Place, state: State) {
-            (self.place, self.state) = (place, state);
-            for _ in 0..20 {
-                self.sense(Some(IDLE));
-                self.task.settled();
-            }
-            assert_eq!(self.task.announcement(), Announcement { place, state, deed: Deed::Idle });
-        }
-
-        fn decided(&self) -> (usize, f32) {
-            let decision = self.task.decision().expect("it has decided");
-            (decision.choice.number(), decision.posterior[decision.choice.number()])
-        }
-
-        fn assert_base(&self, rows: [[f32; 4]; 2]) {
-            let bits = |rows: [[f32; 4]; 2]| rows.map(|row| row.map(f32::to_bits));
-            assert_eq!(bits(self.task.preferences().each_ref().map(|row| row.values())), bits(rows));
-            assert!(self.task.preferences().iter().all(|row| !row.is_raised()));
-        }
-    }
-
-    const FREE: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
-    const HOLD: [f32; 4] = [0.0, 1.0, 0.0, 0.0];
-    const READY: Announcement = Announcement { place: Place::GoalC, state: State::Hold, deed: Deed::Idle };
+    const FREED: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
+    const HELD: [f32; 4] = [0.0, 1.0, 0.0, 0.0];
 
     #[test]
     fn robot_1_goes_to_the_bottle_first_because_its_place_is_raised_and_the_raise_leaves_no_trace() {
-        let mut robot = Bench::new(0);
-        assert_eq!(robot.tick(Some(IDLE)), Status::Running);
-        assert_eq!(robot.task.command(), Some(Command { deed: Deed::MoveTo, place: Place::GoalA }));
-        let decision = robot.task.decision().unwrap();
-        assert_eq!(decision.preferences, [[2.0, 1.0, 0.0, 0.0], FREE], "equations 10 and 11");
-        assert_eq!(decision.choice, Joint([Deed::MoveTo, Deed::Idle]));
-        assert!((decision.posterior[3] - 0.255).abs() < 0.005);
-        assert!((decision.posterior.iter().sum::<f32>() - 1.0).abs() < 1e-5);
-        robot.assert_base([HOLD, FREE]);
+        let mut robot = Bench::new(&TURNS, 0);
+        assert_eq!(robot.tick(Some(idle())), Status::Running);
+        assert_eq!(robot.begun(), Some((MOVE_TO, Some(GOAL_A))));
+        assert_eq!(robot.preferences(), [[2.0, 1.0, 0.0, 0.0], FREED], "equations 10 and 11");
+        let (policy, probability) = robot.decided();
+        assert_eq!(policy, 3);
+        assert!((probability - 0.255).abs() < 0.005, "{probability}");
+        assert!(robot.node.raised().is_none());
     }
 
     #[test]
     fn robot_1_picks_where_the_bottle_is_without_a_raise() {
-        let mut robot = Bench::new(0);
-        robot.put(Place::GoalA, State::Loc);
-        robot.tick(Some(IDLE));
-        assert_eq!(robot.task.command().map(|command| command.deed), Some(Deed::Pick));
-        assert_eq!(robot.task.decision().unwrap().preferences, [HOLD, FREE]);
+        let mut robot = Bench::new(&TURNS, 0);
+        robot.put(GOAL_A, LOC);
+        robot.tick(Some(idle()));
+        assert_eq!(robot.begun(), Some((PICK, None)));
+        assert_eq!(robot.preferences(), [HELD, FREED]);
         let (policy, probability) = robot.decided();
         assert_eq!(policy, 7);
         assert!((probability - 0.205).abs() < 0.005, "{probability}");
-        robot.assert_base([HOLD, FREE]);
     }
 
     #[test]
     fn robot_2_begins_when_robot_1_is_free_and_has_its_bottle() {
-        let holds = Announcement { place: Place::GoalA, state: State::Hold, deed: Deed::Idle };
-        for said in [
-            IDLE,
-            Announcement { deed: Deed::MoveTo, ..IDLE },
-            Announcement { state: State::Loc, place: Place::GoalA, deed: Deed::Pick },
-        ] {
-            let mut robot = Bench::new(1);
-            assert_eq!(robot.tick(Some(said)), Status::Running);
-            assert_eq!(robot.task.command(), None, "{said:?}");
-            let choice = robot.task.choice().unwrap();
-            assert_eq!(choice, Joint([said.deed, Deed::Idle]), "it knows what robot 1 does");
-        }
-        let mut robot = Bench::new(1);
-        robot.tick(Some(holds));
-        assert_eq!(robot.task.command(), Some(Command { deed: Deed::MoveTo, place: Place::GoalB }));
-        assert_eq!(robot.task.decision().unwrap().preferences, [FREE, [2.0, 1.0, 0.0, 0.0]]);
-        assert_eq!(robot.decided().0, 12);
-        robot.assert_base([FREE, HOLD]);
-    }
-
-    #[test]
-    fn the_calibrated_preset_gives_the_reported_probabilities_in_the_node() {
-        let Mission { preset: _, order, .. } = Mission::BOTTLE_AND_PLATE;
-        let roles = [0, 1].map(|robot| Mission::BOTTLE_AND_PLATE.role(robot).unwrap());
-        let mission = Mission::new(roles, Place::GoalC, Preset::CALIBRATED, order).unwrap();
-        let holds = Announcement { place: Place::GoalA, state: State::Hold, deed: Deed::Idle };
-        for (robot, said, source, policies) in
-            [(0, IDLE, Place::GoalA, [3, 7]), (1, holds, Place::GoalB, [12, 13])]
+        for (message, policy) in
+            [(idle(), 15), (said(ELSEWHERE, EMPTY, MOVE_TO), 3), (said(GOAL_A, EMPTY, PICK), 7)]
         {
-            let mut robot = Bench::of(robot, mission);
-            for (policy, published) in policies.into_iter().zip([0.255, 0.205]) {
-                robot.tick(Some(said));
-                let (chosen, probability) = robot.decided();
-                assert_eq!(chosen, policy);
-                assert!((probability - published).abs() < 0.001, "{policy}: {probability}");
-                robot.put(source, State::Loc);
-            }
+            let mut robot = Bench::new(&TURNS, 1);
+            assert_eq!(robot.tick(Some(message)), Status::Running);
+            assert_eq!(robot.begun(), None, "{message:?}");
+            assert_eq!(robot.decided().0, policy, "it knows what robot 1 does");
         }
+        let mut robot = Bench::new(&TURNS, 1);
+        robot.tick(Some(said(GOAL_A, HOLDS, IDLE)));
+        assert_eq!(robot.begun(), Some((MOVE_TO, Some(GOAL_B))));
+        assert_eq!(robot.preferences(), [FREED, [2.0, 1.0, 0.0, 0.0]]);
+        assert_eq!(robot.decided().0, 12);
     }
 
     #[test]
     fn robot_1_waits_at_goal_c_until_robot_2_stands_there_with_the_plate() {
-        let mut robot = Bench::new(0);
-        robot.put(Place::GoalC, State::Hold);
-        robot.task.pursue(iibt_core::iibt::manipulation::Aim::Place);
-        for said in
-            [IDLE, Announcement { state: State::Hold, ..IDLE }, Announcement { deed: Deed::Pick, ..READY }]
-        {
-            assert_eq!(robot.tick(Some(said)), Status::Running);
-            assert_eq!(robot.task.command(), None, "{said:?}");
-            assert_eq!(
-                robot.task.decision().unwrap().preferences[0],
-                [0.0, 0.0, 1.0, 2.0],
-                "it wants to be free"
-            );
+        let mut robot = Bench::new(&TURNS, 0);
+        robot.put(GOAL_C, HOLD);
+        robot.task.pursue(TO_PLACE);
+        for message in [idle(), said(ELSEWHERE, HOLDS, IDLE), said(GOAL_C, HOLDS, PICK)] {
+            assert_eq!(robot.tick(Some(message)), Status::Running);
+            assert_eq!(robot.begun(), None, "{message:?}");
+            assert_eq!(robot.preferences()[0], [0.0, 0.0, 1.0, 2.0], "it wants to be free");
         }
-        robot.tick(Some(READY));
-        assert_eq!(robot.task.command().map(|command| command.deed), Some(Deed::Place));
+        robot.tick(Some(ready()));
+        assert_eq!(robot.begun(), Some((PUT_DOWN, None)));
         let (policy, probability) = robot.decided();
         assert_eq!(policy, 11);
         assert!(probability > 0.3, "success of the team is within reach: {probability}");
-        robot.assert_base([[0.0, 0.0, 1.0, 0.0], FREE]);
+        assert_eq!(robot.preferences(), [[0.0, 0.0, 1.0, 0.0], FREED]);
     }
 
     #[test]
     fn a_bottle_that_is_missing_at_goal_c_is_fetched_again() {
-        let mut robot = Bench::new(0);
-        robot.put(Place::GoalC, State::Free);
-        robot.task.pursue(iibt_core::iibt::manipulation::Aim::Place);
-        robot.tick(Some(READY));
-        assert_eq!(robot.task.command(), Some(Command { deed: Deed::MoveTo, place: Place::GoalA }));
-        assert_eq!(
-            robot.task.decision().unwrap().preferences[0],
-            [3.0, 2.0, 1.0, 0.0],
-            "each above all before it"
-        );
-        robot.put(Place::GoalA, State::Loc);
-        robot.tick(Some(READY));
-        assert_eq!(robot.task.command().map(|command| command.deed), Some(Deed::Pick));
-        robot.put(Place::GoalA, State::Hold);
-        robot.tick(Some(READY));
-        assert_eq!(robot.task.command(), Some(Command { deed: Deed::MoveTo, place: Place::GoalC }));
-    }
-
-    #[test]
-    fn a_robot_whose_teammate_is_not_connected_waits() {
-        let mut alone = Bench::new(0);
-        assert_eq!((alone.tick(None), alone.task.command()), (Status::Running, None), "never heard");
-        let mut left = Bench::new(0);
-        left.sense(Some(IDLE));
-        left.now += Limits::FRESH_BEACONS;
-        assert_eq!((left.tick(None), left.task.command()), (Status::Running, None), "stale");
-        assert!(left.task.teammate().is_none());
-        left.tick(Some(IDLE));
-        assert_eq!(left.task.command().map(|command| command.deed), Some(Deed::MoveTo), "connected again");
-        left.assert_base([HOLD, FREE]);
-    }
-
-    #[test]
-    fn a_teammate_that_speaks_of_something_else_is_not_connected() {
-        let mut robot = Bench::new(0);
-        robot.teammate.path.start = iibt_core::grid::Cell(16);
-        let alien = robot.teammate.clone();
-        assert_eq!(Announcement::read(&alien), None);
-        robot.task.roster_mut().hear(alien, Instant(1)).unwrap();
-        robot.now = 1;
-        assert_eq!((robot.tick(None), robot.task.command()), (Status::Running, None));
+        let mut robot = Bench::new(&TURNS, 0);
+        robot.put(GOAL_C, FREE);
+        robot.task.pursue(TO_PLACE);
+        let steps = [
+            ((GOAL_C, FREE), (MOVE_TO, Some(GOAL_A))),
+            ((GOAL_A, LOC), (PICK, None)),
+            ((GOAL_A, HOLD), (MOVE_TO, Some(GOAL_C))),
+        ];
+        for ((place, state), begun) in steps {
+            robot.put(place, state);
+            robot.tick(Some(ready()));
+            assert_eq!(robot.begun(), Some(begun));
+        }
     }
 
     #[test]
     fn a_robot_that_is_not_sure_looks_again_before_it_acts() {
-        let mut robot = Bench::new(0);
-        robot.tick(Some(IDLE));
-        (robot.place, robot.state) = (Place::GoalA, State::Loc);
-        robot.tick(Some(IDLE));
-        assert_eq!(robot.task.command().map(|command| command.deed), Some(Deed::Pick));
+        let mut robot = Bench::new(&TURNS, 0);
+        robot.tick(Some(idle()));
+        robot.readings = [GOAL_A, LOC];
+        robot.tick(Some(idle()));
+        assert_eq!(robot.begun(), Some((PICK, None)));
         // It reads that it holds nothing, then that it does: neither is enough against the other.
         let mut looks = 0;
-        for state in [State::Loc, State::Hold, State::Hold, State::Hold] {
-            robot.state = state;
-            let status = robot.tick(Some(IDLE));
-            looks += u32::from(status == Status::Running && robot.task.command().is_none());
+        for state in [LOC, HOLD, HOLD, HOLD] {
+            robot.readings[1] = state;
+            let status = robot.tick(Some(idle()));
+            looks += u32::from(status == Status::Running && robot.begun().is_none());
         }
-        assert_eq!((looks, robot.task.announcement().state), (3, State::Hold));
+        assert_eq!((looks, robot.task.announcement().state(GRIP.into())), (3, Some(HOLDS)));
+    }
+
+    #[test]
+    fn a_percept_counts_once_however_many_nodes_see_it() {
+        let [mut once, mut twice] = [0, 0].map(|robot| Bench::new(&TURNS, robot));
+        for robot in [&mut once, &mut twice] {
+            robot.readings = [GOAL_A, LOC];
+            robot.tick(Some(idle()));
+        }
+        twice.now -= 1;
+        twice.tick(None);
+        assert_eq!(once.task.belief(PLACE.into()), twice.task.belief(PLACE.into()));
     }
 
     #[test]
     fn both_fetch_at_once_when_the_mission_says_so() {
-        let roles = [0, 1].map(|robot| Mission::BOTTLE_AND_PLATE.role(robot).unwrap());
-        let mission = Mission::new(roles, Place::GoalC, Preset::DEFAULT, Order::Together).unwrap();
-        let mut robot = Bench::of(1, mission);
-        robot.tick(Some(Announcement { deed: Deed::MoveTo, ..IDLE }));
-        assert_eq!(robot.task.command(), Some(Command { deed: Deed::MoveTo, place: Place::GoalB }));
+        let mut robot = Bench::new(&AT_ONCE, 1);
+        robot.tick(Some(said(ELSEWHERE, EMPTY, MOVE_TO)));
+        assert_eq!(robot.begun(), Some((MOVE_TO, Some(GOAL_B))));
         assert_eq!(robot.decided().0, 0, "(moveTo, moveTo)");
     }
 
     #[test]
     fn table_5_as_the_node_asks_it() {
-        // What is missing first, for each action, in a few situations of robot 1.
-        let unmet = |deed: Deed, on: &[u8]| {
-            let condition: Condition = deed.precondition();
-            condition.unmet(Logic::of(on)).map(|literal| (literal.variable, literal.value))
+        // What is missing first, for each operator, in a few situations of robot 1.
+        let unmet = |operator: u8, on: &[u8]| {
+            let Operator { requires, forbids, .. } = IN_TURN[0].operators[usize::from(operator)];
+            let condition = Condition { all: Logic::of(requires), none: Logic::of(forbids) };
+            let literal = condition.unmet(Logic::of(on))?;
+            Some((IN_TURN[0].facts[usize::from(literal.variable)].name, literal.value))
         };
-        assert_eq!(unmet(Deed::MoveTo, &[TEAMMATE_FREE]), None);
-        assert_eq!(unmet(Deed::MoveTo, &[TEAMMATE_FREE, REACHED]), Some((REACHED, false)));
-        assert_eq!(unmet(Deed::Pick, &[TEAMMATE_FREE]), Some((REACHED, true)));
-        assert_eq!(unmet(Deed::Pick, &[TEAMMATE_FREE, REACHED]), None);
-        assert_eq!(unmet(Deed::Pick, &[TEAMMATE_FREE, REACHED, HOLDING]), Some((HOLDING, false)));
-        assert_eq!(unmet(Deed::Place, &[REACHED, TEAMMATE_READY]), Some((HOLDING, true)));
-        assert_eq!(unmet(Deed::Place, &[HOLDING, TEAMMATE_READY]), Some((REACHED, true)));
-        assert_eq!(unmet(Deed::Place, &[HOLDING, REACHED]), Some((TEAMMATE_READY, true)));
-        assert_eq!(unmet(Deed::Place, &[HOLDING, REACHED, TEAMMATE_READY]), None);
-        assert_eq!(unmet(Deed::Place, &[HOLDING, REACHED, TEAMMATE_READY, PLACED]), Some((PLACED, false)));
-        assert_eq!(unmet(Deed::Idle, &[]), None);
+        let [holding, source, meeting, target, placed, idle, there, holds] = [0, 1, 2, 3, 4, 6, 8, 9];
+        assert_eq!(unmet(MOVE_TO, &[idle]), None);
+        assert_eq!(unmet(MOVE_TO, &[idle, target]), Some(("IsReached(target)", false)));
+        assert_eq!(unmet(PICK, &[idle]), Some(("IsReached(source)", true)));
+        assert_eq!(unmet(PICK, &[idle, source]), None);
+        assert_eq!(unmet(PICK, &[idle, source, holding]), Some(("IsHolding", false)));
+        let ready = [idle, there, holds];
+        let may_place = |more: &[u8]| unmet(PUT_DOWN, &[&ready, more].concat());
+        assert_eq!(may_place(&[meeting]), Some(("IsHolding", true)), "first what is to be placed");
+        assert_eq!(may_place(&[holding]), Some(("IsReached(goal C)", true)));
+        assert_eq!(may_place(&[holding, meeting]), None);
+        assert_eq!(may_place(&[holding, meeting, placed]), Some(("IsPlaced", false)));
+        for missing in [there, holds, idle] {
+            let rest: Vec<u8> = ready.into_iter().filter(|fact| *fact != missing).collect();
+            let name = IN_TURN[0].facts[usize::from(missing)].name;
+            assert_eq!(unmet(PUT_DOWN, &[&rest[..], &[holding, meeting]].concat()), Some((name, true)));
+        }
+        assert_eq!(unmet(IDLE, &[]), None);
+    }
+
+    #[test]
+    fn messages_of_other_tables_are_not_accepted() {
+        let robot = Bench::new(&TURNS, 0);
+        assert!(robot.task.accepts(&ready()).is_ok());
+        assert!(robot.task.accepts(&said(4, EMPTY, IDLE)).is_err(), "there is no fifth place");
+        assert!(robot.task.accepts(&said(GOAL_A, PLACED + 1, IDLE)).is_err());
+        assert!(robot.task.accepts(&said(GOAL_A, EMPTY, IDLE + 1)).is_err());
+        assert!(said(GOAL_A, EMPTY, 16).validate().is_err());
+        let renamed = [Role { name: "R3", ..IN_TURN[0] }, IN_TURN[1]];
+        assert_ne!(TURNS.mission(), Tables::new(&renamed).mission());
     }
 
     fn announcements() -> impl Strategy<Value = Announcement> {
-        (0..4usize, 0..4usize, 0..4usize).prop_map(|(place, state, deed)| Announcement {
-            place: Place::of(place).unwrap(),
-            state: State::of(state).unwrap(),
-            deed: Deed::of(deed).unwrap(),
-        })
+        let state = |count: u8| prop::option::of(0..count);
+        (state(4), state(3), 0..4u8)
+            .prop_map(|(place, grip, operator)| Announcement::new([place, grip], operator, 0.5))
     }
 
     proptest! {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(64) })]
 
         #[test]
-        fn an_announcement_survives_the_path_that_carries_it(said in announcements()) {
-            let intention = Intention { path: said.path(), ..Bench::new(0).teammate };
-            prop_assert_eq!(intention.validate(), Ok(()));
-            prop_assert_eq!(Announcement::read(&intention), Some(said));
+        fn an_announcement_keeps_what_it_is_made_of(
+            states in prop::collection::vec(prop::option::of(0..15u8), 0..9),
+            operator in 0..16u8,
+            probability in 0.0f32..=1.0,
+        ) {
+            let said = Announcement::new(states.iter().copied(), operator, probability);
+            for factor in 0..8 {
+                prop_assert_eq!(said.state(factor), states.get(factor).copied().flatten());
+            }
+            prop_assert_eq!((said.state(8), said.operator()), (None, operator));
+            prop_assert!((said.probability() - probability).abs() <= 0.5 / 255.0 + 1e-6);
+            prop_assert!(said.validate().is_ok());
         }
 
         #[test]
         fn whatever_is_read_and_heard_beliefs_stay_distributions_and_raises_are_rolled_back(
             robot in 0..2u8,
             place_aim in any::<bool>(),
-            steps in prop::collection::vec((0..4usize, 0..4usize, prop::option::of(announcements())), 1..60),
+            steps in prop::collection::vec((0..4u8, 0..4u8, prop::option::of(announcements())), 1..60),
         ) {
-            let mut bench = Bench::new(robot);
+            let mut bench = Bench::new(&TURNS, robot);
             if place_aim {
-                bench.task.pursue(iibt_core::iibt::manipulation::Aim::Place);
+                bench.task.pursue(TO_PLACE);
             }
-            for (place, state, said) in steps {
-                (bench.place, bench.state) = (Place::of(place).unwrap(), State::of(state).unwrap());
-                bench.tick(said);
-                for belief in [bench.task.states(), bench.task.places()] {
+            for (place, state, message) in steps {
+                bench.readings = [place, state];
+                bench.tick(message);
+                let states = bench.task.states();
+                for belief in [&states[..], bench.task.belief(PLACE.into())] {
                     prop_assert!((belief.iter().sum::<f32>() - 1.0).abs() < 1e-4);
                     prop_assert!(belief.iter().all(|q| (0.0..=1.000_1).contains(q)));
                 }
                 prop_assert!(bench.task.surprise().is_ok());
-                let raised = bench.task.preferences().iter().any(|row| row.is_raised());
-                prop_assert!(!raised || bench.task.command().is_none(), "what was executed is rolled back");
+                prop_assert!(bench.node.raised().is_none() || bench.begun().is_none());
             }
         }
+    }
+
+    #[test]
+    fn a_reading_that_no_sensor_has_is_an_error_and_no_event() {
+        let mut robot = Bench::new(&TURNS, 0);
+        let before = robot.task.belief(PLACE.into()).to_vec();
+        robot.readings = [9, PUT];
+        robot.tick(Some(idle()));
+        let error = robot.task.surprise().expect_err("there are four places").to_string();
+        assert_eq!(error, "modality 0 has no outcome 9: there are 4, from 0");
+        let after = robot.task.belief(PLACE.into());
+        assert!(before.iter().zip(after).all(|(before, after)| (before - after).abs() < 1e-3));
     }
 }
 
@@ -317,7 +237,7 @@ mod missions {
     use host_sim::manipulation::{
         Campaign, Compared, Detail, Disturbances, Findings, Run, Terms, Trees, Trust, compare, narrate, run,
     };
-    use iibt_core::iibt::manipulation::{Order, Preset};
+    use host_sim::manipulation::{Order, Preset};
     use std::num::NonZeroUsize;
 
     fn calm(trees: Trees) -> Terms {

@@ -28,6 +28,8 @@ pub(crate) enum Purpose {
     Reading = 16,
     /// Whether an action of such a robot fails.
     Deed = 17,
+    /// The hidden states at the start.
+    Start = 18,
 }
 
 /// A stream of draws.

@@ -5,6 +5,7 @@ mod learn;
 mod manipulate;
 mod notebook;
 mod reproduce;
+mod task;
 mod tree;
 
 use self::learn::Learn;
@@ -193,11 +194,15 @@ impl Cli {
 }
 
 fn list() -> Result<ExitCode, Failure> {
-    let longest = library::names().map(str::len).max().unwrap_or(0);
+    let names = library::names().chain(host_sim::task::NAMES);
+    let longest = names.map(str::len).max().unwrap_or(0);
     let mut text = String::new();
     for name in library::names() {
         let title = scenario(name)?.title;
         text += &format!("{name:<longest$}  {title}\n");
+    }
+    for name in host_sim::task::NAMES {
+        text += &format!("{name:<longest$}  {}\n", task::title(name)?);
     }
     print(&text)?;
     Ok(ExitCode::SUCCESS)
@@ -205,6 +210,9 @@ fn list() -> Result<ExitCode, Failure> {
 
 impl Run {
     fn run(&self) -> Result<ExitCode, Failure> {
+        if let Some(text) = task::text_of(&self.scenario)? {
+            return task::run(self, &text);
+        }
         let scenario = scenario(&self.scenario)?;
         if self.tree == FlownTree::Figure5 && scenario.goals.len() != 2 {
             let goals = scenario.goals.len();

@@ -47,6 +47,7 @@ mod scenario;
 mod series;
 pub mod show;
 pub mod statistics;
+pub mod task;
 mod team;
 mod testbed;
 pub mod tree;

@@ -22,14 +22,15 @@ mod robot;
 mod run;
 mod sense;
 mod skill;
+pub mod tables;
 mod terms;
 mod trees;
-mod world;
 
 pub use campaign::{Campaign, Findings};
 pub use comparison::{CONTENDERS, Compared, Contender, LEVELS, compare};
 pub use narration::narrate;
 pub use record::{Actions, Decided, RobotTick, Run, Thought, Tick};
 pub use run::{Detail, RunError, run};
+pub use tables::{Order, Preset};
 pub use terms::{Disturbances, Terms, Trees, Trust};
 pub use trees::TreeSize;

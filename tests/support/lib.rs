@@ -3,6 +3,7 @@
 pub mod budgets;
 pub mod dense;
 pub mod elf;
+pub mod handling;
 pub mod oracle;
 pub mod peers;
 pub mod qemu;

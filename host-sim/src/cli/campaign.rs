@@ -1,6 +1,6 @@
 //! `campaign`: a mission flown many times, by the inference node and by a conventional tree.
 
-use super::{Failure, FlownTree, NOT_ACCOMPLISHED, print, scenario};
+use super::{Failure, FlownTree, NOT_ACCOMPLISHED, print, scenario, task};
 use clap::{Args, ValueEnum};
 use host_sim::Pilot;
 use host_sim::campaign::{Campaign, Disturbance};
@@ -91,6 +91,9 @@ fn disturbances(name: &str) -> Result<Disturbances, String> {
 
 impl FlyMany {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+        if let Some(text) = task::text_of(&self.scenario)? {
+            return self.fly_task(&text);
+        }
         let scenario = scenario(&self.scenario)?;
         let pilots = self.tree.pilots();
         let campaign = Campaign {
@@ -106,6 +109,20 @@ impl FlyMany {
         print(&text)?;
         let is_safe = report.collided(Pilot::Inference) == 0;
         Ok(if is_safe { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
+    }
+}
+
+impl FlyMany {
+    /// A task file at several levels of wrong readings and failed actions.
+    fn fly_task(&self, text: &str) -> Result<ExitCode, Failure> {
+        if self.tree != Trees::Both || self.disturbance.0.len() != Disturbance::ALL.len() {
+            let name = &self.scenario;
+            return Err(format!(
+                "{name}: a task is flown at several levels of noise, without --tree and --disturbance"
+            )
+            .into());
+        }
+        task::campaign(&self.scenario, text, self.seeds, self.threads, self.json)
     }
 }
 

@@ -5,8 +5,8 @@ use clap::{Args, ValueEnum};
 use host_sim::manipulation::{
     Campaign, Compared, Detail, Disturbances, Findings, Terms, Trees, Trust, compare, narrate, run,
 };
+use host_sim::manipulation::{Order, Preset};
 use host_sim::statistics::{Distribution, Share};
-use iibt_core::iibt::manipulation::{Order, Preset};
 use serde::Serialize;
 use std::process::ExitCode;
 

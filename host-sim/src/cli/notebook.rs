@@ -60,8 +60,8 @@ pub(super) struct Infer {
 
 #[derive(Args, Debug, PartialEq)]
 pub(super) struct Export {
-    /// The model
-    #[arg(value_name = "MODEL.json")]
+    /// The model, or a task file
+    #[arg(value_name = "MODEL.json|TASK.toml")]
     model: String,
     /// What the model is called in the source, in place of the file's name for it
     #[arg(long, value_name = "NAME")]
@@ -94,6 +94,9 @@ impl Infer {
 
 impl Export {
     pub(super) fn run(&self) -> Result<(), Failure> {
+        if let Some(text) = super::task::text_of(&self.model)? {
+            return super::task::export(&self.model, &text);
+        }
         let mut notebook = read(&self.model)?;
         if let Some(name) = &self.name {
             notebook = notebook.named(name);

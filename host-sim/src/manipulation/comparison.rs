@@ -2,8 +2,8 @@
 
 use super::campaign::{Campaign, Findings};
 use super::run::RunError;
+use super::tables::Order;
 use super::terms::{Disturbances, Terms, Trees, Trust};
-use iibt_core::iibt::manipulation::Order;
 use serde::Serialize;
 
 /// Somebody who takes part.

@@ -1,101 +1,115 @@
 //! The skills of conventional trees: conditions that look at what is settled, actions that end when what came of them is.
 
-use super::robot::Skills;
 use super::sense::Sense;
 use super::skill::Skill;
+use super::tables::{EMPTY, GRIP, HOLD, HOLDS, IDLE, MOVE_TO, PICK, PLACE, PLACED, PUT, PUT_DOWN};
+use crate::task::{HostTask, Station, Worker};
 use crate::tree::BoundTree;
-use iibt_core::iibt::Manipulation;
-use iibt_core::iibt::manipulation::{Announcement, Command, Deed, Percept, Place, STATES, State, TEAM};
-use iibt_core::inference::Preference;
+use firmware::Robot;
+use iibt_core::iibt::table::{Announcement, Command, Percept};
 use iibt_core::team::Peers;
 use iibt_core::time::Instant;
 use iibt_core::tree::{Full, Halt, Leaves, NodeMemory, Status};
 
 /// A robot with a conventional tree.
-#[derive(Debug)]
-pub(super) struct Conventional {
-    /// What the teammate has announced, while that is fresh.
-    teammate: Option<Announcement>,
+pub(super) struct Conventional<'t> {
+    tree: BoundTree<Skill>,
+    memory: Vec<NodeMemory<Full>>,
+    skills: Skills<'t>,
+}
+
+/// What its leaves share.
+struct Skills<'t> {
     percept: Percept,
-    sense: Sense,
+    sense: Sense<'t>,
+    teammate: Option<Announcement>,
     doing: Option<Command>,
     command: Option<Command>,
 }
 
-impl Conventional {
-    pub(super) fn new(sense: Sense) -> Self {
-        Self { teammate: None, percept: Percept::default(), sense, doing: None, command: None }
+impl<'t> Conventional<'t> {
+    pub(super) fn new(tree: BoundTree<Skill>, sense: Sense<'t>) -> Self {
+        let percept = Percept::default();
+        let memory = vec![NodeMemory::NEW; tree.len()];
+        let skills = Skills { percept, sense, teammate: None, doing: None, command: None };
+        Self { tree, memory, skills }
     }
 
-    fn begin(&mut self, deed: Deed, place: Place) -> Status {
-        let command = Command { deed, place };
+    pub(super) fn running(&self) -> Option<Skill> {
+        self.tree.running(&self.memory).copied()
+    }
+}
+
+impl Skills<'_> {
+    fn begin(&mut self, operator: u8, target: Option<u8>) -> Status {
+        let command = Command { operator, target };
         (self.command, self.doing) = (Some(command), Some(command));
         self.sense.unsettle(Some(command));
         Status::Running
     }
 
-    fn teammate(&self) -> Option<Announcement> {
-        self.teammate
+    fn is_teammate(&self, factor: u8, state: u8) -> bool {
+        self.teammate.is_some_and(|said| said.state(factor.into()) == Some(state))
     }
 }
 
-impl Skills for Conventional {
-    fn perceive(&mut self, percept: Percept, peers: Peers<'_, Announcement>) {
-        self.teammate = peers.fresh().next().map(|peer| *peer.message());
-        self.percept = percept;
-        self.command = None;
-        if !percept.busy {
-            self.doing = None;
+impl Robot<Station> for Conventional<'_> {
+    type Message = Announcement;
+
+    fn sense(&mut self, station: &mut Station, _: Instant) {
+        self.skills.percept = station.percept;
+    }
+
+    fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
+        let skills = &mut self.skills;
+        skills.command = None;
+        if !skills.percept.busy {
+            skills.doing = None;
         }
-        self.sense.perceive(percept, peers);
+        skills.teammate = peers.fresh().next().map(|peer| *peer.message());
+        skills.sense.perceive(&skills.percept, peers);
+        self.tree.tick(&mut self.memory, skills, now).status
     }
 
-    fn command(&self) -> Option<Command> {
-        self.command
+    fn act(&mut self, station: &mut Station) {
+        station.command = self.skills.command;
     }
 
-    fn tick(
-        &mut self,
-        tree: &BoundTree<Skill>,
-        memory: &mut [NodeMemory<Full>],
-        _: Peers<'_, Announcement>,
-        now: Instant,
-    ) -> Status {
-        tree.tick(memory, self, now).status
+    fn message(&self) -> Announcement {
+        let Skills { sense, doing, .. } = &self.skills;
+        let place = Some(sense.place()).filter(|_| doing.is_none());
+        let grip = match sense.state() {
+            HOLD => HOLDS,
+            PUT => PLACED,
+            _ => EMPTY,
+        };
+        Announcement::new([place, Some(grip)], doing.map_or(IDLE, |command| command.operator), 1.0)
     }
+}
 
-    fn announcement(&self) -> Announcement {
-        let place = if self.doing.is_none() { self.sense.place() } else { Place::Elsewhere };
-        let deed = self.doing.map_or(Deed::Idle, |command| command.deed);
-        Announcement { place, state: self.sense.state(), deed }
-    }
-
-    fn task(&self) -> Option<&Manipulation> {
-        None
-    }
-
-    fn preferences(&self) -> Option<[Preference<STATES>; TEAM]> {
+impl<'t> Worker<'t> for Conventional<'t> {
+    fn task(&self) -> Option<&HostTask<'t>> {
         None
     }
 }
 
-impl Leaves<Skill> for Conventional {
+impl Leaves<Skill> for Skills<'_> {
     fn condition(&mut self, leaf: &Skill, _: Instant) -> bool {
         match *leaf {
             Skill::IsReached(place) => self.sense.place() == place,
-            Skill::IsHolding => self.sense.state() == State::Hold,
-            Skill::IsPlaced => self.sense.state() == State::Place,
-            Skill::IsTeammateAt(place) => self.teammate().is_some_and(|said| said.place == place),
-            Skill::IsTeammateHolding => self.teammate().is_some_and(|said| said.state == State::Hold),
+            Skill::IsHolding => self.sense.state() == HOLD,
+            Skill::IsPlaced => self.sense.state() == PUT,
+            Skill::IsTeammateAt(place) => self.is_teammate(PLACE, place),
+            Skill::IsTeammateHolding => self.is_teammate(GRIP, HOLDS),
             _ => false,
         }
     }
 
     fn on_start(&mut self, leaf: &Skill, _: Instant) -> Status {
         match *leaf {
-            Skill::MoveTo(place) => self.begin(Deed::MoveTo, place),
-            Skill::Pick => self.begin(Deed::Pick, self.sense.place()),
-            Skill::Place => self.begin(Deed::Place, self.sense.place()),
+            Skill::MoveTo(place) => self.begin(MOVE_TO, Some(place)),
+            Skill::Pick => self.begin(PICK, None),
+            Skill::Place => self.begin(PUT_DOWN, None),
             Skill::Announce => Status::Success,
             Skill::Look => {
                 self.sense.unsettle(None);
@@ -115,8 +129,8 @@ impl Leaves<Skill> for Conventional {
         }
         Status::from(match *leaf {
             Skill::MoveTo(place) => self.sense.place() == place,
-            Skill::Pick => self.sense.state() == State::Hold,
-            Skill::Place => self.sense.state() == State::Place,
+            Skill::Pick => self.sense.state() == HOLD,
+            Skill::Place => self.sense.state() == PUT,
             Skill::Look => true,
             _ => false,
         })

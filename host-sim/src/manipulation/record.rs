@@ -1,9 +1,11 @@
 //! What came of a run.
 
+use super::tables::{IN_TURN, PLACE};
 use super::terms::{Disturbances, Trees};
 use crate::radio::Traffic;
-use iibt_core::iibt::manipulation::{Deed, Joint, Manipulation, Place, STATES, State, TEAM};
-use iibt_core::inference::Preference;
+use crate::task::HostTask;
+use iibt_core::iibt::Task as _;
+use iibt_core::iibt::table::Wanted;
 use serde::Serialize;
 
 /// Everything about a run.
@@ -127,49 +129,41 @@ impl Run {
 }
 
 impl Thought {
-    pub(super) fn of(task: &Manipulation, preferences: [Preference<STATES>; TEAM]) -> Self {
+    pub(super) fn of(task: &HostTask<'_>, raised: Option<&Wanted<64, 4>>) -> Self {
         let decision = task.decision();
+        let four = |row: &[f32]| std::array::from_fn(|state| row.get(state).copied().unwrap_or(0.0));
+        let two = |rows: &[[f32; 64]; 4]| [four(&rows[0]), four(&rows[1])];
+        let wanted = raised.copied().unwrap_or_else(|| task.preference());
         Self {
-            states: task.states(),
-            places: task.places(),
-            raised: decision.map(|decision| decision.preferences),
-            preferences: preferences.map(|row| row.values()),
-            posterior: decision.map(|decision| decision.posterior.to_vec()),
-            choice: decision.map(|decision| decision.choice.number()),
+            states: four(&task.states()),
+            places: four(task.belief(PLACE.into())),
+            raised: decision.map(|decision| two(&decision.preferences)),
+            preferences: two(&wanted.rows.map(|row| row.values())),
+            posterior: decision.map(|decision| decision.posterior[..POLICIES].to_vec()),
+            choice: decision.map(|decision| decision.choice.into()),
         }
     }
 }
 
+/// How many joint policies there are.
+const POLICIES: usize = IN_TURN[0].operators.len() * IN_TURN[1].operators.len();
+
 impl Decided {
-    pub(super) fn of(tick: u32, robot: usize, choice: Joint, probability: f32) -> Self {
-        let Joint(deeds) = choice;
-        Self { tick, robot: robot + 1, policy: choice.number(), actions: deeds.map(deed_name), probability }
+    pub(super) fn of(tick: u32, robot: usize, policy: u16, probability: f32) -> Self {
+        let policy = usize::from(policy);
+        let actions = [policy / 4, policy % 4].map(|operator| operator_name(operator as u8));
+        Self { tick, robot: robot + 1, policy, actions, probability }
     }
 }
 
-pub(super) const fn deed_name(deed: Deed) -> &'static str {
-    match deed {
-        Deed::MoveTo => "moveTo",
-        Deed::Pick => "pick",
-        Deed::Place => "place",
-        Deed::Idle => "idle",
-    }
+pub(super) fn operator_name(operator: u8) -> &'static str {
+    IN_TURN[0].operators[usize::from(operator)].name
 }
 
-pub(super) const fn place_name(place: Place) -> &'static str {
-    match place {
-        Place::Elsewhere => "elsewhere",
-        Place::GoalA => "goal A",
-        Place::GoalB => "goal B",
-        Place::GoalC => "goal C",
-    }
+pub(super) fn place_name(place: usize) -> &'static str {
+    IN_TURN[0].factors[usize::from(PLACE)].states[place]
 }
 
-pub(super) const fn state_name(state: State) -> &'static str {
-    match state {
-        State::Loc => "loc",
-        State::Hold => "hold",
-        State::Place => "place",
-        State::Free => "free",
-    }
+pub(super) fn state_name(state: usize) -> &'static str {
+    IN_TURN[0].states.names[state]
 }

@@ -1,24 +1,24 @@
-//! A run: the loop in which the world, the robots and the radio take turns.
+//! A run: the mission flown with two trees, and what came of it.
 
 use super::conventional::Conventional;
-use super::record::{Actions, Decided, RobotTick, Run, Thought, Tick, deed_name, place_name, state_name};
-use super::robot::{Inferring, Skills};
+use super::record::{Actions, Decided, RobotTick, Run, Thought, Tick, operator_name, place_name, state_name};
+use super::robot::Inferring;
 use super::sense::Sense;
 use super::skill::Skill;
-use super::terms::{Terms, Trees, Trust};
-use super::world::{Spot, World};
-use crate::body::{Antenna, Clock};
-use crate::radio::{KEY, Radio};
+use super::tables::{
+    GOAL_A, GOAL_B, GOAL_C, GRIP, HOLDS, MOVE_TO, PICK, PLACE, PLACED, PUT_DOWN, TEAM, tables,
+};
+use super::terms::{Disturbances, Terms, Trees, Trust};
 use crate::scenario;
+use crate::task::{Flight, Flown, Goal, HostTask, Station, Truth, Worker};
 use crate::tree::{BoundTree, Diagnostic};
-use firmware::{Controller, Robot, Settings, hardware};
-use iibt_core::iibt::Manipulation;
-use iibt_core::iibt::manipulation::{Announcement, Command, Deed, Mission, MissionError, Percept, TEAM};
-use iibt_core::team::{Member, Peers, RobotId};
+use bumpalo::Bump;
+use firmware::Robot;
+use iibt_core::iibt::table::{Announcement, Tables, TablesError};
+use iibt_core::team::{Invalid, MemberError, Peers, RobotId};
 use iibt_core::time::Instant;
-use iibt_core::tree::{Full, NodeMemory, Status};
+use iibt_core::tree::Status;
 use std::fmt;
-use std::num::NonZero;
 
 /// How much of a run is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,8 +34,10 @@ pub enum Detail {
 pub enum RunError {
     /// A tree cannot be run by these robots.
     Tree(Diagnostic),
-    /// The numbers are no mission.
-    Mission(MissionError),
+    /// The numbers make no tables.
+    Tables(TablesError),
+    /// There is no such team.
+    Team(MemberError),
     /// A disturbance is no probability.
     Disturbance(&'static str),
 }
@@ -46,37 +48,20 @@ pub enum RunError {
 /// [`RunError`] when the terms are none.
 pub fn run(terms: &Terms, detail: Detail) -> Result<Run, RunError> {
     check(terms)?;
-    let mut mission = Mission::BOTTLE_AND_PLATE;
-    let [Some(first), Some(second)] = [mission.role(0), mission.role(1)] else {
-        return Err(RunError::Mission(MissionError::NoSuchRobot));
-    };
-    mission = Mission::new([first, second], mission.meeting(), terms.preset, terms.order)
-        .map_err(RunError::Mission)?;
+    let arena = Bump::new();
+    let tables = tables(&arena, terms.order, terms.preset).map_err(RunError::Tables)?;
+    let truth = truth(&tables, terms.disturbances);
     let [left, right] = terms.trees.bind().map_err(RunError::Tree)?;
-    let robots = [
-        controller(Arm::new(terms, mission, 0, left)?, 0),
-        controller(Arm::new(terms, mission, 1, right)?, 1),
-    ];
+    let robots = vec![Hand::new(terms, &tables, 0, left)?, Hand::new(terms, &tables, 1, right)?];
     let radio = scenario::Radio { loss: terms.disturbances.loss, delay: 1, duplicate: 0.0 };
-    let mut show = Show {
-        terms,
-        detail,
-        world: World::new(terms.seed, terms.disturbances),
-        radio: Radio::new(radio, TEAM, terms.seed),
-        robots,
-        tick: 0,
-        begun: Vec::new(),
-        actions: Actions::default(),
-        retries: 0,
-        decisions: Vec::new(),
-        history: Vec::new(),
-    };
-    let mut believed = false;
-    while !believed && show.tick < terms.max_ticks {
-        show.tick();
-        believed = show.robots[0].robot().status == Status::Success;
-    }
-    Ok(show.record(believed))
+    let mut history = Vec::new();
+    let flight = Flight::new(&tables, &truth, radio, terms.seed, robots).map_err(RunError::Team)?;
+    let flown = flight.fly(terms.max_ticks, |statuses| statuses[0] == Status::Success, &mut |flight| {
+        if detail == Detail::History {
+            history.push(noted(flight));
+        }
+    });
+    Ok(record(terms, flown, history))
 }
 
 fn check(terms: &Terms) -> Result<(), RunError> {
@@ -92,186 +77,170 @@ fn check(terms: &Terms) -> Result<(), RunError> {
     wrong.map_or(Ok(()), |(name, _)| Err(RunError::Disturbance(name)))
 }
 
-/// One robot: its tree, and what runs the leaves.
-struct Arm {
-    tree: BoundTree<Skill>,
-    memory: Vec<NodeMemory<Full>>,
-    skills: Box<dyn Skills>,
-    status: Status,
-    percept: Percept,
-}
-
-/// The robot's hardware, filled and read by the world.
-#[derive(Default)]
-struct Body {
-    link: Antenna,
-    clock: Clock,
-    percept: Percept,
-    command: Option<Command>,
-}
-
-impl hardware::Link for Body {
-    fn receive(&mut self) -> Option<u8> {
-        self.link.receive()
-    }
-    fn send(&mut self, frame: &[u8]) -> bool {
-        self.link.send(frame)
+/// The world: the bottle is on the plate, and robot 1 holds that at goal C.
+fn truth(tables: &Tables<'_>, of: Disturbances) -> Truth {
+    let goal =
+        |robot: usize, factor: u8, state: u8| Goal { robot, factor: factor.into(), states: vec![state] };
+    Truth {
+        ticks: vec![vec![4, 2, 2, 1]; TEAM],
+        fails: vec![vec![of.failed_moves, of.failed_grasps, of.failed_placings, 0.0]; TEAM],
+        wrong: Some(of.wrong_readings),
+        goals: vec![goal(0, GRIP, PLACED), goal(1, GRIP, HOLDS), goal(1, PLACE, GOAL_C)],
+        ..Truth::of(tables)
     }
 }
 
-impl hardware::Clock for Body {
-    fn now(&mut self) -> Instant {
-        self.clock.now()
-    }
+/// One robot with its tree.
+enum Hand<'t> {
+    Inferring(Box<Inferring<'t>>),
+    Conventional(Box<Conventional<'t>>),
 }
 
-impl Arm {
-    fn new(terms: &Terms, mission: Mission, index: u8, tree: BoundTree<Skill>) -> Result<Self, RunError> {
-        let task = Manipulation::new(mission, RobotId(index)).map_err(RunError::Mission)?;
-        let skills: Box<dyn Skills> = match (terms.trees, terms.trust) {
-            (Trees::Inference, _) => Box::new(Inferring::new(task)),
-            (_, Trust::Equal(enough)) => Box::new(Conventional::new(Sense::debounced(enough))),
-            (_, Trust::Belief) => Box::new(Conventional::new(Sense::believed(task))),
+impl<'t> Hand<'t> {
+    fn new(
+        terms: &Terms,
+        tables: &'t Tables<'t>,
+        index: u8,
+        tree: BoundTree<Skill>,
+    ) -> Result<Self, RunError> {
+        let task = || HostTask::new(tables, RobotId(index)).map_err(RunError::Tables);
+        let sense = match (terms.trees, terms.trust) {
+            (Trees::Inference, _) => {
+                return Ok(Self::Inferring(Box::new(Inferring::new(tree, task()?, terms.order))));
+            }
+            (_, Trust::Equal(enough)) => Sense::debounced(enough),
+            (_, Trust::Belief) => Sense::believed(tables, index.into(), task()?),
         };
-        let memory = vec![NodeMemory::NEW; tree.len()];
-        Ok(Self { tree, memory, skills, status: Status::Running, percept: Percept::default() })
+        Ok(Self::Conventional(Box::new(Conventional::new(tree, sense))))
+    }
+
+    fn thought(&self) -> Option<Thought> {
+        match self {
+            Self::Inferring(robot) => Some(robot.thought()),
+            Self::Conventional(_) => None,
+        }
+    }
+
+    fn running(&self) -> Option<Skill> {
+        match self {
+            Self::Inferring(robot) => robot.running(),
+            Self::Conventional(robot) => robot.running(),
+        }
     }
 }
 
-impl Robot<Body> for Arm {
+impl Robot<Station> for Hand<'_> {
     type Message = Announcement;
 
-    fn sense(&mut self, hardware: &mut Body, _: Instant) {
-        self.percept = hardware.percept;
+    fn mission(&self) -> u64 {
+        match self {
+            Self::Inferring(robot) => robot.mission(),
+            Self::Conventional(robot) => robot.mission(),
+        }
+    }
+
+    fn accepts(&self, said: &Announcement) -> Result<(), Invalid> {
+        match self {
+            Self::Inferring(robot) => robot.accepts(said),
+            Self::Conventional(robot) => robot.accepts(said),
+        }
+    }
+
+    fn sense(&mut self, station: &mut Station, now: Instant) {
+        match self {
+            Self::Inferring(robot) => robot.sense(station, now),
+            Self::Conventional(robot) => robot.sense(station, now),
+        }
     }
 
     fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
-        self.skills.perceive(self.percept, peers);
-        self.status = self.skills.tick(&self.tree, &mut self.memory, peers, now);
-        self.status
+        match self {
+            Self::Inferring(robot) => robot.tick(peers, now),
+            Self::Conventional(robot) => robot.tick(peers, now),
+        }
     }
 
-    fn act(&mut self, hardware: &mut Body) {
-        hardware.command = self.skills.command();
+    fn act(&mut self, station: &mut Station) {
+        match self {
+            Self::Inferring(robot) => robot.act(station),
+            Self::Conventional(robot) => robot.act(station),
+        }
     }
 
     fn message(&self) -> Announcement {
-        self.skills.announcement()
+        match self {
+            Self::Inferring(robot) => robot.message(),
+            Self::Conventional(robot) => robot.message(),
+        }
     }
 }
 
-fn controller(arm: Arm, index: u8) -> Controller<Arm, Body> {
-    let member = Member::new(RobotId(index), TEAM).unwrap_or_else(|_| unreachable!("a team of two"));
-    Controller::new(arm, Settings::new(member, KEY, 1, NonZero::<u16>::MIN), Body::default())
-}
-
-struct Show<'t> {
-    terms: &'t Terms,
-    detail: Detail,
-    world: World,
-    radio: Radio,
-    robots: [Controller<Arm, Body>; TEAM],
-    tick: u32,
-    /// The actions that robots have begun.
-    begun: Vec<(usize, Command)>,
-    actions: Actions,
-    retries: u32,
-    decisions: Vec<Decided>,
-    history: Vec<Tick>,
-}
-
-impl Show<'_> {
-    fn tick(&mut self) {
-        for (receiver, bytes) in self.radio.arrivals(self.tick) {
-            self.robots[receiver].hardware_mut().link.received.extend(bytes);
+impl<'t> Worker<'t> for Hand<'t> {
+    fn task(&self) -> Option<&HostTask<'t>> {
+        match self {
+            Self::Inferring(robot) => robot.task(),
+            Self::Conventional(robot) => robot.task(),
         }
-        let commands = [0, 1].map(|index| {
-            let busy = self.world.bodies[index].doing.is_some();
-            let (place, state) = Some(self.world.read(index)).filter(|_| !busy).unzip();
-            let body = self.robots[index].hardware_mut();
-            (body.percept, body.clock.now) = (Percept { place, state, busy }, self.tick);
-            self.robots[index].tick();
-            self.robots[index].hardware_mut().command.take()
+    }
+}
+
+fn noted<'t>(flight: &Flight<'t, Hand<'t>>) -> Tick {
+    let world = &flight.world;
+    let robots = [0, 1].map(|index| {
+        let (controller, place) = (&flight.robots[index], world.state(index, PLACE.into()));
+        let [read_place, read_state, ..] = controller.hardware().percept.readings;
+        RobotTick {
+            place: place_name(place),
+            state: state_name(world.semantic(index)),
+            reading: read_place
+                .zip(read_state)
+                .map(|(place, state)| [place_name(place.into()), state_name(state.into())]),
+            begins: flight.command(index).map(|command| {
+                let at = command.target.map_or(place, usize::from);
+                [operator_name(command.operator), place_name(at)]
+            }),
+            status: match flight.statuses[index] {
+                Status::Success => "success",
+                Status::Failure => "failure",
+                Status::Running | Status::Skipped => "running",
+            },
+            leaf: controller.robot().running().map(Skill::name),
+            thought: controller.robot().thought(),
+        }
+    });
+    let [bottle, plate] =
+        [(0, GOAL_A), (1, GOAL_B)].map(|(robot, source)| match world.state(robot, GRIP.into()) as u8 {
+            HOLDS => format!("held by robot {}", robot + 1),
+            PLACED => "on the plate".to_owned(),
+            _ => format!("at {}", place_name(source.into())),
         });
-        for (index, command) in commands.into_iter().enumerate() {
-            if let Some(command) = command {
-                self.begin(index, command);
-            }
-            for frame in self.robots[index].hardware_mut().link.sent.drain(..) {
-                self.radio.send(self.tick, index, &frame);
-            }
-        }
-        if self.detail == Detail::History {
-            self.note(commands);
-        }
-        self.world.pass();
-        self.tick += 1;
-    }
-
-    fn begin(&mut self, index: usize, command: Command) {
-        self.world.begin(index, command);
-        match command.deed {
-            Deed::MoveTo => self.actions.moves += 1,
-            Deed::Pick => self.actions.picks += 1,
-            Deed::Place => self.actions.placings += 1,
-            Deed::Idle => {}
-        }
-        self.retries += u32::from(self.begun.contains(&(index, command)));
-        self.begun.push((index, command));
-        if let Some(decision) = self.robots[index].robot().skills.task().and_then(Manipulation::decision) {
-            let probability = decision.posterior.get(decision.choice.number()).copied().unwrap_or(0.0);
-            self.decisions.push(Decided::of(self.tick, index, decision.choice, probability));
-        }
-    }
-
-    fn note(&mut self, commands: [Option<Command>; TEAM]) {
-        let robots = [0, 1].map(|index| {
-            let (robot, body) = (self.robots[index].robot(), self.world.bodies[index]);
-            let reading = robot.percept.place.zip(robot.percept.state);
-            RobotTick {
-                place: place_name(body.place),
-                state: state_name(self.world.state(index)),
-                reading: reading.map(|(place, state)| [place_name(place), state_name(state)]),
-                begins: commands[index].map(|command| [deed_name(command.deed), place_name(command.place)]),
-                status: match robot.status {
-                    Status::Success => "success",
-                    Status::Failure => "failure",
-                    Status::Running | Status::Skipped => "running",
-                },
-                leaf: robot.tree.running(&robot.memory).map(|skill| skill.name()),
-                thought: robot
-                    .skills
-                    .task()
-                    .zip(robot.skills.preferences())
-                    .map(|(task, c)| Thought::of(task, c)),
-            }
-        });
-        let [bottle, plate] = self.world.things.map(spot_name);
-        self.history.push(Tick { tick: self.tick, robots, bottle, plate });
-    }
-
-    fn record(self, believed: bool) -> Run {
-        Run {
-            seed: self.terms.seed,
-            trees: self.terms.trees,
-            disturbances: self.terms.disturbances,
-            success: believed && self.world.is_accomplished(),
-            believed,
-            ticks: self.tick,
-            actions: self.actions,
-            retries: self.retries,
-            frames: self.radio.traffic().iter().sum(),
-            decisions: self.decisions,
-            history: self.history,
-        }
-    }
+    Tick { tick: flight.tick, robots, bottle, plate }
 }
 
-fn spot_name(spot: Spot) -> String {
-    match spot {
-        Spot::At(place) => format!("at {}", place_name(place)),
-        Spot::HeldBy(robot) => format!("held by robot {}", robot + 1),
-        Spot::OnPlate => "on the plate".to_owned(),
+fn record(terms: &Terms, flown: Flown, history: Vec<Tick>) -> Run {
+    let count = |operator| flown.operated.iter().filter(|begun| begun.operator == operator).count() as u32;
+    let mut begun = Vec::new();
+    let mut retries = 0;
+    for one in &flown.operated {
+        let what = (one.robot, one.operator, one.target);
+        retries += u32::from(begun.contains(&what));
+        begun.push(what);
+    }
+    let decided = flown.operated.iter().filter_map(|one| {
+        one.policy.map(|(policy, probability)| Decided::of(one.tick, one.robot, policy, probability))
+    });
+    Run {
+        seed: terms.seed,
+        trees: terms.trees,
+        disturbances: terms.disturbances,
+        success: flown.success,
+        believed: flown.believed,
+        ticks: flown.ticks,
+        actions: Actions { moves: count(MOVE_TO), picks: count(PICK), placings: count(PUT_DOWN) },
+        retries,
+        frames: flown.frames,
+        decisions: decided.collect(),
+        history,
     }
 }
 
@@ -279,7 +248,8 @@ impl fmt::Display for RunError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Tree(diagnostic) => diagnostic.fmt(f),
-            Self::Mission(error) => error.fmt(f),
+            Self::Tables(error) => error.fmt(f),
+            Self::Team(error) => error.fmt(f),
             Self::Disturbance(name) => write!(f, "{name}: a probability is a number from 0 to 1"),
         }
     }

@@ -1,40 +1,60 @@
 //! What a robot with a conventional tree takes for true of its place and state.
 
-use iibt_core::iibt::Manipulation;
-use iibt_core::iibt::manipulation::{Announcement, Command, Percept, Place, State};
+use super::tables::{ELSEWHERE, FREE, PLACE};
+use crate::task::HostTask;
+use iibt_core::iibt::Task as _;
+use iibt_core::iibt::table::{Announcement, Command, Percept, Tables};
 use iibt_core::team::Peers;
 
 /// Readings made reliable in one way or another.
 #[derive(Debug)]
-pub(super) enum Sense {
+pub(super) enum Sense<'t> {
     /// What enough equal readings in a row have said.
-    Debounced(Debounced<Place>, Debounced<State>),
+    Debounced(Debounced<u8>, Debounced<u8>),
     /// What the inference nodes' own belief was last sure of.
-    Believed { belief: Box<Manipulation>, last: (Place, State), is_settled: bool },
+    Believed(Box<Believed<'t>>),
 }
 
-impl Sense {
+/// The belief, and the place and semantic state that it was last sure of.
+#[derive(Debug)]
+pub(super) struct Believed<'t> {
+    tables: &'t Tables<'t>,
+    robot: usize,
+    belief: HostTask<'t>,
+    last: (u8, u8),
+    is_settled: bool,
+}
+
+impl<'t> Believed<'t> {
+    fn perceive(&mut self, percept: &Percept, peers: Peers<'_, Announcement>) {
+        self.belief.observe(percept, peers);
+        self.is_settled = self.belief.is_settled();
+        if self.is_settled {
+            let sure = |factor| self.belief.sure(factor).unwrap_or(0);
+            let role = &self.tables.roles()[self.robot];
+            self.last = (sure(PLACE.into()) as u8, role.states.of(role.factors, sure) as u8);
+        }
+    }
+}
+
+impl<'t> Sense<'t> {
     pub(super) fn debounced(enough: u8) -> Self {
-        Self::Debounced(Debounced::new(Place::Elsewhere, enough), Debounced::new(State::Free, enough))
+        Self::Debounced(Debounced::new(ELSEWHERE, enough), Debounced::new(FREE, enough))
     }
 
-    pub(super) fn believed(belief: Manipulation) -> Self {
-        let last = (Place::Elsewhere, State::Free);
-        Self::Believed { belief: Box::new(belief), last, is_settled: false }
+    pub(super) fn believed(tables: &'t Tables<'t>, robot: usize, belief: HostTask<'t>) -> Self {
+        let last = (ELSEWHERE, FREE);
+        Self::Believed(Box::new(Believed { tables, robot, belief, last, is_settled: false }))
     }
 
-    pub(super) fn perceive(&mut self, percept: Percept, peers: Peers<'_, Announcement>) {
+    pub(super) fn perceive(&mut self, percept: &Percept, peers: Peers<'_, Announcement>) {
         match self {
             Self::Debounced(place, state) => {
-                place.read(percept.place);
-                state.read(percept.state);
+                let [read_place, read_state, ..] = percept.readings;
+                place.read(read_place);
+                state.read(read_state);
             }
-            Self::Believed { belief, last, is_settled } => {
-                belief.perceive(percept, peers);
-                let settled = belief.settled();
-                *is_settled = settled.is_some();
-                *last = settled.unwrap_or(*last);
-            }
+            Self::Believed(of) => of.perceive(percept, peers),
         }
     }
 
@@ -42,10 +62,10 @@ impl Sense {
     pub(super) fn unsettle(&mut self, begun: Option<Command>) {
         match self {
             Self::Debounced(place, state) => (place.run, state.run) = (0, 0),
-            Self::Believed { belief, is_settled, .. } => {
-                *is_settled = false;
+            Self::Believed(of) => {
+                of.is_settled = false;
                 if let Some(command) = begun {
-                    belief.act(command);
+                    of.belief.begin(command);
                 }
             }
         }
@@ -54,23 +74,23 @@ impl Sense {
     pub(super) fn is_settled(&self) -> bool {
         match self {
             Self::Debounced(place, state) => place.is_settled() && state.is_settled(),
-            Self::Believed { is_settled, .. } => *is_settled,
+            Self::Believed(of) => of.is_settled,
         }
     }
 
     /// The place that was settled last.
-    pub(super) fn place(&self) -> Place {
+    pub(super) fn place(&self) -> u8 {
         match self {
             Self::Debounced(place, _) => place.value,
-            Self::Believed { last, .. } => last.0,
+            Self::Believed(of) => of.last.0,
         }
     }
 
     /// The state that was settled last.
-    pub(super) fn state(&self) -> State {
+    pub(super) fn state(&self) -> u8 {
         match self {
             Self::Debounced(_, state) => state.value,
-            Self::Believed { last, .. } => last.1,
+            Self::Believed(of) => of.last.1,
         }
     }
 }

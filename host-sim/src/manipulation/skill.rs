@@ -1,19 +1,19 @@
 //! The leaves of the handling trees, by the names they have in the files.
 
+use super::tables::{GOAL_A, GOAL_B, GOAL_C, TO_HOLD, TO_PLACE};
 use crate::tree::LeafNode;
-use iibt_core::iibt::manipulation::{Aim, Place};
 
 /// What a leaf stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Skill {
-    /// An inference node.
-    Infer(Aim),
-    IsReached(Place),
-    MoveTo(Place),
+    /// An inference node with an aim.
+    Infer(usize),
+    IsReached(u8),
+    MoveTo(u8),
     IsHolding,
     IsPlaced,
     /// Whether the teammate says that it is there.
-    IsTeammateAt(Place),
+    IsTeammateAt(u8),
     /// Whether the teammate says that it holds its object.
     IsTeammateHolding,
     Pick,
@@ -30,8 +30,8 @@ impl Skill {
     /// The skill of robot `own` that a leaf names.
     pub(super) fn of(leaf: &LeafNode, own: usize) -> Result<Self, String> {
         match leaf.kind.as_str() {
-            "HoldBottle" | "HoldPlate" => Ok(Self::Infer(Aim::Hold)),
-            "PlaceBottle" => Ok(Self::Infer(Aim::Place)),
+            "HoldBottle" | "HoldPlate" => Ok(Self::Infer(TO_HOLD)),
+            "PlaceBottle" => Ok(Self::Infer(TO_PLACE)),
             "IsReached" => place(leaf, "place").map(Self::IsReached),
             "MoveTo" => place(leaf, "goal").map(Self::MoveTo),
             "IsHolding" => own_thing(leaf, own).map(|()| Self::IsHolding),
@@ -50,8 +50,8 @@ impl Skill {
     /// In words.
     pub(super) const fn name(self) -> &'static str {
         match self {
-            Self::Infer(Aim::Hold) => "Hold",
-            Self::Infer(Aim::Place) => "PlaceOn",
+            Self::Infer(TO_HOLD) => "Hold",
+            Self::Infer(_) => "PlaceOn",
             Self::IsReached(_) => "IsReached",
             Self::MoveTo(_) => "MoveTo",
             Self::IsHolding => "IsHolding",
@@ -72,11 +72,11 @@ fn port<'l>(leaf: &'l LeafNode, name: &str) -> Result<&'l str, String> {
 }
 
 /// A place by its name, or by the thing that is there to begin with.
-fn place(leaf: &LeafNode, name: &str) -> Result<Place, String> {
+fn place(leaf: &LeafNode, name: &str) -> Result<u8, String> {
     match leaf.port(name) {
-        Some("goal A" | "bottle") => Ok(Place::GoalA),
-        Some("goal B" | "plate") => Ok(Place::GoalB),
-        Some("goal C") => Ok(Place::GoalC),
+        Some("goal A" | "bottle") => Ok(GOAL_A),
+        Some("goal B" | "plate") => Ok(GOAL_B),
+        Some("goal C") => Ok(GOAL_C),
         given => {
             let given = given.unwrap_or("nothing");
             Err(format!("'{given}' for port '{name}' is no place: goal A, goal B, goal C, bottle, plate"))

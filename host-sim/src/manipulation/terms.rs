@@ -1,6 +1,6 @@
 //! What a handling mission is run with.
 
-use iibt_core::iibt::manipulation::{Order, Preset};
+use super::tables::{Order, Preset};
 use serde::Serialize;
 
 /// Which trees the robots run.

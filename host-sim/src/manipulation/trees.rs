@@ -1,9 +1,9 @@
 //! The trees that the robots run: which file each is, and how large.
 
 use super::skill::Skill;
+use super::tables::TEAM;
 use super::terms::Trees;
 use crate::tree::{BoundTree, Diagnostic, Instance, library};
-use iibt_core::iibt::manipulation::TEAM;
 use serde::Serialize;
 
 /// The size of a robot's tree, as the paper's tables 6 and 7 count.

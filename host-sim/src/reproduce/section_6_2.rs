@@ -3,11 +3,11 @@
 use super::Run;
 use super::figure::{Bars, Estimate, Figure, IntervalRow, Intervals, Lines, Panel, Scale, Series};
 use super::report::{Item, Section, Tolerance, with_interval};
+use crate::manipulation::Preset;
 use crate::manipulation::{
     self, Campaign, Compared, Detail, Disturbances, LEVELS, Run as Mission, Terms, Thought, run as carry_out,
 };
 use crate::words::counted;
-use iibt_core::iibt::manipulation::Preset;
 
 /// The policies whose probabilities the paper prints, and those.
 const REPORTED: [(usize, f64); 4] = [(3, 0.255), (7, 0.205), (12, 0.255), (13, 0.205)];

@@ -1,0 +1,66 @@
+//! Task files under the verbs that take scenarios and models.
+
+use super::{Failure, FlownTree, MAX_BYTES, NOT_ACCOMPLISHED, Run, print, read_up_to};
+use bumpalo::Bump;
+use host_sim::task::{TableMission, Trouble, built_in, is_task, level_table};
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// The text of a task, built in or in a file; `None` where the name is of something else.
+pub(super) fn text_of(name: &str) -> Result<Option<String>, Failure> {
+    if let Some(text) = built_in(name) {
+        return Ok(Some(text.to_owned()));
+    }
+    let path = Path::new(name);
+    if path.extension().is_none_or(|extension| extension != "toml") || !path.is_file() {
+        return Ok(None);
+    }
+    let bytes = read_up_to(path, MAX_BYTES).map_err(|error| format!("{name}: {error}"))?;
+    Ok(String::from_utf8(bytes).ok().filter(|text| is_task(text)))
+}
+
+pub(super) fn title(name: &str) -> Result<String, Failure> {
+    let arena = Bump::new();
+    Ok(TableMission::parse(&arena, name, built_in(name).unwrap_or_default())?.title)
+}
+
+pub(super) fn run(of: &Run, text: &str) -> Result<ExitCode, Failure> {
+    let name = &of.scenario;
+    if of.tree != FlownTree::default() || of.log.is_some() {
+        return Err(format!("{name}: a task has neither another --tree nor a --log of moves").into());
+    }
+    let arena = Bump::new();
+    let mission = TableMission::parse(&arena, name, text)?;
+    let trouble = Trouble { loss: of.loss, ..Trouble::default() };
+    let flown = mission.fly(of.seed, trouble).map_err(|error| format!("{name}: {error}"))?;
+    let text = mission.narrate(&flown);
+    print(&if of.json {
+        serde_json::to_string(&flown)? + "\n"
+    } else if of.quiet {
+        text.lines().last().unwrap_or_default().to_owned() + "\n"
+    } else {
+        text
+    })?;
+    Ok(if flown.success { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
+}
+
+pub(super) fn campaign(
+    name: &str,
+    text: &str,
+    seeds: u32,
+    threads: Option<NonZeroUsize>,
+    json: bool,
+) -> Result<ExitCode, Failure> {
+    let arena = Bump::new();
+    let mission = TableMission::parse(&arena, name, text)?;
+    let levels = mission.campaign(seeds, threads).map_err(|error| format!("{name}: {error}"))?;
+    print(&if json { serde_json::to_string(&levels)? + "\n" } else { level_table(&levels) })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+pub(super) fn export(name: &str, text: &str) -> Result<(), Failure> {
+    let arena = Bump::new();
+    print(&TableMission::parse(&arena, name, text)?.to_rust())?;
+    Ok(())
+}

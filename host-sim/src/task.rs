@@ -1,0 +1,56 @@
+//! Tasks written as tables, in simulation.
+//!
+//! ```text
+//! TaskFile ─► tables and truth ─► fly ─► Outcome      what is flown; the flight; what came of it
+//!                                  │
+//!                                  ├─ World           the hidden states, what sensors read, what fails
+//!                                  ├─ Controller      each robot in a simulated Station
+//!                                  └─ Radio           the only way between them
+//! ```
+
+mod campaign;
+mod error;
+mod export;
+mod file;
+mod flight;
+mod mission;
+mod read;
+mod station;
+mod world;
+
+pub use campaign::{LEVELS, Level, level_table};
+pub use error::TaskFileError;
+pub use flight::{Flown, Operated};
+pub use mission::{TaskError, Trouble};
+pub use read::TableMission;
+pub use world::{Goal, Truth};
+
+pub(crate) use flight::{Flight, Worker};
+pub(crate) use station::Station;
+
+use iibt_core::iibt::table::TableTask;
+
+/// The tasks that are built in.
+pub const NAMES: [&str; 2] = ["bottle-and-plate", "valves"];
+
+/// The text of a built-in task.
+#[must_use]
+pub fn built_in(name: &str) -> Option<&'static str> {
+    match name {
+        "bottle-and-plate" => Some(include_str!("../tasks/bottle-and-plate.toml")),
+        "valves" => Some(include_str!("../tasks/valves.toml")),
+        _ => None,
+    }
+}
+
+/// Whether a text is a task file, sound or not: one of its robots has a factor.
+#[must_use]
+pub fn is_task(text: &str) -> bool {
+    let robots = toml::from_str::<toml::Table>(text).ok().and_then(|table| table.get("robot").cloned());
+    robots.is_some_and(|robots| {
+        robots.as_array().is_some_and(|robots| robots.iter().any(|robot| robot.get("factor").is_some()))
+    })
+}
+
+/// A table task with room for any task file: 64 states, 4 robots, 256 joint policies.
+pub(crate) type HostTask<'t> = TableTask<'t, 64, 4, 256>;

@@ -1,0 +1,155 @@
+//! A task file as it is written, before anything is checked but its keys and their types.
+
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use toml::Spanned;
+
+pub(super) type Text = Spanned<String>;
+pub(super) type Number = Spanned<i64>;
+pub(super) type Real = Spanned<f64>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct File {
+    pub title: Text,
+    pub limit: Option<Number>,
+    pub precision: Option<Real>,
+    pub confidence: Option<Real>,
+    #[serde(default)]
+    pub radio: Radio,
+    #[serde(rename = "robot")]
+    pub robots: Vec<Spanned<Robot>>,
+    #[serde(rename = "goal")]
+    pub goals: Vec<Spanned<Goal>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Radio {
+    pub loss: Option<Real>,
+    pub delay: Option<Number>,
+    pub duplicate: Option<Real>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Robot {
+    pub name: Text,
+    #[serde(rename = "factor")]
+    pub factors: Vec<Spanned<Factor>>,
+    pub state: Option<Spanned<Labels>>,
+    #[serde(default, rename = "sensor")]
+    pub sensors: Vec<Spanned<Sensor>>,
+    #[serde(rename = "action")]
+    pub actions: Vec<Spanned<Action>>,
+    #[serde(default, rename = "fact")]
+    pub facts: Vec<Spanned<Fact>>,
+    #[serde(default, rename = "remedy")]
+    pub remedies: Vec<Spanned<Remedy>>,
+    #[serde(rename = "aim")]
+    pub aims: Vec<Spanned<Aim>>,
+    pub outcome: Option<Spanned<Outcome>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Factor {
+    pub name: Text,
+    pub states: Vec<Text>,
+    pub prior: Option<Vec<f64>>,
+    pub start: Option<Text>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Labels {
+    pub names: Vec<Text>,
+    pub of: Vec<Text>,
+    pub table: Vec<Text>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Sensor {
+    pub name: Text,
+    /// A factor, or `state`; left out for labels of its own.
+    pub reads: Option<Text>,
+    pub labels: Option<Labels>,
+    pub right: Option<Real>,
+    pub table: Option<Vec<Vec<f64>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Action {
+    pub name: Text,
+    #[serde(default)]
+    pub needs: Vec<Text>,
+    #[serde(default)]
+    pub forbids: Vec<Text>,
+    pub brings: Option<Text>,
+    pub otherwise: Option<Text>,
+    pub expected: Option<Real>,
+    #[serde(default, rename = "effect")]
+    pub effects: Vec<Effect>,
+    pub success: Option<Real>,
+    pub habit: Option<Real>,
+    pub ticks: Option<Number>,
+    pub fails: Option<Real>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Effect {
+    pub factor: Text,
+    pub to: Text,
+    #[serde(default)]
+    pub given: BTreeMap<String, Text>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Fact {
+    pub name: Text,
+    pub robot: Option<Text>,
+    pub factor: Option<Text>,
+    pub is: Option<Vec<Text>>,
+    pub doing: Option<Vec<Text>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Remedy {
+    pub missing: Text,
+    pub value: Option<bool>,
+    pub prefer: Text,
+    pub by: Option<Real>,
+    pub target: Option<Text>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Aim {
+    pub name: Text,
+    pub done: Vec<Text>,
+    pub prefer: BTreeMap<String, Real>,
+    pub wish: Option<BTreeMap<String, BTreeMap<String, Real>>>,
+    pub target: Option<Text>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Outcome {
+    pub names: Vec<Text>,
+    pub prefer: BTreeMap<String, Real>,
+    pub table: Vec<Text>,
+    pub possible: Option<Text>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Goal {
+    pub robot: Text,
+    pub factor: Text,
+    pub is: Vec<Text>,
+}

@@ -1,0 +1,161 @@
+//! A task file flown: each robot's tree is a sequence of its aims, an inference node each.
+
+use super::flight::{Flight, Flown, Worker};
+use super::read::TableMission;
+use super::{HostTask, Station};
+use firmware::Robot;
+use iibt_core::iibt::table::{Announcement, Percept, TablesError};
+use iibt_core::iibt::{Node, Task as _};
+use iibt_core::team::{Invalid, MemberError, Peers, RobotId};
+use iibt_core::time::{Duration, Instant};
+use iibt_core::tree::Status;
+use std::fmt;
+
+/// A precondition that stays unmet for so many ticks fails a node, and the sequence begins again.
+const TIMEOUT: Duration = Duration(50);
+
+/// What goes wrong, in place of what the file says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Trouble {
+    /// The probability that a reading is wrong, of every sensor.
+    pub wrong: Option<f64>,
+    /// The probability that an action fails, of every action with an effect.
+    pub fails: Option<f64>,
+    /// The probability that a frame does not reach a teammate.
+    pub loss: Option<f64>,
+}
+
+/// Why a task is not flown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TaskError {
+    /// The tables need more room than the simulator has.
+    Tables(TablesError),
+    /// There is no such team.
+    Team(MemberError),
+}
+
+impl fmt::Display for TaskError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Tables(error) => error.fmt(f),
+            Self::Team(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for TaskError {}
+
+impl TableMission<'_> {
+    /// Flies it until all robots have reached their last aim, or the limit.
+    ///
+    /// # Errors
+    /// [`TaskError`] when the simulator has no room for it.
+    pub fn fly(&self, seed: u64, trouble: Trouble) -> Result<Flown, TaskError> {
+        let mut truth = self.truth.clone();
+        truth.wrong = trouble.wrong.or(truth.wrong);
+        if let Some(fails) = trouble.fails {
+            for (role, shares) in self.tables.roles().iter().zip(&mut truth.fails) {
+                let real =
+                    role.operators.iter().zip(shares).filter(|(operator, _)| !operator.effects.is_empty());
+                real.for_each(|(_, share)| *share = fails);
+            }
+        }
+        let radio = crate::scenario::Radio { loss: trouble.loss.unwrap_or(self.radio.loss), ..self.radio };
+        let robots: Result<Vec<_>, _> = (0..self.tables.robots() as u8)
+            .map(|robot| {
+                let task = HostTask::new(&self.tables, RobotId(robot)).map_err(TaskError::Tables)?;
+                let aims = self.tables.roles()[usize::from(robot)].aims.len();
+                Ok(Sequence { task, aims, aim: 0, node: Node::new(TIMEOUT), percept: Percept::default() })
+            })
+            .collect();
+        let flight = Flight::new(&self.tables, &truth, radio, seed, robots?).map_err(TaskError::Team)?;
+        let done = |statuses: &[Status]| statuses.iter().all(|&status| status == Status::Success);
+        Ok(flight.fly(self.limit, done, &mut |_| ()))
+    }
+
+    /// A flight, told line by line.
+    #[must_use]
+    pub fn narrate(&self, flown: &Flown) -> String {
+        let mut text = String::new();
+        for one in &flown.operated {
+            let role = &self.tables.roles()[one.robot];
+            let operator = &role.operators[usize::from(one.operator)];
+            let target = one.target.and_then(|target| {
+                let factor = operator.effects.first()?.factor;
+                Some(format!(
+                    " to {}",
+                    role.factors.get(usize::from(factor))?.states.get(usize::from(target))?
+                ))
+            });
+            let why = one.policy.map_or_else(String::new, |(policy, p)| format!(", by pi{policy}, P {p:.3}"));
+            let (tick, target) = (one.tick, target.unwrap_or_default());
+            text += &format!("tick {tick:>3}  {} begins {}{target}{why}\n", role.name, operator.name);
+        }
+        let came = match (flown.success, flown.believed) {
+            (true, _) => "All goals are reached",
+            (false, true) => "The robots believe that they are done, and they are not",
+            (false, false) => "The robots are not done",
+        };
+        let (ticks, actions, lost) = (flown.ticks, flown.operated.len(), flown.frames.lost);
+        let frames = flown.frames.sent;
+        text + &format!(
+            "{came}: {ticks} ticks, {actions} actions, {frames} frames of which {lost} were lost.\n"
+        )
+    }
+}
+
+/// A robot that reaches its aims one after the other.
+struct Sequence<'t> {
+    task: HostTask<'t>,
+    aims: usize,
+    /// The aim that is pursued; all are reached when there is no such aim.
+    aim: usize,
+    node: Node<HostTask<'t>>,
+    percept: Percept,
+}
+
+impl Robot<Station> for Sequence<'_> {
+    type Message = Announcement;
+
+    fn mission(&self) -> u64 {
+        self.task.mission()
+    }
+
+    fn accepts(&self, said: &Announcement) -> Result<(), Invalid> {
+        self.task.accepts(said)
+    }
+
+    fn sense(&mut self, station: &mut Station, _: Instant) {
+        self.percept = station.percept;
+    }
+
+    fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
+        self.task.observe(&self.percept, peers);
+        while self.task.pursue(self.aim) {
+            match self.node.tick(&mut self.task, &self.percept, peers, now) {
+                Status::Success => self.aim += 1,
+                Status::Failure => {
+                    self.aim = 0;
+                    return Status::Failure;
+                }
+                status => return status,
+            }
+        }
+        debug_assert_eq!(self.aim, self.aims);
+        Status::Success
+    }
+
+    fn act(&mut self, station: &mut Station) {
+        station.command = self.task.command();
+    }
+
+    fn message(&self) -> Announcement {
+        self.task.announcement()
+    }
+}
+
+impl<'t> Worker<'t> for Sequence<'t> {
+    fn task(&self) -> Option<&HostTask<'t>> {
+        Some(&self.task)
+    }
+}

@@ -1,0 +1,451 @@
+//! From a task file as written to tables and truth, or the first thing that is wrong with it.
+
+use super::error::{Fault, TaskFileError};
+use super::file::{self, File, Number, Real, Text};
+use super::world::{Goal, Truth};
+use crate::scenario::Radio;
+use bumpalo::Bump;
+use iibt_core::iibt::Literal;
+use iibt_core::iibt::rules::Raise;
+use iibt_core::iibt::table::{
+    Accuracy, Aim, Effect, Fact, Given, HiddenFactor, Holds, JointOutcome, Labels, Operator, Postcondition,
+    Reads, Remedy, Role, Sensor, Tables, TablesError, To, Wish,
+};
+use std::collections::BTreeMap;
+use std::ops::{Range, RangeInclusive};
+use toml::Spanned;
+
+/// A task that is flown: its tables, and what is true of the world beyond them.
+#[derive(Clone, Debug)]
+pub struct TableMission<'a> {
+    /// What it is called: the file.
+    pub name: String,
+    /// What it is about, in one line.
+    pub title: String,
+    /// The tables.
+    pub tables: Tables<'a>,
+    /// The truth.
+    pub truth: Truth,
+    /// The ticks after which it counts as not accomplished.
+    pub limit: u32,
+    /// The radio between the robots.
+    pub radio: Radio,
+}
+
+impl<'a> TableMission<'a> {
+    /// Reads a task file into `arena`; `name` is what it will be called, in errors too.
+    ///
+    /// # Errors
+    /// [`TaskFileError`] with line, column and reason of the first thing that is wrong.
+    pub fn parse(arena: &'a Bump, name: &str, text: &str) -> Result<Self, TaskFileError> {
+        let file = toml::from_str(text).map_err(Fault::from);
+        let read = file.and_then(|file: File| Reader { arena, file: &file }.mission(name));
+        read.map_err(|fault| fault.in_file(name, text))
+    }
+}
+
+struct Reader<'a, 'f> {
+    arena: &'a Bump,
+    file: &'f File,
+}
+
+type Read<T> = Result<T, Fault>;
+
+impl<'a> Reader<'a, '_> {
+    fn mission(&self, name: &str) -> Read<TableMission<'a>> {
+        let file = self.file;
+        let roles = self.each(&file.robots, |robot| self.role(robot))?;
+        let mut tables = Tables::try_new(roles).map_err(|error| self.misfit(error))?;
+        if let Some(precision) = &file.precision {
+            let with = tables.with_precision(*precision.get_ref() as f32);
+            tables = with.map_err(|error| Fault::new(precision.span(), error.reason))?;
+        }
+        if let Some(confidence) = &file.confidence {
+            let with = tables.with_confidence(*confidence.get_ref() as f32);
+            tables = with.map_err(|error| Fault::new(confidence.span(), error.reason))?;
+        }
+        let radio = Radio::default();
+        Ok(TableMission {
+            name: name.to_owned(),
+            title: file.title.get_ref().clone(),
+            truth: self.truth(&tables)?,
+            tables,
+            limit: whole("limit", file.limit.as_ref(), 1..=100_000, 1000)?,
+            radio: Radio {
+                loss: share("loss", file.radio.loss.as_ref(), radio.loss)?,
+                delay: whole("delay", file.radio.delay.as_ref(), 1..=1000, radio.delay)?,
+                duplicate: share("duplicate", file.radio.duplicate.as_ref(), radio.duplicate)?,
+            },
+        })
+    }
+
+    fn role(&self, robot: &Spanned<file::Robot>) -> Read<Role<'a>> {
+        let robot = robot.get_ref();
+        let states = match &robot.state {
+            Some(labels) => self.labels(labels.get_ref(), robot)?,
+            None => self.identity(robot)?,
+        };
+        let idle = robot.actions.iter().position(|action| is_idle(action.get_ref()));
+        let idle = idle.ok_or_else(|| {
+            Fault::new(robot.name.span(), "one action must have neither needs nor effects: to do nothing")
+        })?;
+        Ok(Role {
+            name: self.text(&robot.name),
+            factors: self.each(&robot.factors, |factor| self.factor(factor.get_ref()))?,
+            states,
+            sensors: self.each(&robot.sensors, |sensor| self.sensor(sensor.get_ref(), robot))?,
+            operators: self.each(&robot.actions, |action| self.operator(action.get_ref(), robot))?,
+            idle: idle as u8,
+            facts: self.each(&robot.facts, |fact| self.fact(fact.get_ref(), robot))?,
+            remedies: self.each(&robot.remedies, |remedy| self.remedy(remedy.get_ref(), robot))?,
+            aims: self.each(&robot.aims, |aim| self.aim(aim.get_ref(), robot))?,
+            outcome: robot.outcome.as_ref().map(|of| self.outcome(of.get_ref(), robot)).transpose()?,
+        })
+    }
+
+    fn factor(&self, factor: &file::Factor) -> Read<HiddenFactor<'a>> {
+        let certain = || factor.states.iter().enumerate().map(|(at, _)| if at == 0 { 1.0 } else { 0.0 });
+        let prior: Vec<f32> = match &factor.prior {
+            Some(prior) => prior.iter().map(|&p| p as f32).collect(),
+            None => certain().collect(),
+        };
+        Ok(HiddenFactor {
+            name: self.text(&factor.name),
+            states: self.each(&factor.states, |state| Ok(self.text(state)))?,
+            prior: self.arena.alloc_slice_copy(&prior),
+        })
+    }
+
+    /// The states of the first factor as semantic states.
+    fn identity(&self, robot: &file::Robot) -> Read<Labels<'a>> {
+        let Some(first) = robot.factors.first() else {
+            return Err(Fault::new(robot.name.span(), "a robot needs a [[robot.factor]]"));
+        };
+        let states = &first.get_ref().states;
+        let numbers: Vec<u8> = (0..states.len().min(255) as u8).collect();
+        Ok(Labels {
+            names: self.each(states, |state| Ok(self.text(state)))?,
+            factors: self.arena.alloc_slice_copy(&[0]),
+            table: self.arena.alloc_slice_copy(&numbers),
+        })
+    }
+
+    fn labels(&self, labels: &file::Labels, robot: &file::Robot) -> Read<Labels<'a>> {
+        Ok(Labels {
+            names: self.each(&labels.names, |name| Ok(self.text(name)))?,
+            factors: self.each(&labels.of, |factor| index("factor", factor, &factor_names(robot)))?,
+            table: self.each(&labels.table, |label| index("label", label, &texts(&labels.names)))?,
+        })
+    }
+
+    fn sensor(&self, sensor: &file::Sensor, robot: &file::Robot) -> Read<Sensor<'a>> {
+        let reads = match (&sensor.reads, &sensor.labels) {
+            (Some(reads), None) if reads.get_ref() == "state" => Reads::State,
+            (Some(reads), None) => Reads::Factor(index("factor", reads, &factor_names(robot))?),
+            (None, Some(labels)) => Reads::Labels(self.labels(labels, robot)?),
+            _ => return Err(Fault::new(sensor.name.span(), "a sensor has either `reads` or `labels`")),
+        };
+        let accuracy = match (&sensor.right, &sensor.table) {
+            (Some(right), None) => Accuracy::Even(*right.get_ref() as f32),
+            (None, Some(rows)) => {
+                let entries: Vec<f32> = rows.iter().flatten().map(|&p| p as f32).collect();
+                Accuracy::Table(self.arena.alloc_slice_copy(&entries))
+            }
+            _ => return Err(Fault::new(sensor.name.span(), "a sensor has either `right` or `table`")),
+        };
+        Ok(Sensor { name: self.text(&sensor.name), reads, accuracy })
+    }
+
+    fn operator(&self, action: &file::Action, robot: &file::Robot) -> Read<Operator<'a>> {
+        let state = |state: &Text| index("state", state, &state_names(robot));
+        let expected = share("expected", action.expected.as_ref(), 1.0)? as f32;
+        let brings = match (&action.brings, &action.otherwise) {
+            (Some(brings), Some(other)) => Postcondition::Reset(state(brings)?, expected, state(other)?),
+            (Some(brings), None) => Postcondition::State(state(brings)?, expected),
+            (None, Some(other)) => {
+                return Err(Fault::new(other.span(), "`otherwise` is what comes in the place of `brings`"));
+            }
+            (None, None) => Postcondition::Nothing,
+        };
+        let fact = |fact: &Text| index("fact", fact, &fact_names(robot));
+        Ok(Operator {
+            name: self.text(&action.name),
+            requires: self.each(&action.needs, fact)?,
+            forbids: self.each(&action.forbids, fact)?,
+            brings,
+            effects: self.each(&action.effects, |effect| self.effect(effect, robot))?,
+            success: share("success", action.success.as_ref(), 1.0)? as f32,
+            habit: real("habit", action.habit.as_ref(), -1000.0..=1000.0, 0.0)? as f32,
+        })
+    }
+
+    fn effect(&self, effect: &file::Effect, robot: &file::Robot) -> Read<Effect<'a>> {
+        let factor = index("factor", &effect.factor, &factor_names(robot))?;
+        let to = match effect.to.get_ref().as_str() {
+            "target" => To::Target,
+            _ => To::State(index("state", &effect.to, &states_of(robot, factor))?),
+        };
+        let mut given = Vec::new();
+        for (name, state) in &effect.given {
+            given.push(self.given(name, state, robot)?);
+        }
+        Ok(Effect { given: self.arena.alloc_slice_copy(&given), factor, to })
+    }
+
+    /// `place = "goal C"` of the robot itself, `"R2.place" = "goal C"` of a teammate.
+    fn given(&self, name: &str, state: &Text, own: &file::Robot) -> Read<Given> {
+        let (of, name) = match name.split_once('.') {
+            Some((robot, name)) => (Some(Spanned::new(state.span(), robot.to_owned())), name),
+            None => (None, name),
+        };
+        let robot = of.as_ref().map(|of| self.robot(of)).transpose()?;
+        let holder = robot.map_or(own, |robot| self.file.robots[usize::from(robot)].get_ref());
+        let name = Spanned::new(state.span(), name.to_owned());
+        let factor = index("factor", &name, &factor_names(holder))?;
+        Ok(Given { robot, factor, state: index("state", state, &states_of(holder, factor))? })
+    }
+
+    fn fact(&self, fact: &file::Fact, own: &file::Robot) -> Read<Fact<'a>> {
+        let robot = fact.robot.as_ref().map(|robot| self.robot(robot)).transpose()?;
+        let holder = robot.map_or(own, |robot| self.file.robots[usize::from(robot)].get_ref());
+        let factor = |factor: &Text| index("factor", factor, &factor_names(holder));
+        let holds = match (robot, &fact.factor, &fact.is, &fact.doing) {
+            (_, Some(name), Some(is), None) => {
+                let factor = factor(name)?;
+                let states = self.each(is, |state| index("state", state, &states_of(holder, factor)))?;
+                match robot {
+                    Some(robot) => Holds::Announced { robot, factor, states },
+                    None => Holds::Sure { factor, states },
+                }
+            }
+            (None, Some(name), None, None) => Holds::AtTarget { factor: factor(name)? },
+            (Some(robot), None, None, Some(doing)) => Holds::Doing {
+                robot,
+                operators: self.each(doing, |action| index("action", action, &action_names(holder)))?,
+            },
+            _ => {
+                let reason =
+                    "a fact has `factor` and `is`, `factor` alone for the target, or `robot` and `doing`";
+                return Err(Fault::new(fact.name.span(), reason));
+            }
+        };
+        Ok(Fact { name: self.text(&fact.name), holds })
+    }
+
+    fn remedy(&self, remedy: &file::Remedy, robot: &file::Robot) -> Read<Remedy> {
+        let by = |by: &Real| real("by", Some(by), -1000.0..=1000.0, 0.0).map(|by| Raise::By(by as f32));
+        Ok(Remedy {
+            missing: Literal {
+                variable: index("fact", &remedy.missing, &fact_names(robot))?,
+                value: remedy.value.unwrap_or(true),
+            },
+            state: index("state", &remedy.prefer, &state_names(robot))?,
+            raise: remedy.by.as_ref().map_or(Ok(Raise::AboveAll), by)?,
+            target: target(remedy.target.as_ref(), robot)?,
+        })
+    }
+
+    fn aim(&self, aim: &file::Aim, robot: &file::Robot) -> Read<Aim<'a>> {
+        let teammates = match &aim.wish {
+            None => Wish::AsAnnounced,
+            Some(wishes) => {
+                let mut rows: Vec<&'a [f32]> = Vec::new();
+                for other in &self.file.robots {
+                    let (other, none) = (other.get_ref(), BTreeMap::new());
+                    let wish = wishes.get(other.name.get_ref()).unwrap_or(&none);
+                    rows.push(self.preference(wish, &state_names(other), aim.name.span())?);
+                }
+                let known =
+                    |name: &&String| self.file.robots.iter().any(|of| of.get_ref().name.get_ref() == *name);
+                if let Some(name) = wishes.keys().find(|name| !known(name)) {
+                    return Err(Fault::new(
+                        aim.name.span(),
+                        format!("the aim wishes something of \"{name}\", which is no robot"),
+                    ));
+                }
+                Wish::Rows(self.arena.alloc_slice_copy(&rows))
+            }
+        };
+        Ok(Aim {
+            name: self.text(&aim.name),
+            done: self.each(&aim.done, |fact| index("fact", fact, &fact_names(robot)))?,
+            preference: self.preference(&aim.prefer, &state_names(robot), aim.name.span())?,
+            teammates,
+            target: target(aim.target.as_ref(), robot)?,
+        })
+    }
+
+    fn outcome(&self, outcome: &file::Outcome, robot: &file::Robot) -> Read<JointOutcome<'a>> {
+        let names = texts(&outcome.names);
+        let possible = outcome.possible.as_ref();
+        let at = outcome.names.first().map_or(robot.name.span(), Spanned::span);
+        Ok(JointOutcome {
+            names: self.each(&outcome.names, |name| Ok(self.text(name)))?,
+            preference: self.preference(&outcome.prefer, &names, at)?,
+            table: self.each(&outcome.table, |label| index("outcome", label, &names))?,
+            possible: possible.map(|action| index("action", action, &action_names(robot))).transpose()?,
+        })
+    }
+
+    /// A preference by the names of states, zero for one that is not named.
+    fn preference(
+        &self,
+        values: &BTreeMap<String, Real>,
+        names: &[&str],
+        at: Range<usize>,
+    ) -> Read<&'a [f32]> {
+        let mut row = vec![0.0; names.len()];
+        for (name, value) in values {
+            let Some(place) = names.iter().position(|known| known == name) else {
+                return Err(Fault::new(value.span(), unknown("state", name, names)));
+            };
+            row[place] = real("a preference", Some(value), -1e6..=1e6, 0.0).map_err(|_| {
+                Fault::new(at.clone(), format!("the preference for \"{name}\" is not between -1e6 and 1e6"))
+            })? as f32;
+        }
+        Ok(self.arena.alloc_slice_copy(&row))
+    }
+
+    fn truth(&self, tables: &Tables<'_>) -> Read<Truth> {
+        let mut truth = Truth::of(tables);
+        for (number, robot) in self.file.robots.iter().enumerate() {
+            let robot = robot.get_ref();
+            for (place, factor) in robot.factors.iter().enumerate() {
+                if let Some(start) = &factor.get_ref().start {
+                    truth.start[number][place] = Some(index("state", start, &states_of(robot, place as u8))?);
+                }
+            }
+            for (place, action) in robot.actions.iter().enumerate() {
+                let action = action.get_ref();
+                truth.ticks[number][place] = whole("ticks", action.ticks.as_ref(), 1..=1000, 1)?;
+                let usual = truth.fails[number][place];
+                truth.fails[number][place] = share("fails", action.fails.as_ref(), usual)?;
+            }
+        }
+        for goal in &self.file.goals {
+            let goal = goal.get_ref();
+            let robot = self.robot(&goal.robot)?;
+            let holder = self.file.robots[usize::from(robot)].get_ref();
+            let factor = index("factor", &goal.factor, &factor_names(holder))?;
+            let states: Result<_, _> =
+                goal.is.iter().map(|state| index("state", state, &states_of(holder, factor))).collect();
+            truth.goals.push(Goal { robot: robot.into(), factor: factor.into(), states: states? });
+        }
+        Ok(truth)
+    }
+
+    /// A fault of the tables, where its row is written.
+    fn misfit(&self, error: TablesError) -> Fault {
+        let robot = error.role.and_then(|role| self.file.robots.get(usize::from(role)));
+        let Some(robot) = robot else { return Fault::new(0..0, error.to_string()) };
+        let (of, row) = (robot.get_ref(), usize::from(error.row.unwrap_or(0)));
+        let span = match error.table {
+            "factors" => of.factors.get(row).map(Spanned::span),
+            "sensors" => of.sensors.get(row).map(Spanned::span),
+            "operators" | "idle" => of.actions.get(row).map(Spanned::span),
+            "facts" => of.facts.get(row).map(Spanned::span),
+            "remedies" => of.remedies.get(row).map(Spanned::span),
+            "aims" => of.aims.get(row).map(Spanned::span),
+            "states" => of.state.as_ref().map(Spanned::span),
+            "outcome" => of.outcome.as_ref().map(Spanned::span),
+            _ => None,
+        };
+        Fault::new(span.unwrap_or_else(|| robot.span()), error.reason)
+    }
+
+    fn robot(&self, name: &Text) -> Read<u8> {
+        let names: Vec<&str> =
+            self.file.robots.iter().map(|robot| robot.get_ref().name.get_ref().as_str()).collect();
+        index("robot", name, &names)
+    }
+
+    fn text(&self, text: &Text) -> &'a str {
+        self.arena.alloc_str(text.get_ref())
+    }
+
+    /// A slice of what each row becomes.
+    fn each<R, T: Copy>(&self, rows: &[R], of: impl Fn(&R) -> Read<T>) -> Read<&'a [T]> {
+        let rows: Vec<T> = rows.iter().map(of).collect::<Result<_, _>>()?;
+        Ok(self.arena.alloc_slice_copy(&rows))
+    }
+}
+
+fn is_idle(action: &file::Action) -> bool {
+    action.needs.is_empty() && action.forbids.is_empty() && action.effects.is_empty()
+}
+
+fn texts(texts: &[Text]) -> Vec<&str> {
+    texts.iter().map(|text| text.get_ref().as_str()).collect()
+}
+
+fn factor_names(robot: &file::Robot) -> Vec<&str> {
+    robot.factors.iter().map(|factor| factor.get_ref().name.get_ref().as_str()).collect()
+}
+
+fn states_of(robot: &file::Robot, factor: u8) -> Vec<&str> {
+    robot.factors.get(usize::from(factor)).map_or(Vec::new(), |factor| texts(&factor.get_ref().states))
+}
+
+/// The semantic states.
+fn state_names(robot: &file::Robot) -> Vec<&str> {
+    match &robot.state {
+        Some(labels) => texts(&labels.get_ref().names),
+        None => states_of(robot, 0),
+    }
+}
+
+fn action_names(robot: &file::Robot) -> Vec<&str> {
+    robot.actions.iter().map(|action| action.get_ref().name.get_ref().as_str()).collect()
+}
+
+fn fact_names(robot: &file::Robot) -> Vec<&str> {
+    robot.facts.iter().map(|fact| fact.get_ref().name.get_ref().as_str()).collect()
+}
+
+/// A target: a state of the factor that some action leads to the target.
+fn target(name: Option<&Text>, robot: &file::Robot) -> Read<Option<u8>> {
+    let Some(name) = name else { return Ok(None) };
+    let effects = robot.actions.iter().flat_map(|action| &action.get_ref().effects);
+    let aimed = effects.filter(|effect| effect.to.get_ref() == "target").map(|effect| &effect.factor).next();
+    let Some(factor) = aimed else {
+        return Err(Fault::new(name.span(), "no effect leads to \"target\", so there is none to name"));
+    };
+    let factor = index("factor", factor, &factor_names(robot))?;
+    index("state", name, &states_of(robot, factor)).map(Some)
+}
+
+fn index(what: &str, name: &Text, names: &[&str]) -> Read<u8> {
+    let place = names.iter().position(|known| known == name.get_ref());
+    let place = place.and_then(|place| u8::try_from(place).ok());
+    place.ok_or_else(|| Fault::new(name.span(), unknown(what, name.get_ref(), names)))
+}
+
+fn unknown(what: &str, name: &str, names: &[&str]) -> String {
+    if names.is_empty() {
+        return format!("there is no {what} \"{name}\": there is none at all");
+    }
+    format!("there is no {what} \"{name}\": there are {}", names.join(", "))
+}
+
+fn whole(key: &str, number: Option<&Number>, range: RangeInclusive<u32>, usual: u32) -> Read<u32> {
+    let Some(number) = number else { return Ok(usual) };
+    let value = u32::try_from(*number.get_ref()).ok().filter(|value| range.contains(value));
+    value.ok_or_else(|| {
+        let (found, least, most) = (number.get_ref(), range.start(), range.end());
+        Fault::new(number.span(), format!("{key} = {found} is not between {least} and {most}"))
+    })
+}
+
+fn share(key: &str, number: Option<&Real>, usual: f64) -> Read<f64> {
+    real(key, number, 0.0..=1.0, usual)
+}
+
+fn real(key: &str, number: Option<&Real>, range: RangeInclusive<f64>, usual: f64) -> Read<f64> {
+    let Some(number) = number else { return Ok(usual) };
+    let value = *number.get_ref();
+    if range.contains(&value) {
+        return Ok(value);
+    }
+    let (least, most) = (range.start(), range.end());
+    Err(Fault::new(number.span(), format!("{key} = {value} is not between {least} and {most}")))
+}

@@ -1,0 +1,120 @@
+//! Two robots close two valves in an order: R2 the outlet once R1 has announced that the inlet is closed. Each
+//! has one sensor, which errs now and then; a valve that sticks is turned again.
+
+use iibt_core::iibt::rules::Raise;
+use iibt_core::iibt::table::{
+    Accuracy, Aim, Announcement, Effect, Fact, HiddenFactor, Holds, Labels, Operator, Percept, Postcondition,
+    Reads, Remedy, Role, Sensor, TableTask, Tables, Wish,
+};
+use iibt_core::iibt::{Literal, Node};
+use iibt_core::team::{Envelope, Limits, Member, RobotId, Roster, Stamp};
+use iibt_core::time::{Duration, Instant};
+use iibt_core::tree::Status;
+use std::error::Error;
+
+const STATES: [&str; 2] = ["open", "closed"];
+const OPEN: u8 = 0;
+const CLOSED: u8 = 1;
+const TURN: u8 = 0;
+const IDLE: u8 = 1;
+
+const IS_CLOSED: Fact = Fact { name: "closed", holds: Holds::Sure { factor: 0, states: &[CLOSED] } };
+const R2_IDLE: Fact = Fact { name: "R2 idle", holds: Holds::Doing { robot: 1, operators: &[IDLE] } };
+const INLET_CLOSED: Fact =
+    Fact { name: "inlet closed", holds: Holds::Announced { robot: 0, factor: 0, states: &[CLOSED] } };
+
+/// A turn closes the valve four times in five. It needs fact 1, the turn, and forbids fact 0, a closed valve.
+const TURN_IT: Operator = Operator {
+    name: "turn",
+    requires: &[1],
+    forbids: &[0],
+    brings: Postcondition::State(CLOSED, 0.8),
+    effects: &[Effect::set(0, CLOSED)],
+    success: 0.8,
+    ..Operator::IDLE
+};
+
+/// A robot whose valve may be turned when the second of its facts holds.
+const fn role(name: &'static str, facts: &'static [Fact<'static>]) -> Role<'static> {
+    Role {
+        name,
+        factors: &[HiddenFactor { name: "valve", states: &STATES, prior: &[0.5, 0.5] }],
+        states: Labels { names: &STATES, factors: &[0], table: &[OPEN, CLOSED] },
+        sensors: &[Sensor { name: "position", reads: Reads::Factor(0), accuracy: Accuracy::Even(0.9) }],
+        operators: &[TURN_IT, Operator::IDLE],
+        idle: IDLE,
+        facts,
+        // While it is the other's turn, the valve is better left open.
+        remedies: &[Remedy {
+            missing: Literal { variable: 1, value: true },
+            state: OPEN,
+            raise: Raise::AboveAll,
+            target: None,
+        }],
+        aims: &[Aim {
+            name: "close",
+            done: &[0],
+            preference: &[0.0, 1.0],
+            teammates: Wish::AsAnnounced,
+            target: None,
+        }],
+        outcome: None,
+    }
+}
+
+static VALVES: Tables =
+    Tables::new(&[role("R1", &[IS_CLOSED, R2_IDLE]), role("R2", &[IS_CLOSED, INLET_CLOSED])]);
+
+/// The task of one robot; its sizes are those of the tables.
+type Valve = TableTask<'static, { VALVES.states() }, { VALVES.robots() }, { VALVES.policies() }>;
+
+/// One robot: its task and node, its teammate as it was heard, and its valve in truth.
+struct Robot {
+    task: Valve,
+    node: Node<Valve>,
+    roster: Roster<Announcement>,
+    turns: u32,
+    /// How many turns the valve sticks.
+    sticks: u32,
+}
+
+impl Robot {
+    fn new(number: u8, sticks: u32) -> Result<Self, Box<dyn Error>> {
+        let member = Member::new(RobotId(number), 2)?;
+        let roster = Roster::new(member, Limits::for_beacons(Duration(1))?);
+        let task = Valve::new(&VALVES, RobotId(number))?;
+        Ok(Self { task, node: Node::new(Duration(20)), roster, turns: 0, sticks })
+    }
+
+    fn is_closed(&self) -> bool {
+        self.turns > self.sticks
+    }
+
+    /// Reads the valve, every seventh time wrongly, decides, and turns the valve if that was decided.
+    fn tick(&mut self, now: Instant) -> Status {
+        let mut percept = Percept { at: now, ..Percept::default() };
+        percept.readings[0] = Some(u8::from(self.is_closed() ^ (now.0 % 7 == 3)));
+        let status = self.node.tick(&mut self.task, &percept, self.roster.at(now), now);
+        self.turns += u32::from(self.task.command().is_some_and(|command| command.operator == TURN));
+        status
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut robots = [Robot::new(0, 1)?, Robot::new(1, 0)?];
+    let (mut statuses, mut closed) = ([Status::Running; 2], [None; 2]);
+    for tick in 0..60 {
+        let now = Instant(tick);
+        let said = robots.each_ref().map(|robot| robot.task.announcement());
+        for (number, robot) in robots.iter_mut().enumerate() {
+            let (sender, stamp) = (RobotId(1 - number as u8), Stamp { epoch: 1, sequence: tick });
+            robot.roster.hear(Envelope { sender, stamp, message: said[sender.index()] }, now)?;
+            statuses[number] = robot.tick(now);
+            closed[number] = closed[number].or(robot.is_closed().then_some(tick));
+        }
+    }
+    assert_eq!(statuses, [Status::Success; 2]);
+    assert_eq!(robots.map(|robot| robot.turns), [2, 1], "R1 turns again what stuck");
+    assert!(closed[0] < closed[1], "the inlet is closed before the outlet: {closed:?}");
+    Ok(())
+}

@@ -1,0 +1,74 @@
+//! What a robot with a table task tells its teammates.
+
+use super::definition::MAX_FACTORS;
+use crate::team::{Invalid, Message};
+use serde::{Deserialize, Serialize};
+
+/// Where a robot is sure to be, what it is doing, and how sure its decision was: 3 to 7 bytes in a frame.
+///
+/// ```
+/// use iibt_core::iibt::table::Announcement;
+///
+/// let said = Announcement::new([Some(3), None], 1, 0.75);
+/// assert_eq!((said.state(0), said.state(1), said.operator()), (Some(3), None, 1));
+/// assert!((said.probability() - 0.75).abs() < 0.002);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Announcement {
+    /// Half a byte per factor, the first lowest: its state plus one, zero for one that is not known.
+    states: u32,
+    operator: u8,
+    probability: u8,
+}
+
+impl Announcement {
+    /// An announcement of the state of each factor, `None` for one that the robot is not sure of, of the
+    /// operator under way, and of the posterior probability of the last decision.
+    #[must_use]
+    pub fn new(states: impl IntoIterator<Item = Option<u8>>, operator: u8, probability: f32) -> Self {
+        let packed = states.into_iter().take(MAX_FACTORS).zip(0..).fold(0, |packed, (state, factor)| {
+            let code = state.map_or(0, |state| (u32::from(state) + 1) & 0xf);
+            packed | code << (4 * factor)
+        });
+        Self { states: packed, operator, probability: (probability.clamp(0.0, 1.0) * 255.0 + 0.5) as u8 }
+    }
+
+    /// The state of a factor; `None` where the sender is not sure, or does not have the factor.
+    #[must_use]
+    pub fn state(&self, factor: usize) -> Option<u8> {
+        let code = if factor < MAX_FACTORS { self.states >> (4 * factor) & 0xf } else { 0 };
+        u8::try_from(code).ok()?.checked_sub(1)
+    }
+
+    /// The operator under way, the idle one if there is none.
+    #[must_use]
+    pub const fn operator(&self) -> u8 {
+        self.operator
+    }
+
+    /// The posterior probability of the sender's last decision, to a 255th.
+    #[must_use]
+    pub fn probability(&self) -> f32 {
+        f32::from(self.probability) / 255.0
+    }
+}
+
+impl AsRef<Self> for Announcement {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
+impl Message for Announcement {
+    const SCHEMA: &'static str = "iibt.table.announcement/1: states u32, operator u8, probability u8";
+    const MAX_BYTES: usize = 7;
+
+    fn validate(&self) -> Result<(), Invalid> {
+        if usize::from(self.operator) < super::definition::MAX_OPERATORS {
+            Ok(())
+        } else {
+            Err(Invalid("the operator has a number of 16 or above"))
+        }
+    }
+}

@@ -1,0 +1,432 @@
+//! Whether the tables of a task fit together, worked out by the compiler for a `const`.
+
+use super::definition::{
+    Accuracy, Effect, Given, Holds, Labels, MAX_FACTORS, MAX_FACTS, MAX_OPERATORS, MAX_SENSORS, MAX_STATES,
+    Postcondition, Reads, Remedy, Role, To, Wish,
+};
+use super::error::TablesError;
+use crate::iibt::rules::Raise;
+use crate::math;
+use crate::team::MAX_TEAM;
+
+/// The row of a table and what is wrong with it.
+type Flaw = Option<(usize, &'static str)>;
+
+/// How far a column may be from summing to one, as in the tables of `inference`.
+const TOLERANCE: f32 = 1e-4;
+
+/// Goes over the rows of a list, which a `for` loop cannot do in a `const fn`.
+macro_rules! each {
+    ($at:ident in $rows:expr, $body:block) => {
+        let mut $at = 0;
+        while $at < $rows.len() {
+            $body
+            $at += 1;
+        }
+    };
+}
+
+/// Returns the flaw of a row if there is one: a condition and what it means, or what a check of part of the row found.
+macro_rules! refuse {
+    ($wrong:expr, $at:expr, $reason:expr) => {
+        if $wrong {
+            return Some(($at, $reason));
+        }
+    };
+    ($part:expr, $at:expr) => {
+        if let Some(reason) = $part {
+            return Some(($at, reason));
+        }
+    };
+}
+
+/// The first table of a role with a flaw, as an error. A table is looked at when those that it refers to fit.
+macro_rules! first_flaw {
+    ($number:expr, $($table:literal: $flaw:expr),+ $(,)?) => {{
+        $(if let Some((row, reason)) = $flaw {
+            let (role, row) = (Some($number as u8), Some(row as u16));
+            return Some(TablesError { role, table: $table, row, reason });
+        })+
+        None
+    }};
+}
+
+/// Refuses the first row with an empty or repeated name.
+macro_rules! refuse_unnamed {
+    ($rows:expr) => {
+        each!(at in $rows, {
+            refuse!($rows[at].name.is_empty(), at, "its name is empty");
+            let (before, _) = $rows.split_at(at);
+            each!(other in before, {
+                refuse!(same(before[other].name, $rows[at].name), at, "its name is taken");
+            });
+        });
+    };
+}
+
+/// The first thing that does not fit.
+pub(super) const fn check(roles: &[Role]) -> Result<(), TablesError> {
+    if let Some((row, reason)) = team(roles) {
+        return Err(TablesError { row: Some(row as u16), ..TablesError::of_team("roles", reason) });
+    }
+    each!(number in roles, {
+        if let Some(error) = check_states(&roles[number], number) {
+            return Err(error);
+        }
+    });
+    each!(number in roles, {
+        if let Some(error) = check_role(roles, number) {
+            return Err(error);
+        }
+    });
+    Ok(())
+}
+
+const fn team(roles: &[Role]) -> Flaw {
+    refuse!(roles.is_empty() || roles.len() > MAX_TEAM, roles.len(), "a team has 1 to 8 robots");
+    let mut policies = 1;
+    each!(number in roles, {
+        policies *= roles[number].operators.len();
+        refuse!(policies > u16::MAX as usize, number, "there are more than 65,535 joint policies");
+    });
+    refuse_unnamed!(roles);
+    None
+}
+
+/// What other tables refer to.
+const fn check_states(role: &Role, number: usize) -> Option<TablesError> {
+    first_flaw!(number,
+        "factors": factors(role),
+        "states": labels(&role.states, role),
+        "operators": operator_names(role),
+    )
+}
+
+/// What refers to the states of this role and of others.
+const fn check_role(roles: &[Role], number: usize) -> Option<TablesError> {
+    let role = &roles[number];
+    first_flaw!(number,
+        "sensors": sensors(role),
+        "facts": facts(roles, number),
+        "operators": operators(roles, number),
+        "idle": idle(role),
+        "remedies": remedies(role),
+        "aims": aims(roles, number),
+        "outcome": outcome(roles, role),
+    )
+}
+
+const fn factors(role: &Role) -> Flaw {
+    let rows = role.factors;
+    refuse!(rows.is_empty() || rows.len() > MAX_FACTORS, rows.len(), "a role has 1 to 8 factors");
+    each!(at in rows, {
+        refuse!(names(rows[at].states), at);
+        refuse!(rows[at].prior.len() != rows[at].states.len(), at, "its prior lacks an entry per state");
+        refuse!(!math::is_distribution(rows[at].prior), at, "its prior is no distribution");
+    });
+    refuse_unnamed!(rows);
+    None
+}
+
+/// The row that is wrong is the entry of the label table.
+const fn labels(labels: &Labels, role: &Role) -> Flaw {
+    refuse!(names(labels.names), 0);
+    let of = labels.factors;
+    refuse!(of.is_empty() || of.len() > MAX_FACTORS, of.len(), "labels depend on 1 to 8 factors");
+    let mut entries = 1;
+    each!(at in of, {
+        refuse!(of[at] as usize >= role.factors.len(), at, "labels depend on a factor that does not exist");
+        refuse!(contains(of.split_at(at).0, of[at]), at, "labels depend on one factor twice");
+        entries *= role.factors[of[at] as usize].states.len();
+    });
+    let table = labels.table;
+    refuse!(entries != table.len(), table.len(), "the label table lacks an entry per combination of states");
+    each!(at in table, {
+        refuse!(table[at] as usize >= labels.names.len(), at, "this entry of the label table is no label");
+    });
+    None
+}
+
+const fn operator_names(role: &Role) -> Flaw {
+    let rows = role.operators;
+    refuse!(rows.is_empty() || rows.len() > MAX_OPERATORS, rows.len(), "a role has 1 to 16 operators");
+    refuse_unnamed!(rows);
+    None
+}
+
+const fn sensors(role: &Role) -> Flaw {
+    let rows = role.sensors;
+    refuse!(rows.len() > MAX_SENSORS, rows.len(), "a role has at most 8 sensors");
+    each!(at in rows, {
+        let outcomes = match &rows[at].reads {
+            Reads::Factor(factor) => {
+                refuse!(*factor as usize >= role.factors.len(), at, "it reads a factor that does not exist");
+                role.factors[*factor as usize].states.len()
+            }
+            Reads::State => role.states.names.len(),
+            Reads::Labels(read) => {
+                if let Some((_, reason)) = labels(read, role) {
+                    return Some((at, reason));
+                }
+                read.names.len()
+            }
+        };
+        refuse!(outcomes < 2, at, "it has less than two readings");
+        match rows[at].accuracy {
+            Accuracy::Even(right) => refuse!(!is_probability(right), at, "its accuracy is no probability"),
+            Accuracy::Table(table) => refuse!(columns(table, outcomes), at),
+        }
+    });
+    refuse_unnamed!(rows);
+    None
+}
+
+const fn columns(table: &[f32], outcomes: usize) -> Option<&'static str> {
+    if table.len() != outcomes * outcomes {
+        return Some("its table does not have a row per reading and a column per truth");
+    }
+    let mut sums = [0.0; MAX_STATES];
+    each!(at in table, {
+        if !is_probability(table[at]) {
+            return Some("its table has an entry that is no probability");
+        }
+        sums[at % outcomes] += table[at];
+    });
+    let (sums, _) = sums.split_at(outcomes);
+    each!(column in sums, {
+        if !(sums[column] > 1.0 - TOLERANCE && sums[column] < 1.0 + TOLERANCE) {
+            return Some("a column of its table does not sum to one");
+        }
+    });
+    None
+}
+
+const fn facts(roles: &[Role], own: usize) -> Flaw {
+    let rows = roles[own].facts;
+    refuse!(rows.len() > MAX_FACTS, rows.len(), "a role has at most 16 facts");
+    each!(at in rows, {
+        if let Holds::Announced { robot, .. } | Holds::Doing { robot, .. } = rows[at].holds {
+            refuse!(!is_teammate(roles, own, robot), at, "it is about a robot that is no teammate");
+        }
+        match rows[at].holds {
+            Holds::Sure { factor, states } => refuse!(no_states(&roles[own], factor, states), at),
+            Holds::AtTarget { factor } => refuse!(no_states(&roles[own], factor, &[]), at),
+            Holds::Announced { robot, factor, states } => {
+                refuse!(no_states(&roles[robot as usize], factor, states), at);
+            }
+            Holds::Doing { robot, operators } => {
+                let all = are_below(operators, roles[robot as usize].operators.len());
+                refuse!(!all, at, "it is about an operator that the teammate does not have");
+            }
+        }
+    });
+    refuse_unnamed!(rows);
+    None
+}
+
+const fn no_states(role: &Role, factor: u8, states: &[u8]) -> Option<&'static str> {
+    if factor as usize >= role.factors.len() {
+        return Some("its factor does not exist");
+    }
+    if !are_below(states, role.factors[factor as usize].states.len()) {
+        return Some("its factor does not have this state");
+    }
+    None
+}
+
+const fn operators(roles: &[Role], own: usize) -> Flaw {
+    let (role, rows) = (&roles[own], roles[own].operators);
+    each!(at in rows, {
+        let row = &rows[at];
+        let (states, p) = match row.brings {
+            Postcondition::Nothing => ([0, 0], 1.0),
+            Postcondition::State(state, p) => ([state, state], p),
+            Postcondition::Reset(state, p, other) => ([state, other], p),
+        };
+        refuse!(!are_below(&states, role.states.names.len()), at, "it brings about a state that does not exist");
+        refuse!(!is_probability(p), at, "what it brings about has no probability");
+        refuse!(!is_probability(row.success), at, "its success is no probability");
+        refuse!(!row.habit.is_finite(), at, "its habit is not finite");
+        let known = are_below(row.requires, role.facts.len()) && are_below(row.forbids, role.facts.len());
+        refuse!(!known, at, "a precondition is no fact");
+        each!(fact in row.forbids, {
+            refuse!(contains(row.requires, row.forbids[fact]), at, "it both requires and forbids one fact");
+        });
+        each!(effect in row.effects, {
+            refuse!(misfit(roles, own, &row.effects[effect]), at);
+        });
+    });
+    None
+}
+
+const fn misfit(roles: &[Role], own: usize, effect: &Effect) -> Option<&'static str> {
+    let to = match effect.to {
+        To::State(state) => state,
+        To::Target => 0,
+    };
+    if no_states(&roles[own], effect.factor, &[to]).is_some() {
+        return Some("an effect leads to a state that does not exist");
+    }
+    each!(at in effect.given, {
+        let Given { robot, factor, state } = effect.given[at];
+        let holder = match robot {
+            Some(robot) if is_teammate(roles, own, robot) => robot as usize,
+            Some(_) => return Some("an effect depends on a robot that is no teammate"),
+            None => own,
+        };
+        if no_states(&roles[holder], factor, &[state]).is_some() {
+            return Some("an effect depends on a state that does not exist");
+        }
+    });
+    None
+}
+
+const fn idle(role: &Role) -> Flaw {
+    let idle = role.idle as usize;
+    refuse!(idle >= role.operators.len(), idle, "the idle operator does not exist");
+    let row = &role.operators[idle];
+    let acts = !row.requires.is_empty() || !row.forbids.is_empty() || !row.effects.is_empty();
+    refuse!(acts, idle, "the idle operator has a precondition or an effect");
+    None
+}
+
+const fn remedies(role: &Role) -> Flaw {
+    let rows = role.remedies;
+    each!(at in rows, {
+        let Remedy { missing, state, raise, target } = rows[at];
+        refuse!(missing.variable as usize >= role.facts.len(), at, "the missing literal is no fact");
+        refuse!(state as usize >= role.states.names.len(), at, "the state that it raises does not exist");
+        let finite = !matches!(raise, Raise::By(amount) if !amount.is_finite());
+        refuse!(!finite, at, "its raise is not finite");
+        refuse!(!is_target(role, target), at, "no operator can lead to its target");
+    });
+    None
+}
+
+const fn aims(roles: &[Role], own: usize) -> Flaw {
+    let (role, rows) = (&roles[own], roles[own].aims);
+    refuse!(rows.is_empty(), 0, "a role has at least one aim");
+    each!(at in rows, {
+        let row = &rows[at];
+        refuse!(row.done.is_empty(), at, "nothing says when it is reached");
+        refuse!(!are_below(row.done, role.facts.len()), at, "what says that it is reached is no fact");
+        let fits = is_preference(row.preference, role.states.names.len());
+        refuse!(!fits, at, "its preference lacks a finite entry per state");
+        refuse!(!is_target(role, row.target), at, "no operator can lead to its target");
+        if let Wish::Rows(wishes) = row.teammates {
+            refuse!(wishes.len() != roles.len(), at, "its wishes lack a row per robot");
+            each!(robot in wishes, {
+                let fits = robot == own || is_preference(wishes[robot], roles[robot].states.names.len());
+                refuse!(!fits, at, "a wish lacks a finite entry per state of the teammate");
+            });
+        }
+    });
+    refuse_unnamed!(rows);
+    None
+}
+
+const fn outcome(roles: &[Role], role: &Role) -> Flaw {
+    let Some(outcome) = &role.outcome else { return None };
+    refuse!(names(outcome.names), 0);
+    let fits = is_preference(outcome.preference, outcome.names.len());
+    refuse!(!fits, 0, "its preference lacks a finite entry per outcome");
+    let mut entries = 1usize;
+    each!(robot in roles, {
+        entries = entries.saturating_mul(roles[robot].states.names.len());
+    });
+    let table = outcome.table;
+    refuse!(table.len() != entries, table.len(), "the table lacks an entry per combination of states");
+    if let Some(operator) = outcome.possible {
+        let exists = (operator as usize) < role.operators.len();
+        refuse!(!exists, operator as usize, "the operator that makes it possible does not exist");
+    }
+    each!(at in table, {
+        refuse!(table[at] as usize >= outcome.names.len(), at, "this entry is no outcome");
+    });
+    None
+}
+
+/// What is wrong with a list of names.
+const fn names(names: &[&str]) -> Option<&'static str> {
+    if names.is_empty() || names.len() > MAX_STATES {
+        return Some("there are not 1 to 15 names");
+    }
+    each!(at in names, {
+        if names[at].is_empty() {
+            return Some("a name is empty");
+        }
+        let (before, _) = names.split_at(at);
+        each!(other in before, {
+            if same(before[other], names[at]) {
+                return Some("a name is there twice");
+            }
+        });
+    });
+    None
+}
+
+/// Whether some operator leads to the target, and its factor has this state.
+const fn is_target(role: &Role, target: Option<u8>) -> bool {
+    let Some(target) = target else { return true };
+    let mut found = false;
+    each!(operator in role.operators, {
+        let effects = role.operators[operator].effects;
+        each!(at in effects, {
+            if matches!(effects[at].to, To::Target) {
+                if no_states(role, effects[at].factor, &[target]).is_some() {
+                    return false;
+                }
+                found = true;
+            }
+        });
+    });
+    found
+}
+
+const fn is_teammate(roles: &[Role], own: usize, robot: u8) -> bool {
+    (robot as usize) < roles.len() && robot as usize != own
+}
+
+const fn is_preference(values: &[f32], states: usize) -> bool {
+    each!(at in values, {
+        if !values[at].is_finite() {
+            return false;
+        }
+    });
+    values.len() == states
+}
+
+const fn is_probability(p: f32) -> bool {
+    p >= 0.0 && p <= 1.0
+}
+
+const fn are_below(list: &[u8], limit: usize) -> bool {
+    each!(at in list, {
+        if list[at] as usize >= limit {
+            return false;
+        }
+    });
+    true
+}
+
+const fn contains(list: &[u8], entry: u8) -> bool {
+    each!(at in list, {
+        if list[at] == entry {
+            return true;
+        }
+    });
+    false
+}
+
+const fn same(one: &str, other: &str) -> bool {
+    let (one, other) = (one.as_bytes(), other.as_bytes());
+    if one.len() != other.len() {
+        return false;
+    }
+    each!(at in one, {
+        if one[at] != other[at] {
+            return false;
+        }
+    });
+    true
+}

@@ -1,0 +1,498 @@
+//! What a task is written as: tables of states, operators, sensors, facts and aims.
+
+use super::error::TablesError;
+use crate::iibt::Literal;
+use crate::iibt::rules::Raise;
+use crate::team::Fnv1a;
+
+/// The most hidden factors of one role.
+pub const MAX_FACTORS: usize = 8;
+/// The most states of one hidden factor, and the most semantic states of one role.
+pub const MAX_STATES: usize = 15;
+/// The most sensors of one role.
+pub const MAX_SENSORS: usize = 8;
+/// The most operators of one role.
+pub const MAX_OPERATORS: usize = 16;
+/// The most facts of one role.
+pub const MAX_FACTS: usize = 16;
+
+/// A team's task, written as tables and checked as a whole.
+///
+/// In a `const` or `static` a mismatch fails the build with a message that names the table and the index.
+/// See the [module](super) for a worked example.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tables<'a> {
+    roles: &'a [Role<'a>],
+    precision: f32,
+    confidence: f32,
+    mission: u64,
+}
+
+/// One robot's part of the task. References to facts, states and operators are indices into this role's tables.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Role<'a> {
+    /// What the robot is called.
+    pub name: &'a str,
+    /// The hidden factors that it tracks, 1 to [`MAX_FACTORS`].
+    pub factors: &'a [HiddenFactor<'a>],
+    /// The semantic states that decisions and preferences are about, s^i in the paper.
+    pub states: Labels<'a>,
+    /// A: what it reads in each tick, at most [`MAX_SENSORS`].
+    pub sensors: &'a [Sensor<'a>],
+    /// U with table 5: what it can do, 1 to [`MAX_OPERATORS`]; a joint policy has one of each robot.
+    pub operators: &'a [Operator<'a>],
+    /// The operator that stands for doing nothing: it has neither preconditions nor effects.
+    pub idle: u8,
+    /// The logic variables, at most [`MAX_FACTS`]. Where several preconditions are missing, the first fact
+    /// of this table is seen to first.
+    pub facts: &'a [Fact<'a>],
+    /// f_L: what to prefer while a precondition is missing.
+    pub remedies: &'a [Remedy],
+    /// What inference nodes of this robot are for, one at least.
+    pub aims: &'a [Aim<'a>],
+    /// What the robots' states bring about together.
+    pub outcome: Option<JointOutcome<'a>>,
+}
+
+/// A hidden factor: something of the robot or its surroundings that it cannot see, only sense.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HiddenFactor<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    /// What its states are called, 1 to [`MAX_STATES`].
+    pub states: &'a [&'a str],
+    /// D: the probability of each state at the start.
+    pub prior: &'a [f32],
+}
+
+/// A function of factors: a label for each combination of their states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Labels<'a> {
+    /// What the labels are called, 1 to [`MAX_STATES`].
+    pub names: &'a [&'a str],
+    /// The factors that it depends on.
+    pub factors: &'a [u8],
+    /// The label of each combination, the last factor's states running fastest.
+    pub table: &'a [u8],
+}
+
+/// A sensor: what it reads and how well.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensor<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    /// What it reads.
+    pub reads: Reads<'a>,
+    /// How well.
+    pub accuracy: Accuracy<'a>,
+}
+
+/// What a sensor reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reads<'a> {
+    /// The state of this factor.
+    Factor(u8),
+    /// The semantic state.
+    State,
+    /// Another function of factors.
+    Labels(Labels<'a>),
+}
+
+/// How likely each reading is for each truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Accuracy<'a> {
+    /// Right with this probability; each wrong reading has an equal share of the rest.
+    Even(f32),
+    /// P(reading | truth): a row per reading, a column per truth, each column a distribution.
+    Table(&'a [f32]),
+}
+
+/// An action with its preconditions and postconditions: a row of the paper's table 5.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Operator<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    /// The facts that must hold before it is begun.
+    pub requires: &'a [u8],
+    /// The facts that must not hold.
+    pub forbids: &'a [u8],
+    /// What it does to the robot's semantic state when joint policies are compared.
+    pub brings: Postcondition,
+    /// What it does to the hidden factors when it succeeds; the first effect whose condition is met counts
+    /// for its factor.
+    pub effects: &'a [Effect<'a>],
+    /// B: the probability that it succeeds. When it fails, no factor changes.
+    pub success: f32,
+    /// ln E up to a constant: how likely it is chosen beforehand, in nats.
+    pub habit: f32,
+}
+
+/// What an operator brings about when joint policies are compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Postcondition {
+    /// The state stays as it is.
+    Nothing,
+    /// This state with this probability, else the state stays as it is.
+    State(u8, f32),
+    /// The first state with this probability, else the second, whatever was before.
+    Reset(u8, f32, u8),
+}
+
+/// What an operator does to one factor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effect<'a> {
+    /// What must be the case for it to happen.
+    pub given: &'a [Given],
+    /// The factor that changes.
+    pub factor: u8,
+    /// What it becomes.
+    pub to: To,
+}
+
+/// A condition on a factor in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Given {
+    /// A teammate's number where the factor is a teammate's. A robot does not track it: it takes it to be as
+    /// the operator's preconditions ask.
+    pub robot: Option<u8>,
+    /// The factor.
+    pub factor: u8,
+    /// The state that it must be in.
+    pub state: u8,
+}
+
+/// What a factor becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum To {
+    /// This state.
+    State(u8),
+    /// The target: the state that the last remedy, or else the aim, names.
+    Target,
+}
+
+/// A logic variable, l in the paper.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fact<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    /// When it is true.
+    pub holds: Holds<'a>,
+}
+
+/// When a logic variable is true.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Holds<'a> {
+    /// The robot is sure that its factor is in one of these states.
+    Sure {
+        /// The factor.
+        factor: u8,
+        /// The states.
+        states: &'a [u8],
+    },
+    /// The robot is sure that this factor is in the state that is the target.
+    AtTarget {
+        /// The factor.
+        factor: u8,
+    },
+    /// A teammate has announced that it is sure of one of these states.
+    Announced {
+        /// The teammate's number.
+        robot: u8,
+        /// Its factor.
+        factor: u8,
+        /// The states.
+        states: &'a [u8],
+    },
+    /// A teammate has announced that one of these operators is under way.
+    Doing {
+        /// The teammate's number.
+        robot: u8,
+        /// Its operators, its idle one included.
+        operators: &'a [u8],
+    },
+}
+
+/// A row of f_L: what to prefer while a precondition is missing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Remedy {
+    /// The missing literal; its variable is a fact.
+    pub missing: Literal,
+    /// The own semantic state whose preference is raised.
+    pub state: u8,
+    /// By how much.
+    pub raise: Raise,
+    /// The state that becomes the target.
+    pub target: Option<u8>,
+}
+
+/// What an inference node is for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aim<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    /// The facts that hold when it is reached: the precondition of stopping.
+    pub done: &'a [u8],
+    /// C over the own semantic states.
+    pub preference: &'a [f32],
+    /// C over the teammates' states.
+    pub teammates: Wish<'a>,
+    /// The target until a remedy names another.
+    pub target: Option<u8>,
+}
+
+/// What a robot prefers of its teammates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wish<'a> {
+    /// To be in the state that their announced operator brings about.
+    AsAnnounced,
+    /// For each robot by its number, C over its states; the own row is not read.
+    Rows(&'a [&'a [f32]]),
+}
+
+/// An outcome that the states of all robots determine together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointOutcome<'a> {
+    /// What the outcomes are called.
+    pub names: &'a [&'a str],
+    /// C over the outcomes.
+    pub preference: &'a [f32],
+    /// The outcome of each combination of the robots' semantic states, the last robot's running fastest.
+    pub table: &'a [u8],
+    /// The outcome counts only while the preconditions of this own operator hold.
+    pub possible: Option<u8>,
+}
+
+impl<'a> Tables<'a> {
+    /// The precision γ of [`new`](Self::new): joint policies are compared as the paper's section 6.2 does.
+    pub const PRECISION: f32 = 1.0;
+
+    /// The confidence of [`new`](Self::new).
+    pub const CONFIDENCE: f32 = 0.999;
+
+    /// The tables of a team, a role for each robot in the order of their numbers.
+    ///
+    /// # Panics
+    /// When something does not fit, with the text of the [`TablesError`]; in a `const` or `static` this fails
+    /// the build.
+    #[must_use]
+    pub const fn new(roles: &'a [Role<'a>]) -> Self {
+        match Self::try_new(roles) {
+            Ok(tables) => tables,
+            Err(error) => error.fail(),
+        }
+    }
+
+    /// The same for tables that are only known at run time.
+    ///
+    /// # Errors
+    /// The first [`TablesError`] found.
+    pub const fn try_new(roles: &'a [Role<'a>]) -> Result<Self, TablesError> {
+        match super::check::check(roles) {
+            Ok(()) => {
+                let (precision, confidence) = (Self::PRECISION, Self::CONFIDENCE);
+                Ok(Self { roles, precision, confidence, mission: mission(roles) })
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The same tables with another precision γ of the choice among joint policies.
+    ///
+    /// # Errors
+    /// [`TablesError`] when it is negative or not finite.
+    pub const fn with_precision(self, precision: f32) -> Result<Self, TablesError> {
+        if precision >= 0.0 && precision.is_finite() {
+            Ok(Self { precision, ..self })
+        } else {
+            Err(TablesError::of_team("precision", "it is negative or not finite"))
+        }
+    }
+
+    /// The same tables with another least probability at which a robot is sure of a state and acts on it.
+    ///
+    /// # Errors
+    /// [`TablesError`] when it is no probability above one half.
+    pub const fn with_confidence(self, confidence: f32) -> Result<Self, TablesError> {
+        if confidence > 0.5 && confidence < 1.0 {
+            Ok(Self { confidence, ..self })
+        } else {
+            Err(TablesError::of_team("confidence", "it is not between 0.5 and 1, both excluded"))
+        }
+    }
+
+    /// The roles, in the order of the robots' numbers.
+    #[must_use]
+    pub const fn roles(&self) -> &'a [Role<'a>] {
+        self.roles
+    }
+
+    /// One robot's role.
+    #[must_use]
+    pub fn role(&self, robot: usize) -> Option<&'a Role<'a>> {
+        self.roles.get(robot)
+    }
+
+    /// γ, the precision of the choice among joint policies.
+    #[must_use]
+    pub const fn precision(&self) -> f32 {
+        self.precision
+    }
+
+    /// The least probability at which a robot is sure of a state.
+    #[must_use]
+    pub const fn confidence(&self) -> f32 {
+        self.confidence
+    }
+
+    /// A number for these tables, from the names in them: for the firmware's `Robot::mission`.
+    #[must_use]
+    pub const fn mission(&self) -> u64 {
+        self.mission
+    }
+
+    /// How many robots there are: the `N` of a [`TableTask`](super::TableTask).
+    #[must_use]
+    pub const fn robots(&self) -> usize {
+        self.roles.len()
+    }
+
+    /// How many states a belief has room for: the `S` of a [`TableTask`](super::TableTask).
+    #[must_use]
+    pub const fn states(&self) -> usize {
+        let (mut most, mut role) = (0, 0);
+        while role < self.roles.len() {
+            let (semantic, tracked) = (self.roles[role].states.names.len(), self.roles[role].tracked());
+            most = if semantic > most { semantic } else { most };
+            most = if tracked > most { tracked } else { most };
+            role += 1;
+        }
+        most
+    }
+
+    /// How many joint policies there are: the `P` of a [`TableTask`](super::TableTask).
+    #[must_use]
+    pub const fn policies(&self) -> usize {
+        let (mut product, mut role) = (1, 0);
+        while role < self.roles.len() {
+            product *= self.roles[role].operators.len();
+            role += 1;
+        }
+        product
+    }
+}
+
+/// The hash of what announcements refer to.
+const fn mission(roles: &[Role]) -> u64 {
+    let (mut hash, mut at) = (Fnv1a::EMPTY, 0);
+    while at < roles.len() {
+        let (role, mut row) = (&roles[at], 0);
+        hash = hash.write(role.name.as_bytes()).write(&[0]);
+        while row < role.factors.len() {
+            let (states, mut state) = (role.factors[row].states, 0);
+            while state < states.len() {
+                hash = hash.write(states[state].as_bytes()).write(&[1]);
+                state += 1;
+            }
+            row += 1;
+        }
+        let mut row = 0;
+        while row < role.operators.len() {
+            hash = hash.write(role.operators[row].name.as_bytes()).write(&[2]);
+            row += 1;
+        }
+        at += 1;
+    }
+    hash.finish()
+}
+
+impl Role<'_> {
+    /// How many states all factors have together.
+    #[must_use]
+    pub const fn tracked(&self) -> usize {
+        let (mut sum, mut factor) = (0, 0);
+        while factor < self.factors.len() {
+            sum += self.factors[factor].states.len();
+            factor += 1;
+        }
+        sum
+    }
+}
+
+impl<'a> Labels<'a> {
+    /// The label of a combination of the states of all factors of the role; label zero outside the table.
+    #[must_use]
+    pub fn of(&self, factors: &[HiddenFactor<'_>], state: impl Fn(usize) -> usize) -> usize {
+        let place = self.factors.iter().fold(0, |place, &factor| {
+            let states = factors.get(usize::from(factor)).map_or(1, |factor| factor.states.len());
+            place * states + state(usize::from(factor))
+        });
+        self.table.get(place).copied().map_or(0, usize::from)
+    }
+}
+
+impl<'a> Operator<'a> {
+    /// The operator that does nothing and needs nothing.
+    pub const IDLE: Self = Self {
+        name: "idle",
+        requires: &[],
+        forbids: &[],
+        brings: Postcondition::Nothing,
+        effects: &[],
+        success: 1.0,
+        habit: 0.0,
+    };
+
+    /// What a factor becomes when the operator succeeds: `None` when it stays. `is` tells the state of a
+    /// factor, of a teammate's where a number is given, and `None` where that is not known.
+    #[must_use]
+    pub fn becomes(
+        &self,
+        factor: usize,
+        target: Option<u8>,
+        is: &dyn Fn(Option<u8>, usize) -> Option<usize>,
+    ) -> Option<usize> {
+        let holds = |given: &Given| {
+            is(given.robot, usize::from(given.factor)).is_none_or(|now| now == usize::from(given.state))
+        };
+        let applies =
+            |effect: &&Effect<'_>| usize::from(effect.factor) == factor && effect.given.iter().all(holds);
+        match self.effects.iter().find(applies)?.to {
+            To::State(state) => Some(usize::from(state)),
+            To::Target => target.map(usize::from),
+        }
+    }
+
+    /// Whether it leads to the target.
+    #[must_use]
+    pub fn is_targeted(&self) -> bool {
+        self.effects.iter().any(|effect| effect.to == To::Target)
+    }
+
+    /// Whether it may change a factor.
+    #[must_use]
+    pub fn changes(&self, factor: usize) -> bool {
+        self.effects.iter().any(|effect| usize::from(effect.factor) == factor)
+    }
+}
+
+impl<'a> Effect<'a> {
+    /// Puts a factor into a state, whatever was before.
+    #[must_use]
+    pub const fn set(factor: u8, state: u8) -> Self {
+        Self { given: &[], factor, to: To::State(state) }
+    }
+}
+
+impl Given {
+    /// A factor of the robot itself is in this state.
+    #[must_use]
+    pub const fn own(factor: u8, state: u8) -> Self {
+        Self { robot: None, factor, state }
+    }
+
+    /// A teammate's factor is in this state.
+    #[must_use]
+    pub const fn of(robot: u8, factor: u8, state: u8) -> Self {
+        Self { robot: Some(robot), factor, state }
+    }
+}

@@ -1,0 +1,333 @@
+//! The tables as models of `inference`: the only file that knows how those are built and used.
+
+use super::Command;
+use super::definition::{
+    Accuracy, HiddenFactor, JointOutcome, Labels, MAX_FACTORS, MAX_OPERATORS, MAX_SENSORS, MAX_STATES,
+    Postcondition, Reads, Role, Tables,
+};
+use crate::actions::Action;
+use crate::inference::likelihood::Dense;
+use crate::inference::{
+    Beliefs, Candidates, Control, Evaluation, Evidence, Factor, Habits, IdentityNoise, Likelihood, Modality,
+    Model, ObservationError, Policy, Preference, Problem, Scoring, Shape, Transition,
+};
+use crate::team::MAX_TEAM;
+use heapless::Vec;
+
+/// B of one hidden factor: what the operators do to it, given the factors that their effects depend on.
+struct Dynamics<'a> {
+    role: &'a Role<'a>,
+    target: Option<u8>,
+    /// The factor itself, then those that it depends on.
+    conditions: Vec<usize, MAX_FACTORS>,
+}
+
+impl<'a> Dynamics<'a> {
+    fn new(role: &'a Role<'a>, target: Option<u8>, factor: usize) -> Self {
+        let mut conditions = Vec::new();
+        let effects = role.operators.iter().flat_map(|operator| operator.effects);
+        let own = effects.filter(|effect| usize::from(effect.factor) == factor);
+        let given = own.flat_map(|effect| effect.given).filter(|given| given.robot.is_none());
+        for factor in core::iter::once(factor).chain(given.map(|given| usize::from(given.factor))) {
+            if !conditions.contains(&factor) {
+                // There is room for every factor once.
+                let _ = conditions.push(factor);
+            }
+        }
+        Self { role, target, conditions }
+    }
+
+    fn shape(&self) -> Option<Shape> {
+        let mut states = Vec::<_, MAX_FACTORS>::new();
+        for &factor in &self.conditions {
+            states.push(self.role.factors.get(factor)?.states.len()).ok()?;
+        }
+        Shape::new(*states.first()?, &states)
+    }
+}
+
+impl Transition for Dynamics<'_> {
+    fn probability(&self, action: Action, next: usize, states: &[usize]) -> f32 {
+        let (Some(&factor), Some(&now)) = (self.conditions.first(), states.first()) else { return 0.0 };
+        let stays = if next == now { 1.0 } else { 0.0 };
+        let Some(operator) = self.role.operators.get(usize::from(action)) else { return stays };
+        let is = |robot: Option<u8>, factor: usize| {
+            let at = self.conditions.iter().position(|&condition| condition == factor)?;
+            states.get(at).copied().filter(|_| robot.is_none())
+        };
+        match operator.becomes(factor, self.target, &is) {
+            Some(to) => {
+                let reached = if next == to { 1.0 } else { 0.0 };
+                operator.success * reached + (1.0 - operator.success) * stays
+            }
+            None => stays,
+        }
+    }
+}
+
+/// B of a decision: what the operators of a role bring about.
+struct Brought<'a>(&'a Role<'a>);
+
+impl Transition for Brought<'_> {
+    fn probability(&self, action: Action, next: usize, states: &[usize]) -> f32 {
+        let is = |state: u8| if next == usize::from(state) { 1.0 } else { 0.0 };
+        let stays = if states.first() == Some(&next) { 1.0 } else { 0.0 };
+        match self.0.operators.get(usize::from(action)).map(|operator| operator.brings) {
+            Some(Postcondition::State(state, p)) => p * is(state) + (1.0 - p) * stays,
+            Some(Postcondition::Reset(state, p, other)) => p * is(state) + (1.0 - p) * is(other),
+            Some(Postcondition::Nothing) | None => stays,
+        }
+    }
+}
+
+/// P(reading | what is read).
+enum Noise<'a> {
+    Even(IdentityNoise),
+    Table(Dense<'a>),
+}
+
+impl<'a> Noise<'a> {
+    fn new(accuracy: Accuracy<'a>, outcomes: usize) -> Option<Self> {
+        Some(match accuracy {
+            Accuracy::Even(right) => Self::Even(IdentityNoise::among(right, outcomes)),
+            Accuracy::Table(table) => Self::Table(Dense::try_new(table, outcomes, &[outcomes]).ok()?),
+        })
+    }
+
+    fn form(&self) -> &dyn Likelihood {
+        match self {
+            Self::Even(even) => even,
+            Self::Table(table) => table,
+        }
+    }
+}
+
+/// A of a sensor: the label of the factors' states, read with noise.
+struct Reading<'a> {
+    noise: Noise<'a>,
+    /// What is read where it is a function of factors; else the state itself.
+    labels: Option<(&'a Labels<'a>, &'a [HiddenFactor<'a>])>,
+    factors: Vec<usize, MAX_FACTORS>,
+    shape: Shape,
+}
+
+impl<'a> Reading<'a> {
+    fn new(role: &'a Role<'a>, reads: &'a Reads<'a>, accuracy: Accuracy<'a>) -> Option<Self> {
+        let labels = match reads {
+            Reads::Factor(_) => None,
+            Reads::State => Some(&role.states),
+            Reads::Labels(labels) => Some(labels),
+        };
+        let (mut factors, mut states) = (Vec::new(), Vec::<_, MAX_FACTORS>::new());
+        let mut depend = |factor: &u8| {
+            let factor = usize::from(*factor);
+            states.push(role.factors.get(factor)?.states.len()).ok()?;
+            factors.push(factor).ok()
+        };
+        match (reads, labels) {
+            (Reads::Factor(factor), _) => depend(factor)?,
+            (_, labels) => labels?.factors.iter().try_for_each(depend)?,
+        }
+        let outcomes = labels.map_or(*states.first()?, |labels| labels.names.len());
+        let shape = Shape::new(outcomes, &states)?;
+        let labels = labels.map(|labels| (labels, role.factors));
+        Some(Self { noise: Noise::new(accuracy, outcomes)?, labels, factors, shape })
+    }
+}
+
+impl Likelihood for Reading<'_> {
+    fn probability(&self, outcome: usize, states: &[usize]) -> f32 {
+        let state = |factor: usize| {
+            let at = self.factors.iter().position(|&of| of == factor);
+            at.and_then(|at| states.get(at)).copied().unwrap_or(0)
+        };
+        match self.labels {
+            Some((labels, factors)) => self.noise.form().probability(outcome, &[labels.of(factors, state)]),
+            None => self.noise.form().probability(outcome, states),
+        }
+    }
+}
+
+/// The outcome that the states of all robots determine.
+struct Together<'a> {
+    outcome: &'a JointOutcome<'a>,
+    tables: &'a Tables<'a>,
+}
+
+impl Likelihood for Together<'_> {
+    fn probability(&self, outcome: usize, states: &[usize]) -> f32 {
+        let roles = self.tables.roles().iter().zip(states);
+        let place = roles.fold(0, |place, (role, state)| place * role.states.names.len() + state);
+        let is = self.outcome.table.get(place).is_some_and(|&of| usize::from(of) == outcome);
+        if is { 1.0 } else { 0.0 }
+    }
+}
+
+/// Puts the model of a robot's hidden factors and sensors together for `then`.
+fn with_own_model<T>(role: &Role<'_>, target: Option<u8>, then: impl FnOnce(&Model) -> T) -> Option<T> {
+    let mut dynamics = Vec::<_, MAX_FACTORS>::new();
+    for factor in 0..role.factors.len() {
+        dynamics.push(Dynamics::new(role, target, factor)).ok()?;
+    }
+    let mut factors = Vec::<_, MAX_FACTORS>::new();
+    for (dynamics, factor) in dynamics.iter().zip(role.factors) {
+        let others = dynamics.conditions.get(1..)?;
+        let factor = Factor::try_new(dynamics, dynamics.shape()?, factor.prior)?;
+        factors.push(factor.coupled_to(others).controlled_by(Control::Shared(0))).ok()?;
+    }
+    let mut readings = Vec::<_, MAX_SENSORS>::new();
+    for sensor in role.sensors {
+        readings.push(Reading::new(role, &sensor.reads, sensor.accuracy)?).ok()?;
+    }
+    let indifferent = [0.0; MAX_STATES];
+    let mut modalities = Vec::<_, MAX_SENSORS>::new();
+    for reading in &readings {
+        let preference = indifferent.get(..reading.shape.values())?;
+        modalities.push(Modality::try_new(reading, reading.shape, &reading.factors, preference)?).ok()?;
+    }
+    Some(then(&Model::try_new(&factors, &modalities).ok()?))
+}
+
+/// The belief over a role's hidden factors before the first reading.
+pub(super) fn prior<const S: usize>(role: &Role<'_>) -> Option<Beliefs<S, 1>> {
+    with_own_model(role, None, |model| Beliefs::try_prior(model).ok())?
+}
+
+/// How likely a robot takes itself to be in any state at all, so that no reading is ever impossible.
+const DOUBT: f32 = 1e-4;
+
+/// Takes an operator that has ended and the readings after it into the belief; returns F of the readings.
+pub(super) fn track<const S: usize>(
+    beliefs: &mut Beliefs<S, 1>,
+    role: &Role<'_>,
+    ended: Option<Command>,
+    readings: &[Option<u8>],
+) -> Result<f32, ObservationError> {
+    let target = ended.and_then(|command| command.target);
+    let updated = with_own_model(role, target, |model| {
+        if let Some(command) = ended {
+            beliefs.predict(model, &[Some(command.operator)])?;
+        }
+        let mut doubt = *beliefs;
+        for (factor, of) in role.factors.iter().enumerate() {
+            doubt.set(model, factor, [1.0; MAX_STATES].get(..of.states.len()).unwrap_or(&[]))?;
+        }
+        beliefs.mix(&doubt, DOUBT);
+        let mut evidence = [Evidence::Missing; MAX_SENSORS];
+        for (evidence, reading) in evidence.iter_mut().zip(readings) {
+            *evidence = reading.map_or(Evidence::Missing, |outcome| Evidence::Outcome(usize::from(outcome)));
+        }
+        let update = beliefs.update(model, evidence.get(..role.sensors.len()).unwrap_or(&[]))?;
+        Ok(update.free_energy)
+    });
+    // Checked tables are a model.
+    updated.unwrap_or(Ok(0.0))
+}
+
+/// What a joint decision is made from.
+pub(super) struct Question<'q, 'a, const S: usize, const N: usize> {
+    pub(super) tables: &'a Tables<'a>,
+    pub(super) own: usize,
+    /// q(s) of the own semantic state.
+    pub(super) states: &'q [f32],
+    /// The semantic state of each teammate that has announced one.
+    pub(super) announced: &'q [Option<usize>; N],
+    pub(super) preferences: &'q [Preference<S>; N],
+    /// The outcome that the states bring about together, while it is possible.
+    pub(super) outcome: Option<&'a JointOutcome<'a>>,
+}
+
+/// What came of it: q(s) of every robot and the posterior over all joint policies.
+pub(super) type Answer<const S: usize, const N: usize, const P: usize> = ([[f32; S]; N], [f32; P]);
+
+impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
+    /// Algorithm 2 over the joint policies.
+    pub(super) fn answer<const P: usize>(&self) -> Option<Answer<S, N, P>> {
+        self.with_model(|model| {
+            let mut beliefs = Beliefs::<S, N>::try_prior(model).ok()?;
+            beliefs.set(model, self.own, self.states).ok()?;
+            for (robot, announced) in self.announced.iter().enumerate().take(self.tables.robots()) {
+                if let Some(state) = announced {
+                    // A message is read like a sensor; the flat prior leaves no outcome impossible that
+                    // the sensor can read.
+                    let _ = beliefs.observe(model, robot, Evidence::Outcome(*state));
+                }
+            }
+            let mut rows = [[0.0; S]; N];
+            for (robot, row) in rows.iter_mut().enumerate() {
+                crate::math::assign(row, beliefs.of(model, robot));
+            }
+            Some((rows, self.posterior(model, &beliefs)?))
+        })?
+    }
+
+    fn posterior<const P: usize>(&self, model: &Model, beliefs: &Beliefs<S, N>) -> Option<[f32; P]> {
+        let policies: [_; MAX_OPERATORS] = core::array::from_fn(|code| {
+            let mut policy = Policy::EMPTY;
+            // There is room, and the code is below 16.
+            let _ = policy.push(code as Action);
+            policy
+        });
+        let mut sequences = Vec::<&[Policy], MAX_TEAM>::new();
+        let (mut habits, mut values) = (Vec::<_, MAX_TEAM>::new(), Vec::<_, MAX_TEAM>::new());
+        for (role, preference) in self.tables.roles().iter().zip(self.preferences) {
+            let mut habit = Vec::<f32, MAX_OPERATORS>::new();
+            for operator in role.operators {
+                let _ = habit.push(operator.habit);
+            }
+            // There is room for every operator and for every robot of the team.
+            let _ = sequences.push(policies.get(..role.operators.len()).unwrap_or(&[]));
+            let _ = (habits.push(habit), values.push((preference.values(), role.states.names.len())));
+        }
+        let (mut ln_e, mut preferences) = (Vec::<&[f32], MAX_TEAM>::new(), Vec::<&[f32], MAX_TEAM>::new());
+        for (habit, (values, states)) in habits.iter().zip(&values) {
+            let _ = (ln_e.push(habit), preferences.push(values.get(..*states).unwrap_or(&[])));
+        }
+        let scoring = Scoring { precision: self.tables.precision(), ..Scoring::DEFAULT };
+        let habits = Habits::PerSequence(&ln_e);
+        let candidates = Candidates { habits, ..Candidates::all(&sequences) };
+        let problem =
+            Problem { preferences: &preferences, ..Problem::new(model, beliefs, candidates, scoring) };
+        let mut evaluation = Evaluation::<S, N, 1, P>::new();
+        evaluation.evaluate(&problem).ok()?;
+        let posterior = evaluation.posterior();
+        Some(core::array::from_fn(|policy| posterior.as_flattened().get(policy).copied().unwrap_or(0.0)))
+    }
+
+    /// Puts the model of a decision together for `then`: a factor and a modality for each robot, and the
+    /// outcome.
+    fn with_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
+        let roles = self.tables.roles();
+        let mut parts = Vec::<_, MAX_TEAM>::new();
+        for role in roles {
+            let states = role.states.names.len();
+            let reads = role.sensors.iter().find(|sensor| sensor.reads == Reads::State);
+            let accuracy = reads.map_or(Accuracy::Even(1.0), |sensor| sensor.accuracy);
+            let prior = [1.0 / states as f32; MAX_STATES];
+            let part = (Brought(role), Noise::new(accuracy, states)?, Shape::new(states, &[states])?, prior);
+            parts.push(part).ok()?;
+        }
+        const NUMBERS: [usize; MAX_TEAM] = [0, 1, 2, 3, 4, 5, 6, 7];
+        let mut states = Vec::<_, MAX_TEAM>::new();
+        for role in roles {
+            states.push(role.states.names.len()).ok()?;
+        }
+        let together = self.outcome.map(|outcome| Together { outcome, tables: self.tables });
+        let indifferent = [0.0; MAX_STATES];
+        let (mut factors, mut modalities) = (Vec::<_, MAX_TEAM>::new(), Vec::<_, { MAX_TEAM + 1 }>::new());
+        for ((brought, noise, shape, prior), number) in parts.iter().zip(NUMBERS.chunks(1)) {
+            let states = shape.values();
+            factors.push(Factor::try_new(brought, *shape, prior.get(..states)?)?).ok()?;
+            let modality = Modality::try_new(noise.form(), *shape, number, indifferent.get(..states)?)?;
+            modalities.push(modality).ok()?;
+        }
+        if let Some(together) = &together {
+            let shape = Shape::new(together.outcome.names.len(), &states)?;
+            let numbers = NUMBERS.get(..roles.len())?;
+            modalities
+                .push(Modality::try_new(together, shape, numbers, together.outcome.preference)?)
+                .ok()?;
+        }
+        Some(then(&Model::try_new(&factors, &modalities).ok()?))
+    }
+}
