@@ -34,7 +34,7 @@
 //!
 //! impl Leaves<Skill> for Robot {
 //!     fn condition(&mut self, _: &Skill, _: Instant) -> bool { self.battery > 20 }
-//!     fn on_start(&mut self, skill: &Skill, now: Instant) -> Status { self.on_running(skill, now) }
+//!     fn on_start(&mut self, leaf: &Skill, now: Instant) -> Status { self.on_running(leaf, now) }
 //!     fn on_running(&mut self, _: &Skill, _: Instant) -> Status { Status::Running }
 //!     fn on_halted(&mut self, _: &Skill, _: Instant) -> Halt { /* stop the wheels */ Halt::Done }
 //! }
