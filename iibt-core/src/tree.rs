@@ -13,8 +13,8 @@
 //! | [`compiled`] | the basic kinds as straight-line code | 1 byte for the whole tree |
 //!
 //! # A first tree
-//! [`tree!`](crate::tree!) writes a tree as it nests. [`Leaves`] says what its leaves do. The compiler
-//! checks the tree: one that breaks a [`Rule`] does not build.
+//! [`tree!`](crate::tree!) writes a tree as it nests. [`Leaves`] says what its leaves do. The
+//! compiler checks the tree: one that breaks a [`Rule`] does not build.
 //!
 //! ```
 //! use iibt_core::time::Instant;
@@ -90,8 +90,8 @@
 //! ```
 //!
 //! # Ticks
-//! [`Tree::tick`] makes exactly one pass. [`Tree::tick_until_idle`] goes on while a node yields, up to
-//! a bound. Time is an argument, a wrapping counter of milliseconds. [`Tick::next`] says when
+//! [`Tree::tick`] makes exactly one pass. [`Tree::tick_until_idle`] goes on while a node yields, up
+//! to a bound. Time is an argument, a wrapping counter of milliseconds. [`Tick::next`] says when
 //! another tick can change something, so that a controller can sleep until then or until an
 //! interrupt.
 //!
