@@ -13,8 +13,8 @@
 //! | [`compiled`] | the basic kinds as straight-line code | 1 byte for the whole tree |
 //!
 //! # A first tree
-//! [`tree!`](crate::tree!) writes a tree as it nests. [`Leaves`] says what its leaves do. The compiler
-//! checks the tree: one that breaks a [`Rule`] does not build.
+//! [`tree!`](crate::tree!) writes a tree as it nests. [`Leaves`] says what its leaves do. The
+//! compiler checks the tree: one that breaks a [`Rule`] does not build.
 //!
 //! ```
 //! use iibt_core::time::Instant;
@@ -34,7 +34,7 @@
 //!
 //! impl Leaves<Skill> for Robot {
 //!     fn condition(&mut self, _: &Skill, _: Instant) -> bool { self.battery > 20 }
-//!     fn on_start(&mut self, skill: &Skill, now: Instant) -> Status { self.on_running(skill, now) }
+//!     fn on_start(&mut self, leaf: &Skill, now: Instant) -> Status { self.on_running(leaf, now) }
 //!     fn on_running(&mut self, _: &Skill, _: Instant) -> Status { Status::Running }
 //!     fn on_halted(&mut self, _: &Skill, _: Instant) -> Halt { /* stop the wheels */ Halt::Done }
 //! }
@@ -90,8 +90,8 @@
 //! ```
 //!
 //! # Ticks
-//! [`Tree::tick`] makes exactly one pass. [`Tree::tick_until_idle`] goes on while a node yields, up to
-//! a bound. Time is an argument, a wrapping counter of milliseconds. [`Tick::next`] says when
+//! [`Tree::tick`] makes exactly one pass. [`Tree::tick_until_idle`] goes on while a node yields, up
+//! to a bound. Time is an argument, a wrapping counter of milliseconds. [`Tick::next`] says when
 //! another tick can change something, so that a controller can sleep until then or until an
 //! interrupt.
 //!

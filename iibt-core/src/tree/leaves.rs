@@ -54,8 +54,8 @@ use crate::time::Instant;
 ///
 /// # The contract of an action
 /// The life of an action (and of an inference node) is one [`on_start`](Self::on_start), then one
-/// [`on_running`](Self::on_running) at each later tick while it returns [`Status::Running`]. It ends
-/// with any other status or, when it is interrupted, with exactly one
+/// [`on_running`](Self::on_running) at each later tick while it returns [`Status::Running`]. It
+/// ends with any other status or, when it is interrupted, with exactly one
 /// [`on_halted`](Self::on_halted). An action that is not running is never told to halt. Several
 /// actions that are halted together are told depth first, from left to right. Whatever ended it,
 /// the next call is `on_start` again.

@@ -55,7 +55,9 @@
 ///
 /// const KNOCK: Tree<&str, 6, Full> = iibt_core::tree! {
 ///     Timeout(5000) {
-///         RetryUntilSuccessful(3) { Sequence { Action("knock"), Delay(500) { Action("listen") } } }
+///         RetryUntilSuccessful(3) {
+///             Sequence { Action("knock"), Delay(500) { Action("listen") } }
+///         }
 ///     }
 /// };
 ///
