@@ -165,7 +165,7 @@ fn permuting_outcomes_changes_nothing() {
             sense.sensor = Sensor::Dense(moved(table, &[sense.outcomes, columns], &[order, &still]));
             sense.preference = moved_list(&sense.preference, order);
         }
-        for list in [&mut decision.preferences, &mut decision.aversions] {
+        for list in [&mut decision.preferences, &mut decision.negative_preferences] {
             list.iter_mut().zip(&orders).for_each(|(list, order)| *list = moved_list(list, order));
         }
         for (seen, order) in seen.iter_mut().zip(&orders) {
