@@ -4,6 +4,10 @@
 //! the door in every tick, so the robot reacts to what it sees now.
 //! `cargo run -p iibt-core --no-default-features --example door` plays it and asserts what the comments
 //! say.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[macro_use]
+mod chip;
 
 use iibt_core::time::Instant;
 use iibt_core::tree;
@@ -102,11 +106,11 @@ impl Leaves<Skill> for Robot {
     }
 }
 
-fn main() {
+fn play() {
     let (mut robot, mut memory) = (Robot::default(), Memory::new());
     let mut tick = |robot: &mut Robot, now: u32| {
         let tick = ENTER.tick(&mut memory, robot, Instant(now));
-        println!("{now:4} ms: {:?}, {:?}", tick.status, ENTER.running(&memory));
+        show!("{now:4} ms: {:?}, {:?}", tick.status, ENTER.running(&memory));
         (tick.status, ENTER.running(&memory).copied(), tick.next)
     };
 
@@ -139,11 +143,8 @@ fn main() {
         assert_ne!(status, Status::Failure, "the robot never has to call for help");
         status == Status::Success
     });
-    println!("through the locked door after {now:?} ms");
+    show!("through the locked door after {now:?} ms");
     assert!(now.is_some_and(|now| now > 300) && robot.way == 3 && !robot.door_locked);
 }
 
-#[test]
-fn the_robot_gets_through_the_door() {
-    main();
-}
+play!(play);

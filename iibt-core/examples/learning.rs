@@ -2,6 +2,10 @@
 //!
 //! `cargo run -p iibt-core --example learning`. Two ways lead from the start to the goal: by the passage, where a move is made 19 times in
 //! 20, or so it was built, and by the ramp, where it is made 4 times in 5. Then the wheel for the passage wears out.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[macro_use]
+mod chip;
 
 use iibt_core::inference::learning::{Rates, TransitionCounts};
 use iibt_core::inference::transition::Dense;
@@ -52,11 +56,11 @@ fn drive_once(drive: &mut Drive, arrives: bool) -> bool {
     beliefs.is_some_and(|(before, after)| drive.learn(0, &[before.as_flat()], after.as_flat()))
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn play() {
     // What it was built for counts as ten moves.
-    let mut drive = Drive::new(&BUILT, 10.0, BUILT.shape(), Rates::DEFAULT)?;
-    let (way, probability) = choose(&drive)?;
-    println!("as built:  by way {way}, with probability {probability:.2}");
+    let mut drive = Drive::new(&BUILT, 10.0, BUILT.shape(), Rates::DEFAULT).unwrap();
+    let (way, probability) = choose(&drive).unwrap();
+    show!("as built:  by way {way}, with probability {probability:.2}");
     assert_eq!(way, 0);
 
     // The worn wheel makes three moves in ten.
@@ -64,17 +68,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let wear = [false, true, false, false, true, false, false, false, true, false];
     for (number, arrives) in wear.iter().cycle().take(100).enumerate() {
         assert!(drive_once(&mut drive, *arrives), "every try is learned from");
-        if changed.is_none() && choose(&drive)?.0 == 1 {
+        if changed.is_none() && choose(&drive).unwrap().0 == 1 {
             changed = Some(number + 1);
         }
     }
-    let (way, probability) = choose(&drive)?;
-    let learned = drive.counts(0, &[START]).ok_or("there is such a column")?.probability(PASSAGE);
-    println!(
-        "after wear: by way {way}, with probability {probability:.2}; it makes {learned:.2} of its moves"
-    );
-    println!("it changed its way after {} tries", changed.ok_or("it never changed its way")?);
+    let (way, probability) = choose(&drive).unwrap();
+    let learned = drive.counts(0, &[START]).expect("there is such a column").probability(PASSAGE);
+    show!("after wear: by way {way}, with probability {probability:.2}; it makes {learned:.2} of its moves");
+    show!("it changed its way after {} tries", changed.expect("it never changed its way"));
     assert_eq!(way, 1);
     assert!((learned - 0.3).abs() < 0.1, "{learned} is not about three moves in ten");
-    Ok(())
 }
+
+play!(play);

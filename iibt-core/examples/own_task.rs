@@ -3,6 +3,10 @@
 //!
 //! The model and the choice are the inference engine's; the task says what is sensed, what may be chosen, and what a choice does.
 //! `cargo run -p iibt-core --example own_task`
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[macro_use]
+mod chip;
 
 use iibt_core::iibt::{Literal, Node, Task};
 use iibt_core::inference::{
@@ -13,7 +17,6 @@ use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
 use iibt_core::{Agent, agent};
 use serde::{Deserialize, Serialize};
-use std::error::Error;
 
 const LISTEN: usize = 0;
 const FOUND: usize = 1;
@@ -110,38 +113,40 @@ impl Task for Boxes {
     }
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let alone = Roster::new(Member::new(RobotId(0), 1)?, Limits::for_beacons(Duration(1))?);
+fn play() {
+    let alone = Roster::new(Member::new(RobotId(0), 1).unwrap(), Limits::for_beacons(Duration(1)).unwrap());
     let mut task = Boxes { agent: agent!(MODEL, 3), found: false, command: None, why: [Terms::ZERO; 3] };
     let mut node = Node::new(Duration(50));
     // The part is in the right box, 1. The first knock misleads.
     let knocks = [0, 1, 1, 1, 1, 1, 1];
-    let (mut done, mut result) = (vec![], 0);
+    let (mut done, mut ticks, mut result) = ([LISTEN; 8], 0, 0);
     for (tick, knock) in (0..).zip(knocks) {
         let status = node.tick(&mut task, &Percept { knock, result }, alone.at(Instant(tick)), Instant(tick));
         if status == Status::Success {
             break;
         }
-        let action = task.command.ok_or("it always has something to do")?;
+        let action = task.command.expect("it always has something to do");
         let [listen, open] = [LISTEN, 2].map(|action| task.why[action]);
-        println!(
+        show!(
             "tick {tick}: knock from {knock}, right box {:.3}; does {action}: epistemic value of listening {:.3}, pragmatic \
              value of opening {:.3}",
-            task.agent.belief(0)?[1],
+            task.agent.belief(0).unwrap()[1],
             listen.information_gain,
             open.utility,
         );
-        let action_of_hand = u8::try_from(action)?;
-        task.agent.act(&[None, Some(action_of_hand)])?;
+        let action_of_hand = u8::try_from(action).unwrap();
+        task.agent.act(&[None, Some(action_of_hand)]).unwrap();
         result = if action == LISTEN { 0 } else { 2 - usize::from(action == 2) };
-        done.push(action);
+        done[ticks] = action;
+        ticks += 1;
     }
     assert!(task.found, "it has found the part");
-    let (last, before) = done.split_last().ok_or("it acted")?;
+    let (last, before) = done[..ticks].split_last().expect("it acted");
     assert_eq!(*last, 2, "it opened the right box");
     assert!(
         before.len() >= 3 && before.iter().all(|&action| action == LISTEN),
         "it listened first: {done:?}"
     );
-    Ok(())
 }
+
+play!(play);

@@ -1,5 +1,9 @@
 //! Two robots close two valves in an order: R2 the outlet once R1 has announced that the inlet is closed. Each
 //! has one sensor, which errs now and then; a valve that sticks is turned again.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[macro_use]
+mod chip;
 
 use iibt_core::iibt::rules::Raise;
 use iibt_core::iibt::table::{
@@ -10,7 +14,6 @@ use iibt_core::iibt::{Literal, Node};
 use iibt_core::team::{Envelope, Limits, Member, RobotId, Roster, Stamp};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
-use std::error::Error;
 
 const STATES: [&str; 2] = ["open", "closed"];
 const OPEN: u8 = 0;
@@ -79,11 +82,11 @@ struct Robot {
 }
 
 impl Robot {
-    fn new(number: u8, sticks: u32) -> Result<Self, Box<dyn Error>> {
-        let member = Member::new(RobotId(number), 2)?;
-        let roster = Roster::new(member, Limits::for_beacons(Duration(1))?);
-        let task = Valve::new(&VALVES, RobotId(number))?;
-        Ok(Self { task, node: Node::new(Duration(20)), roster, turns: 0, sticks })
+    fn new(number: u8, sticks: u32) -> Self {
+        let member = Member::new(RobotId(number), 2).unwrap();
+        let roster = Roster::new(member, Limits::for_beacons(Duration(1)).unwrap());
+        let task = Valve::new(&VALVES, RobotId(number)).unwrap();
+        Self { task, node: Node::new(Duration(20)), roster, turns: 0, sticks }
     }
 
     fn is_closed(&self) -> bool {
@@ -100,15 +103,15 @@ impl Robot {
     }
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let mut robots = [Robot::new(0, 1)?, Robot::new(1, 0)?];
+fn play() {
+    let mut robots = [Robot::new(0, 1), Robot::new(1, 0)];
     let (mut statuses, mut closed) = ([Status::Running; 2], [None; 2]);
     for tick in 0..60 {
         let now = Instant(tick);
         let said = robots.each_ref().map(|robot| robot.task.announcement());
         for (number, robot) in robots.iter_mut().enumerate() {
             let (sender, stamp) = (RobotId(1 - number as u8), Stamp { epoch: 1, sequence: tick });
-            robot.roster.hear(Envelope { sender, stamp, message: said[sender.index()] }, now)?;
+            robot.roster.hear(Envelope { sender, stamp, message: said[sender.index()] }, now).unwrap();
             statuses[number] = robot.tick(now);
             closed[number] = closed[number].or(robot.is_closed().then_some(tick));
         }
@@ -116,5 +119,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     assert_eq!(statuses, [Status::Success; 2]);
     assert_eq!(robots.map(|robot| robot.turns), [2, 1], "R1 turns again what stuck");
     assert!(closed[0] < closed[1], "the inlet is closed before the outlet: {closed:?}");
-    Ok(())
 }
+
+play!(play);
