@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const DOCUMENTS: [&str; 9] = [
+const DOCUMENTS: [&str; 10] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -12,6 +12,7 @@ const DOCUMENTS: [&str; 9] = [
     "docs/paper.md",
     "docs/trees.md",
     "host-sim/scenarios/README.md",
+    "host-sim/tasks/README.md",
     "host-sim/trees/README.md",
 ];
 

@@ -79,6 +79,17 @@ fn a_flight_repeats_with_its_seed_and_is_told() {
     assert!(told.contains("All goals are reached: "), "{told}");
 }
 
+#[test]
+fn the_example_of_the_readme_opens_its_door() {
+    let readme = include_str!("../host-sim/tasks/README.md");
+    let text = readme.split("```toml").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
+    let arena = Bump::new();
+    let door = TableMission::parse(&arena, "door.toml", text).expect("it is sound");
+    for seed in 0..50 {
+        assert!(door.fly(seed, Trouble::default()).expect("it fits").success, "seed {seed}");
+    }
+}
+
 /// What is said about a task file in which `from` is replaced by `to`.
 fn refusal(name: &str, from: &str, to: &str) -> String {
     let text = text(name);
@@ -141,7 +152,7 @@ fn what_is_wrong_is_said_with_line_and_column() {
     let said = refusal("bottle-and-plate", "target = \"goal A\"", "target = \"goal D\"");
     assert!(said.contains("there is no state \"goal D\": there are elsewhere, goal A"), "{said}");
     let said = refusal("bottle-and-plate", "\"failure\", \"success\",", "\"failure\",");
-    assert!(said.contains("the table does not have an entry per combination of states"), "{said}");
+    assert!(said.contains("the table lacks an entry per combination of states"), "{said}");
 }
 
 #[rustfmt::skip]

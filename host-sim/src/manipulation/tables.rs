@@ -218,12 +218,14 @@ const RESULT: Option<JointOutcome> = Some(JointOutcome {
     possible: Some(PUT_DOWN),
 });
 
-const STAY_FREE: Wish = Wish::Rows(&[FREED, FREED]);
+/// The teammate is to be free.
+const FREE_R1: Wish = Wish::Rows(&[FREED, &[]]);
+const FREE_R2: Wish = Wish::Rows(&[&[], FREED]);
 
 /// One after the other, as published: robot 0 is to be free and to have its bottle before robot 1 begins.
 pub const IN_TURN: [Role; TEAM] = [
-    role!("R1", GOAL_A, 1, [PEER_IDLE], BOTTLE, ON_PLATE, RESULT, STAY_FREE),
-    role!("R2", GOAL_B, 0, [PEER_IDLE, PEER_HAS], PLATE, &[], None, STAY_FREE),
+    role!("R1", GOAL_A, 1, [PEER_IDLE], BOTTLE, ON_PLATE, RESULT, FREE_R2),
+    role!("R2", GOAL_B, 0, [PEER_IDLE, PEER_HAS], PLATE, &[], None, FREE_R1),
 ];
 
 /// Both fetch at once.

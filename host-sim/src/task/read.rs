@@ -246,26 +246,8 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn aim(&self, aim: &file::Aim, robot: &file::Robot) -> Read<Aim<'a>> {
-        let teammates = match &aim.wish {
-            None => Wish::AsAnnounced,
-            Some(wishes) => {
-                let mut rows: Vec<&'a [f32]> = Vec::new();
-                for other in &self.file.robots {
-                    let (other, none) = (other.get_ref(), BTreeMap::new());
-                    let wish = wishes.get(other.name.get_ref()).unwrap_or(&none);
-                    rows.push(self.preference(wish, &state_names(other), aim.name.span())?);
-                }
-                let known =
-                    |name: &&String| self.file.robots.iter().any(|of| of.get_ref().name.get_ref() == *name);
-                if let Some(name) = wishes.keys().find(|name| !known(name)) {
-                    return Err(Fault::new(
-                        aim.name.span(),
-                        format!("the aim wishes something of \"{name}\", which is no robot"),
-                    ));
-                }
-                Wish::Rows(self.arena.alloc_slice_copy(&rows))
-            }
-        };
+        let wish = |wishes| self.wishes(wishes, aim, robot);
+        let teammates = aim.wish.as_ref().map_or(Ok(Wish::AsAnnounced), wish)?;
         Ok(Aim {
             name: self.text(&aim.name),
             done: self.each(&aim.done, |fact| index("fact", fact, &fact_names(robot)))?,
@@ -273,6 +255,28 @@ impl<'a> Reader<'a, '_> {
             teammates,
             target: target(aim.target.as_ref(), robot)?,
         })
+    }
+
+    /// A row for each robot by its name; nothing for the own one, which is not read.
+    fn wishes(
+        &self,
+        wishes: &BTreeMap<String, BTreeMap<String, Real>>,
+        aim: &file::Aim,
+        own: &file::Robot,
+    ) -> Read<Wish<'a>> {
+        let own = own.name.get_ref();
+        let others = || self.file.robots.iter().map(Spanned::get_ref).filter(|of| of.name.get_ref() != own);
+        let unknown = |name: &&String| !others().any(|of| of.name.get_ref() == *name);
+        if let Some(name) = wishes.keys().find(unknown) {
+            let reason = format!("the aim wishes something of \"{name}\", which is no teammate");
+            return Err(Fault::new(aim.name.span(), reason));
+        }
+        let row = |of: &Spanned<file::Robot>| match wishes.get(of.get_ref().name.get_ref()) {
+            _ if of.get_ref().name.get_ref() == own => Ok(&[][..]),
+            Some(wish) => self.preference(wish, &state_names(of.get_ref()), aim.name.span()),
+            None => self.preference(&BTreeMap::new(), &state_names(of.get_ref()), aim.name.span()),
+        };
+        self.each(&self.file.robots, row).map(Wish::Rows)
     }
 
     fn outcome(&self, outcome: &file::Outcome, robot: &file::Robot) -> Read<JointOutcome<'a>> {
