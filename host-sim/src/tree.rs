@@ -7,7 +7,7 @@
 //! ```
 //!
 //! A [`Document`] is a file with all that it includes: trees, models of nodes, and remarks on its structure. An
-//! [`Instance`] is one of its trees put together, every SubTree in its place and every port resolved. It becomes the
+//! [`Instance`] is one of its trees, every SubTree in its place and every port resolved. It becomes the
 //! table of [`iibt_core::tree`](mod@iibt_core::tree), so a dry run ticks the engine that firmware ticks, and
 //! [`codegen`](Instance::codegen) writes the table that firmware keeps in flash.
 //!

@@ -50,14 +50,28 @@ fn main() {
     let mut board = Board { held: false, light: false };
     let mut memory = Memory::new();
     let mut now = Instant(0);
+    let mut switched = Vec::new();
     while now.0 < 3000 {
         board.held = (1200..2000).contains(&now.0);
+        let before = board.light;
         let tick = BLINK.tick(&mut memory, &mut board, now);
-        println!("{:4} ms: {}", now.0, if board.light { "on" } else { "off" });
-        // A board sleeps until a timer or the pin of the button wakes it; here the button is looked at every 100 ms.
+        if board.light != before {
+            println!("{:4} ms: {}", now.0, if board.light { "on" } else { "off" });
+            switched.push(now.0);
+        }
+        // A board sleeps until a timer or the pin of the button wakes it; here it looks every 100 ms.
         now = match tick.next {
-            Next::At(due) if !board.held && due.0 - now.0 < 100 => due,
+            _ if board.held => Instant(now.0 + 100),
+            _ if tick.status == Status::Success => now, // the next cycle begins at once
+            Next::At(due) if due.0 - now.0 < 100 => due,
             _ => Instant(now.0 + 100),
         };
     }
+    // It blinks twice a second, stays on while the button is held, and then starts its cycle again.
+    assert_eq!(switched, [0, 250, 500, 750, 1000, 2250, 2500, 2750]);
+}
+
+#[test]
+fn the_light_blinks_until_the_button_is_held() {
+    main();
 }

@@ -139,10 +139,18 @@ pub fn sum(values: &[f32]) -> f32 {
     (a + b) + (c + d)
 }
 
-/// What a predicted distribution of outcomes is worth, gathered outcome by outcome: its entropy and the
-/// expectation of the preferences under it.
+/// The entropy of a predicted distribution of outcomes, and the expectation of the preferences under it, gathered outcome by
+/// outcome.
+///
+/// ```
+/// use iibt_core::math::Prediction;
+///
+/// let prediction = Prediction::of(&[0.5, 0.5], &[1.0, 0.0], |p| p);
+/// assert!((prediction.entropy() - core::f32::consts::LN_2).abs() < 1e-6);
+/// assert_eq!(prediction.utility(), 0.5);
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Outlook {
+pub struct Prediction {
     entropy: [f32; LANES],
     utility: [f32; LANES],
 }
@@ -150,7 +158,7 @@ pub struct Outlook {
 /// The lanes that sums of long lists run in.
 const LANES: usize = 4;
 
-impl Outlook {
+impl Prediction {
     /// Nothing predicted yet.
     #[must_use]
     pub const fn new() -> Self {
@@ -161,16 +169,16 @@ impl Outlook {
     #[inline]
     #[must_use]
     pub fn of(values: &[f32], preferences: &[f32], probability: impl Fn(f32) -> f32) -> Self {
-        let mut outlook = Self::new();
+        let mut prediction = Self::new();
         let (values, values_left) = values.as_chunks::<LANES>();
         let (preferences, preferences_left) = preferences.as_chunks::<LANES>();
         for (values, preferences) in values.iter().zip(preferences) {
-            outlook.add(&values.map(&probability), preferences);
+            prediction.add(&values.map(&probability), preferences);
         }
         if !values_left.is_empty() {
-            outlook.add_some(values_left.iter().map(|&value| probability(value)), preferences_left);
+            prediction.add_some(values_left.iter().map(|&value| probability(value)), preferences_left);
         }
-        outlook
+        prediction
     }
 
     /// Adds the next four outcomes.

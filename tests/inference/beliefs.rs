@@ -1,6 +1,6 @@
 //! State inference: posteriors, surprise, the free energy of approximations, impossible observations.
 
-use crate::{Room, assert_distributions, assert_marginals, close, for_seeds, marginals};
+use super::{Room, assert_distributions, assert_marginals, close, for_seeds, marginals};
 use host_sim::notebook::Sweeps;
 use iibt_core::inference::{Beliefs, Evidence, Impossible, MAX_SWEEPS, Model, ObservationError, likelihood};
 use tests::oracle::chance::Chance;

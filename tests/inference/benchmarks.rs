@@ -1,6 +1,6 @@
 //! T1 and T2: what other engines make of them, what they get wrong, and the same bits every time.
 
-use crate::close;
+use super::close;
 use firmware::bench::{digest, t1, t2};
 use host_sim::notebook::Sweeps;
 use iibt_core::inference::{

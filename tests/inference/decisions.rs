@@ -1,9 +1,9 @@
 //! Expected free energies and the choice of a joint policy.
 
-use crate::{Room, Trial, close, for_seeds, marginals};
+use super::{Room, Trial, close, for_seeds, marginals};
 use iibt_core::inference::{
-    Beliefs, Candidates, Credit, Evaluation, Factor, Gain, Likelihood, Modality, Model, Policy, Problem,
-    Scoring, Shape, Terms, Transition, policy,
+    Agent, Beliefs, Candidates, Evaluation, Factor, Gain, Habits, IdentityNoise, Likelihood, Modality, Model,
+    NextState, Policy, PreferenceTiming, Problem, Scoring, Shape, Terms, Transition, policy,
 };
 use tests::oracle::decision::Decision;
 use tests::oracle::description::Description;
@@ -130,13 +130,13 @@ fn information_gain_is_never_negative_and_the_joint_gain_lies_between_the_larges
     for_seeds(13, 4000, |chance| {
         let description = generator::description(chance);
         let mut decision = generator::decision(chance, &description);
-        decision.scoring.credit = Credit::EveryStep;
+        decision.scoring.timing = PreferenceTiming::EveryStep;
         decision.scoring.gain = Gain::Joint;
         if too_long(&description, &decision) {
             return;
         }
         decision.meetings.clear();
-        (decision.preferences, decision.aversions) = (vec![], vec![]);
+        (decision.preferences, decision.negative_preferences) = (vec![], vec![]);
         let joint = gains(&description, &decision);
         decision.scoring.gain = Gain::PerModality;
         let sum = gains(&description, &decision);
@@ -240,4 +240,80 @@ fn novelty_of_moves_and_outcomes_adds_up_over_the_steps_and_lowers_g() {
     assert_eq!(idle.novelty, 3.0 * 0.5 * 0.75);
     let gained = idle.expected_free_energy() - busy.expected_free_energy();
     assert!((gained - 0.75).abs() < 1e-6, "{gained}");
+}
+
+/// The joint decision against brute force: every joint policy with its habit, those that teammates ruled out left out.
+#[test]
+fn an_agent_decides_as_brute_force_does_with_habits_and_announcements() {
+    for_seeds(16, 6000, |chance| {
+        let description = generator::description(chance);
+        let mut decision = generator::decision(chance, &description);
+        if too_long(&description, &decision) || description.controls() == 0 {
+            return;
+        }
+        // What an agent has no word for.
+        (decision.meetings, decision.scope) = (vec![], description.all_groups());
+        let policies = decision.policies();
+        let spoken = policies[chance.below(policies.len())].clone();
+        let announced: Vec<Option<u16>> =
+            spoken.iter().map(|&number| chance.once_in(3).then_some(u16::from(number))).collect();
+        description.build(|model| {
+            let reference = Reference::new(&description, &decision);
+            let exact = marginals(&Room::prior(model), model);
+            let score = |(number, policy): (usize, &Vec<u8>)| {
+                let fits = announced
+                    .iter()
+                    .zip(policy)
+                    .all(|(said, &number)| said.is_none_or(|said| said == u16::from(number)));
+                let value = reference.terms(&exact, &decision.actions(policy)).value();
+                let ln_prior = decision.ln_prior(number, policy);
+                if fits {
+                    ln_prior + f64::from(decision.scoring.precision) * value
+                } else {
+                    f64::NEG_INFINITY
+                }
+            };
+            let scores: Vec<f64> = policies.iter().enumerate().map(score).collect();
+            let mut agent = Agent::<STATES, FACTORS, 5, 7>::new(model)
+                .with_scoring(decision.scoring)
+                .with_horizon(decision.horizon);
+            decision.pose(model, &Room::prior(model), |problem| {
+                let candidates = problem.candidates.with_announced(&announced);
+                let (preferences, negative) = (problem.preferences, problem.negative_preferences);
+                let chosen = agent.decide_with(candidates, preferences, negative).expect("one was announced");
+                let best = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                let slack = 2e-4 * (best.abs() + f64::from(decision.scoring.precision) + 1.0);
+                assert!(scores[chosen.policy()] >= best - slack, "{scores:?}: {}", chosen.policy());
+                for (control, &number) in policies[chosen.policy()].iter().enumerate() {
+                    assert_eq!(chosen.sequence(control), usize::from(number));
+                    let marginal = agent.marginal(&candidates, control, number.into()).expect("it exists");
+                    assert!(marginal >= chosen.probability() - 1e-6, "{marginal}");
+                }
+                let sum: f32 = agent.posterior().iter().sum();
+                assert!((sum - 1.0).abs() < 1e-5);
+                for (p, score) in agent.posterior().iter().zip(&scores) {
+                    assert!(*score > f64::NEG_INFINITY || *p == 0.0, "what is not as announced is ruled out");
+                }
+            });
+        });
+    });
+}
+
+/// One control, two policies that are worth the same: the habit alone decides, and the second is as good as any.
+#[test]
+fn a_habit_decides_between_policies_that_are_worth_the_same() {
+    static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 2);
+    static STAY: NextState = NextState::new(&[0, 1, 0, 1], 2);
+    static FACTORS: [Factor; 1] = [Factor::new(&STAY, STAY.shape(), &[0.5, 0.5])];
+    static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[1.0, 0.0])];
+    static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
+    static POLICIES: [Policy; 2] = [Policy::of(&[0]), Policy::of(&[1])];
+    let lists: [&[Policy]; 1] = [&POLICIES];
+    let mut agent = iibt_core::agent!(MODEL, 2);
+    for habits in [Habits::Joint(&[0.0, 1.0]), Habits::PerSequence(&[&[0.0, 1.0]])] {
+        let decision = agent.decide(Candidates::all(&lists).with_habits(habits)).expect("it fits");
+        assert_eq!(decision.policy(), 1);
+        // softmax(0, 1)
+        assert!((decision.probability() - 0.731_058_6).abs() < 1e-5, "{}", decision.probability());
+    }
 }

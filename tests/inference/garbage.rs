@@ -1,11 +1,11 @@
 //! Nothing that a caller can hand over makes the engine panic, or a belief something else than a distribution.
 
-use crate::{Room, Trial, assert_distributions, for_seeds};
+use super::{Room, Trial, assert_distributions, for_seeds};
 use iibt_core::actions::{Action, Actions, HORIZON};
 use iibt_core::inference::{
-    Argument, Beliefs, Blocks, Candidates, Combinations, Control, Encounter, Evaluation, Evidence, Factor,
-    Habits, IdentityNoise, MAX_SWEEPS, Modality, Model, NextState, ObservationError, OutOfRange, Policy,
-    Problem, Scoring, Transition, policy,
+    Argument, Beliefs, Blocks, Candidates, Combinations, Control, Evaluation, Evidence, Factor, Habits,
+    IdentityNoise, MAX_SWEEPS, Modality, Model, NextState, ObservationError, OutOfRange, PairPreference,
+    Policy, Problem, Scoring, Transition, policy,
 };
 use tests::oracle::chance::Chance;
 use tests::oracle::generator;
@@ -79,10 +79,10 @@ fn odd_observations_leave_distributions() {
     });
 }
 
-/// An encounter of factors that need not exist, worth anything.
+/// An pair of factors that need not exist, worth anything.
 struct Odd([usize; 2], f32);
 
-impl Encounter for Odd {
+impl PairPreference for Odd {
     fn factors(&self) -> [usize; 2] {
         self.0
     }
@@ -127,8 +127,8 @@ fn odd_decisions_give_a_posterior_or_nothing() {
             let problem = Problem {
                 horizon: chance.pick(&[0, 1, 3, 7]),
                 preferences: &slices,
-                aversions: &slices[1..],
-                encounters: if chance.once_in(2) { &[&odd] } else { &[] },
+                negative_preferences: &slices[1..],
+                pair_preferences: if chance.once_in(2) { &[&odd] } else { &[] },
                 scope: chance.bits() as u16,
                 ..Problem::new(
                     model,

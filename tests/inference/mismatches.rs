@@ -203,7 +203,7 @@ fn problems_that_do_not_fit() {
     assert_eq!(error, "preferences for 2 modalities, but the model has 1");
     let error = misposed(|problem| problem.preferences = &[&[0.0, f32::NAN, 0.0, 0.0, 0.0]]);
     assert_eq!(error, "modality 0: the preference for outcome 1 is not finite");
-    let error = misposed(|problem| problem.aversions = &[&[0.0; 6]]);
+    let error = misposed(|problem| problem.negative_preferences = &[&[0.0; 6]]);
     assert_eq!(error, "modality 0 has 5 outcomes, but 6 preferences are given");
     let error = misposed(|problem| problem.scope = 0b110);
     assert_eq!(error, "the scope names group 2: there are 1, from 0");

@@ -76,8 +76,12 @@ fn package() -> PathBuf {
     for (number, (piece, instead, _)) in CHANGES.iter().enumerate() {
         assert_eq!(code.matches(piece).count(), 1, "{piece} stands in the README once");
         let body = code.replace(piece, instead);
-        let program = format!("fn main() -> Result<(), Box<dyn std::error::Error>> {{\n{body}\n}}\n");
-        let program = program.replace("Ok::<(), Box<dyn std::error::Error>>(())", "Ok(())");
+        let body = body.replace("Ok::<(), Box<dyn std::error::Error>>(())", "Ok(())");
+        let program = format!(
+            "fn run() -> Result<(), Box<dyn std::error::Error>> {{\n{body}\n}}\n\
+             fn main() {{\n    if let Err(error) = run() {{\n        eprintln!(\"{{error}}\");\n        \
+             std::process::exit(1);\n    }}\n}}\n"
+        );
         std::fs::write(folder.join(format!("src/bin/change_{number}.rs")), program).expect("a file");
     }
     folder

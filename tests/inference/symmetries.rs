@@ -1,8 +1,8 @@
 //! What must not change the result: the form of a table, the order of states, outcomes and policies, and how many policies
 //! are scored per call.
 
-use crate::decisions::too_long;
-use crate::{Room, Trial, for_seeds};
+use super::decisions::too_long;
+use super::{Room, Trial, for_seeds};
 use iibt_core::inference::{Beliefs, Evaluation, ObservationError, Terms};
 use tests::oracle::chance::Chance;
 use tests::oracle::decision::Decision;
@@ -165,7 +165,7 @@ fn permuting_outcomes_changes_nothing() {
             sense.sensor = Sensor::Dense(moved(table, &[sense.outcomes, columns], &[order, &still]));
             sense.preference = moved_list(&sense.preference, order);
         }
-        for list in [&mut decision.preferences, &mut decision.aversions] {
+        for list in [&mut decision.preferences, &mut decision.negative_preferences] {
             list.iter_mut().zip(&orders).for_each(|(list, order)| *list = moved_list(list, order));
         }
         for (seen, order) in seen.iter_mut().zip(&orders) {

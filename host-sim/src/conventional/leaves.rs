@@ -3,7 +3,7 @@
 use crate::tree::{BoundTree, Diagnostic, LeafNode, library};
 use std::sync::LazyLock;
 
-/// What a leaf stands for.
+/// What a leaf of a conventional tree asks or does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Skill {
     /// There is charge enough to go on.
@@ -94,7 +94,7 @@ impl Skill {
         skill(&leaf.kind, port).ok_or_else(|| format!("no skill is called {} {port}", leaf.kind))
     }
 
-    /// What the leaf is called on the screen.
+    /// The name on the screen.
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::BatteryEnough => "BatteryEnough",

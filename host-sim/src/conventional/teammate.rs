@@ -154,20 +154,16 @@ impl Teammate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use iibt_core::team::{RobotId, Round};
-    use iibt_core::time::Instant;
+    use iibt_core::navigation::{Intention, Round};
+    use iibt_core::team::{RobotId, Stamp};
 
     fn corridor() -> Map<1> {
         Map::new(8, 1).unwrap()
     }
 
-    fn saying(cells: &[u16], stage: Stage) -> Intention {
+    fn saying(cells: &[u16], stage: Stage) -> Said {
         let cells: Vec<Cell> = cells.iter().copied().map(Cell).collect();
-        Intention {
-            robot: RobotId(1),
-            epoch: 1,
-            sequence: 1,
-            tick: Instant(0),
+        let message = Intention {
             round: Round(0),
             stage,
             plan: 0,
@@ -176,7 +172,8 @@ mod tests {
             step: 0,
             probability: 1.0,
             hazards: Default::default(),
-        }
+        };
+        Said { sender: RobotId(1), stamp: Stamp { epoch: 1, sequence: 1 }, message }
     }
 
     fn lets(own: usize, age: u32, stage: Stage, target: u16) -> bool {

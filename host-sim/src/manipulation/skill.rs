@@ -47,7 +47,7 @@ impl Skill {
         }
     }
 
-    /// In words.
+    /// The name on the screen.
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Infer(TO_HOLD) => "Hold",

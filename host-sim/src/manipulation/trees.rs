@@ -1,4 +1,4 @@
-//! The trees that the robots run: which file each is, and how large.
+//! The trees that the robots run: their files and sizes.
 
 use super::skill::Skill;
 use super::tables::TEAM;
@@ -53,7 +53,7 @@ impl Trees {
         }
     }
 
-    /// How large the two trees are.
+    /// The sizes of the two trees.
     #[must_use]
     pub fn sizes(self) -> [TreeSize; TEAM] {
         [0, 1].map(|robot| size(self.files()[robot], robot))

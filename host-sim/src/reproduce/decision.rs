@@ -4,8 +4,8 @@ use crate::notebook::Sweeps;
 use iibt_core::actions::Action;
 use iibt_core::grid::{Cell, Map, Move, Path, first_conflict};
 use iibt_core::inference::{
-    Beliefs, Candidates, Encounter, Evaluation, Evidence, Factor, IdentityNoise, Modality, Model, NextState,
-    OutcomeTable, Policy, Problem, Scoring, Shape,
+    Beliefs, Candidates, Evaluation, Evidence, Factor, IdentityNoise, Modality, Model, NextState,
+    OutcomeTable, PairPreference, Policy, Problem, Scoring, Shape,
 };
 use iibt_core::math;
 
@@ -158,11 +158,11 @@ impl Decision {
             .each_ref()
             .map(|list| list.iter().map(|(_, path)| self.policy(mode, path)).collect::<Vec<Policy>>());
         let sequences = policies.each_ref().map(|policies| policies.as_slice());
-        let aversions = self.preferences.map(|preference| preference.map(|value| value.min(0.0)));
+        let negative_preferences = self.preferences.map(|preference| preference.map(|value| value.min(0.0)));
         let problem = Problem {
             horizon: self.horizon,
-            aversions: &[&aversions[0], &aversions[1]],
-            encounters: if mode == Mode::Default { &[&Collision] } else { &[] },
+            negative_preferences: &[&negative_preferences[0], &negative_preferences[1]],
+            pair_preferences: if mode == Mode::Default { &[&Collision] } else { &[] },
             ..Problem::new(&model, &beliefs, Candidates::all(&sequences), mode.scoring())
         };
         let mut evaluation = Evaluation::<CELLS, 2, CANDIDATES, CANDIDATES>::new();
@@ -236,7 +236,7 @@ const fn outcome(first: usize, second: usize) -> u8 {
 /// What the product takes a collision to be worth.
 struct Collision;
 
-impl Encounter for Collision {
+impl PairPreference for Collision {
     fn factors(&self) -> [usize; 2] {
         [0, 1]
     }

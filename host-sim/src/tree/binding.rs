@@ -1,11 +1,13 @@
-//! A tree from a file that runs in a program: each leaf bound by its name to one of the program's own.
+//! A tree from a file that runs in a program: each leaf bound by its name to one of the program's
+//! own.
 
 use super::diagnostic::{Diagnostic, Place};
 use super::instance::{Instance, Node};
 use super::lower::{Rules, Task};
 use iibt_core::tree::{Full, OwnedTree, Row};
 
-/// A tree whose leaves are the program's `L`, linked once. Robots share it; each has a memory of its own, of
+/// A tree whose leaves are the program's `L`, linked once. Robots share it; each has a memory of
+/// its own, of
 /// [`NodeMemory`](iibt_core::tree::NodeMemory) for each node.
 pub type BoundTree<L> = OwnedTree<L, Vec<Row<L>>, Full>;
 
@@ -40,11 +42,12 @@ impl LeafNode {
 }
 
 impl Instance {
-    /// Binds the leaves of this tree: `find` says which of the program's leaves each stands for, or why none does.
+    /// Binds the leaves of this tree: `find` says which of the program's leaves each stands for, or
+    /// why none does.
     ///
     /// # Errors
-    /// The place of the first leaf for which there is none, of the first script, or of the first node that the engine does not
-    /// have.
+    /// The place of the first leaf for which there is none, of the first script, or of the first
+    /// node that the engine does not have.
     pub fn bind<L: Clone>(
         &self,
         find: impl Fn(&LeafNode) -> Result<L, String>,

@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 /// The size of a tree.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct NodeCounts {
-    /// How many nodes of each kind, by the kind's name.
+    /// The number of nodes of each kind, by the kind's name.
     pub kinds: BTreeMap<String, usize>,
-    /// How many nodes of each class: Control, Decorator, Condition, Action, SubTree.
+    /// The number of nodes of each class: Control, Decorator, Condition, Action, SubTree.
     pub classes: BTreeMap<&'static str, usize>,
-    /// How many nodes on each level, the root's first.
+    /// The number of nodes on each level, the root's first.
     pub levels: Vec<usize>,
 }
 

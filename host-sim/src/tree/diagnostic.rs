@@ -28,21 +28,21 @@ impl fmt::Display for Place {
     }
 }
 
-/// How bad it is.
+/// The severity of a remark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Severity {
     /// The tree cannot be used.
     Error,
-    /// The tree can be used, but hardly does what was meant.
+    /// The tree can be used, but probably does not do what was meant.
     Warning,
 }
 
 /// One remark about a tree file. Its display is `FILE:LINE:COLUMN: error: message`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Where it is.
+    /// The place in the file.
     pub place: Place,
-    /// How bad it is.
+    /// The severity.
     pub severity: Severity,
     /// What is wrong, and what would be right.
     pub message: String,

@@ -9,7 +9,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// How a file is read: its text by its path.
+/// Reads the text of a file by its path.
 pub type Files<'f> = &'f dyn Fn(&Path) -> io::Result<String>;
 
 /// The trees of a file and of those it includes, and the kinds of nodes that they declare.
@@ -20,7 +20,7 @@ pub struct Document {
     pub(super) order: Vec<String>,
     pub(super) models: Models,
     pub(super) subtree_models: BTreeMap<String, SubTreeModel>,
-    /// What the file says about which tree to execute.
+    /// The tree to execute, as the file names it.
     pub(super) main: Option<(String, Place)>,
     pub(super) place: Place,
     pub(super) remarks: Remarks,
@@ -36,7 +36,7 @@ pub(super) struct Definition {
     pub root: Option<Element>,
 }
 
-/// What is read of a file besides what it says.
+/// What a reader of files may be given besides the files.
 #[derive(Clone, Debug, Default)]
 pub struct Extras<'e> {
     /// Leaves that need no declaration.
@@ -77,7 +77,7 @@ impl Document {
         Ok(Self::of(gathering.roots, extras))
     }
 
-    /// Puts together what the files say, the main file being the last.
+    /// Merges what the files declare, the main file being the last.
     fn of(roots: Vec<Element>, extras: &Extras<'_>) -> Self {
         let place = roots.last().map_or_else(|| Place::start_of(""), |root| root.place.clone());
         let mut document = Self {
@@ -107,12 +107,12 @@ impl Document {
         document
     }
 
-    /// What is wrong with tags, IDs and numbers of children; [`check`](fn@super::check) finds more.
+    /// Errors of tags, IDs and numbers of children; [`check`](fn@super::check) finds more.
     pub fn remarks(&self) -> impl Iterator<Item = &Diagnostic> {
         self.remarks.iter()
     }
 
-    /// Takes over the models of one file.
+    /// Adds the models of one file.
     fn declare(&mut self, root: &Element) {
         for entry in root.children_called("TreeNodesModel").flat_map(|models| &models.children) {
             let Some(class) = Class::with_tag(&entry.tag) else {
@@ -156,7 +156,7 @@ impl Document {
         }
     }
 
-    /// Takes over the trees of one file.
+    /// Adds the trees of one file.
     fn define(&mut self, root: Element) {
         for mut tree in root.children.into_iter().filter(|child| child.tag == "BehaviorTree") {
             let id =
@@ -259,12 +259,12 @@ fn plain(path: &Path) -> PathBuf {
     plain
 }
 
-/// Why a file could not be read.
+/// The reason why a file could not be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LoadError {
-    /// There is no such file, or it cannot be opened: its name, and why.
+    /// A file that does not exist or cannot be opened: its name, and the reason.
     Unreadable(String, String),
-    /// It, or a file that it includes, is not what it should be.
+    /// A remark on the file, or on a file that it includes.
     Malformed(Diagnostic),
 }
 

@@ -9,24 +9,24 @@ use iibt_core::time::Instant;
 use iibt_core::tree::{Compat, Full, Kinds, Next, NodeMemory, Status, Transition, TreeRef};
 use std::fmt::Write;
 
-/// How often a tree that asks for it is gone through in one tick; BehaviorTree.CPP has no bound.
+/// The most passes over a tree in one tick; BehaviorTree.CPP has no bound.
 const MAX_PASSES: u16 = 10_000;
 
-/// How often the tree is gone through in a tick.
+/// The number of passes over the tree in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// Once, as with `tickExactlyOnce`.
+    /// One pass, as with `tickExactlyOnce`.
     ExactlyOnce,
-    /// Again while nodes ask for it, as with `tickOnce`.
+    /// Passes while nodes ask for another, as with `tickOnce`.
     Once,
 }
 
-/// What is run and for how long.
+/// The settings of a dry run: ticks, time and the leaves' scripts.
 #[derive(Clone, Copy, Debug)]
 pub struct DryRun<'r> {
-    /// How many ticks.
+    /// The number of ticks.
     pub ticks: u32,
-    /// How often the tree is gone through in a tick.
+    /// The number of passes over the tree in a tick.
     pub mode: Mode,
     /// Milliseconds from one tick to the next.
     pub tick_ms: u32,
@@ -38,7 +38,7 @@ pub struct DryRun<'r> {
     pub compat: bool,
 }
 
-/// What came of a dry run.
+/// The record of a dry run.
 #[derive(Clone, Debug)]
 pub struct DryRecord {
     /// A line for each tick and halt.
@@ -47,12 +47,12 @@ pub struct DryRecord {
     pub ticks: Vec<(u32, Status)>,
     /// The changes of the nodes' statuses; a node is named by its place in the tree, from zero.
     pub transitions: Vec<Transition>,
-    /// Why it ended early.
+    /// The reason why it ended early.
     pub error: Option<Diagnostic>,
 }
 
 impl DryRun<'_> {
-    /// Runs a tree.
+    /// Runs a tree with scripted leaves.
     ///
     /// # Errors
     /// When the engine does not have one of its nodes, or a script is for a leaf that is not there.
@@ -116,7 +116,7 @@ impl DryRun<'_> {
     }
 }
 
-/// Goes through a tree as long as it runs and a node, or a timer that went off, asks for it.
+/// Ticks a tree while it runs and a node, or a timer that went off, asks for another pass.
 fn tick_once<K: Kinds>(
     tree: &TreeRef<'_, u16, K>,
     memory: &mut [NodeMemory<K>],

@@ -1,4 +1,4 @@
-//! A tree put together: every SubTree in its place, every node with its ports.
+//! An expanded tree: every SubTree in its place, every node with its ports.
 
 use super::diagnostic::{Place, Remarks};
 use super::document::Document;
@@ -10,13 +10,13 @@ use super::xml::{Attribute, Element};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The most nodes of a tree with all its SubTrees: what the engine's tables hold.
+/// The most nodes of a tree with all its SubTrees. The engine's tables hold fewer, as `lower` says.
 pub(super) const MAX_NODES: usize = 1 << 15;
 
 /// The most levels of a tree with all its SubTrees: what the engine walks.
 pub(super) const MAX_LEVELS: usize = 256;
 
-/// A tree whose SubTrees are put in. The nodes are in preorder, so that a node's place in the list, plus one,
+/// A tree whose SubTrees are expanded. The nodes are in preorder, so that a node's place in the list, plus one,
 /// is its unique identifier in BehaviorTree.CPP.
 #[derive(Clone, Debug)]
 pub struct Instance {
@@ -79,7 +79,7 @@ impl Node {
 }
 
 impl Document {
-    /// Puts the tree called `main` together; what is wrong with it goes to `remarks`.
+    /// Expands the tree called `main`; what is wrong with it goes to `remarks`.
     pub(super) fn instantiate(&self, main: &str, remarks: &mut Remarks) -> Instance {
         let instance =
             Instance { main: main.into(), nodes: Vec::new(), scopes: Scopes::new(), trees: Vec::new() };

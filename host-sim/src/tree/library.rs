@@ -35,14 +35,15 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     TEXTS.iter().map(|&(name, _)| name)
 }
 
-/// The tree with a name, or `None`. What is built in parses; a test holds that.
+/// The built-in document with a name, or `None`. A test holds that all parse.
 #[must_use]
 pub fn find(name: &str) -> Option<Result<Document, Diagnostic>> {
     let (name, text) = TEXTS.iter().find(|(known, _)| *known == name)?;
     Some(Document::parse(name, text, &Extras::default()))
 }
 
-/// The same put together, its SubTrees put in. What is built in is sound; a test holds that.
+/// The built-in tree with a name, with its SubTrees expanded, or `None`. A test holds that all are
+/// sound.
 #[must_use]
 pub(crate) fn instance(name: &str) -> Option<Result<Instance, Diagnostic>> {
     let put_together = |document: Document| {
@@ -52,7 +53,7 @@ pub(crate) fn instance(name: &str) -> Option<Result<Instance, Diagnostic>> {
     Some(find(name)?.and_then(put_together))
 }
 
-/// The name that somebody who typed `name` most likely meant.
+/// The built-in name that is most like `name`.
 #[must_use]
 pub fn nearest(name: &str) -> Option<&'static str> {
     let similarity = |known: &str| strsim::jaro_winkler(known, &name.to_lowercase());

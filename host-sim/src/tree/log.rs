@@ -46,7 +46,7 @@ impl Instance {
         log
     }
 
-    /// The tree as it is put together, with unique identifiers and the models of all its nodes.
+    /// The tree with its SubTrees expanded, with unique identifiers and the models of all its nodes.
     fn log_xml(&self) -> String {
         let mut xml = "<root BTCPP_format=\"4\">\n".to_owned();
         for tree in &self.trees {

@@ -6,7 +6,7 @@ use super::xml::Element;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What a node is to its parent and children.
+/// The class of a node: what it is to its parent and children.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// One or more children.
@@ -41,7 +41,7 @@ impl Class {
     }
 }
 
-/// Which way a port carries values.
+/// The direction in which a port carries values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// Into the node.

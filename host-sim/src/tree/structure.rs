@@ -1,4 +1,4 @@
-//! What can be said about a file before its trees are put together: tags, IDs and numbers of children.
+//! Checks of a file before its SubTrees are expanded: tags, IDs and numbers of children.
 
 use super::diagnostic::Remarks;
 use super::model::{self, Class, Models};

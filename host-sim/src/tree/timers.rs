@@ -11,7 +11,7 @@ use iibt_core::tree::{Node, Status, Transition};
 pub(super) struct Timers {
     timers: Vec<Timer>,
     now: Instant,
-    /// Whether a timer has gone off that nobody has taken notice of.
+    /// Whether a timer has gone off since [`take`](Self::take) was last called.
     pending: bool,
 }
 
@@ -41,7 +41,7 @@ impl Timers {
         }
     }
 
-    /// Whether a timer has gone off; asking takes notice.
+    /// Returns whether a timer has gone off since the last call.
     pub(super) fn take(&mut self) -> bool {
         std::mem::take(&mut self.pending)
     }

@@ -215,7 +215,7 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         negative: &[&[f32]],
     ) -> Result<Decision, DecisionError> {
         let problem = problem(self.model, &self.beliefs, candidates, self.scoring, self.horizon);
-        self.evaluation.evaluate(&Problem { preferences, aversions: negative, ..problem })?;
+        self.evaluation.evaluate(&Problem { preferences, negative_preferences: negative, ..problem })?;
         self.posterior = self.evaluation.posterior();
         let policy = self.evaluation.best().ok_or(DecisionError::NoPolicy)?;
         let probability = self.posterior().get(policy).copied().unwrap_or(0.0);

@@ -11,6 +11,31 @@ use crate::math;
 ///
 /// There is room for `G` groups of `S` states each, a group being what moves together, one robot for example; factors of
 /// different sizes share that room. Every method keeps them distributions: finite, not negative, summing to one.
+///
+/// ```
+/// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, NextState};
+///
+/// static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 3);
+/// static MOVES: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
+/// static FACTORS: [Factor; 1] = [Factor::new(&MOVES, MOVES.shape(), &[0.5, 0.5, 0.0])];
+/// static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0; 3])];
+/// static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
+///
+/// let mut beliefs = Beliefs::<3, 1>::prior(&MODEL);
+/// assert_eq!(beliefs.of(&MODEL, 0), [0.5, 0.5, 0.0]);
+/// beliefs.predict(&MODEL, &[Some(1)])?; // right
+/// assert_eq!(beliefs.of(&MODEL, 0), [0.0, 0.5, 0.5]);
+/// beliefs.update(&MODEL, &[Evidence::Outcome(1)])?;
+/// assert_eq!(beliefs.most_likely(&MODEL, 0).0, 1);
+///
+/// beliefs.set(&MODEL, 0, &[1.0, 0.0, 3.0])?; // in proportion
+/// assert_eq!(beliefs.of(&MODEL, 0), [0.25, 0.0, 0.75]);
+/// beliefs.mix(&Beliefs::prior(&MODEL), 0.5);
+/// assert_eq!(beliefs.of(&MODEL, 0), [0.375, 0.25, 0.375]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "posterior over states")]
+#[doc(alias = "hidden state")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beliefs<const S: usize, const G: usize>([[f32; S]; G]);
 

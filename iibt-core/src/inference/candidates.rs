@@ -49,6 +49,8 @@ pub enum Combinations<'a> {
 }
 
 /// ln E, the log prior of policies, up to a constant.
+#[doc(alias = "E")]
+#[doc(alias = "policy prior")]
 #[derive(Clone, Copy, Debug)]
 pub enum Habits<'a> {
     /// All are alike.

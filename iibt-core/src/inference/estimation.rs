@@ -26,6 +26,25 @@ pub(super) enum Method {
 }
 
 /// How an update went.
+///
+/// ```
+/// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, NextState};
+///
+/// # static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 2);
+/// # static STAY: NextState = NextState::new(&[0, 1], 2);
+/// # static FACTORS: [Factor; 1] = [Factor::new(&STAY, STAY.shape(), &[0.5, 0.5])];
+/// # static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0; 2])];
+/// # static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
+/// let mut beliefs = Beliefs::<2, 1>::prior(&MODEL);
+/// let update = beliefs.update(&MODEL, &[Evidence::Outcome(0)])?;
+/// // Both readings were equally probable: the surprise is ln 2.
+/// assert!((update.free_energy - core::f32::consts::LN_2).abs() < 1e-6);
+/// assert!(update.exact && update.converged && update.sweeps == 0);
+/// # Ok::<(), iibt_core::inference::ObservationError>(())
+/// ```
+#[doc(alias = "variational free energy")]
+#[doc(alias = "surprise")]
+#[doc(alias = "evidence lower bound")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Update {
@@ -41,6 +60,20 @@ pub struct Update {
 }
 
 /// The observation has probability zero under the beliefs and the model. The beliefs were left as they were.
+///
+/// ```
+/// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Impossible, Modality, Model, NextState};
+///
+/// # static STAY: NextState = NextState::new(&[0, 1], 2);
+/// static SURE: IdentityNoise = IdentityNoise::new(1.0, 2);
+/// static FACTORS: [Factor; 1] = [Factor::new(&STAY, STAY.shape(), &[1.0, 0.0])];
+/// static MODALITIES: [Modality; 1] = [Modality::new(&SURE, SURE.shape(), &[0], &[0.0; 2])];
+/// static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
+/// let mut beliefs = Beliefs::<2, 1>::prior(&MODEL);
+/// let event = beliefs.update(&MODEL, &[Evidence::Outcome(1)]);
+/// assert_eq!(event, Err(Impossible { modality: 0 }.into()));
+/// assert_eq!(beliefs.of(&MODEL, 0), [1.0, 0.0]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Impossible {

@@ -28,6 +28,34 @@ use crate::math;
 ///
 /// `S` and `G` are those of the [`Beliefs`], `R` is the most candidates of one group that are rolled out side by side, and there
 /// is room for `R * P` joint policies. Memory is about `4 S G R + 24 G R + 36 R P` bytes.
+///
+/// ```
+/// use iibt_core::inference::{
+///     Beliefs, Candidates, Evaluation, Factor, IdentityNoise, Modality, Model, NextState, Policy, Problem, Scoring,
+/// };
+///
+/// # static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 3);
+/// # static MOVES: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
+/// # static FACTORS: [Factor; 1] = [Factor::new(&MOVES, MOVES.shape(), &[0.0, 1.0, 0.0])];
+/// # static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 2.0])];
+/// # static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
+/// // Left and right in a corridor of three cells, from the middle, with the goal on the right.
+/// static POLICIES: [Policy; 2] = [Policy::of(&[0]), Policy::of(&[1])];
+/// static CANDIDATES: Candidates = Candidates::all(&[&POLICIES]);
+/// let beliefs = Beliefs::<3, 1>::prior(&MODEL);
+/// let problem = Problem::new(&MODEL, &beliefs, CANDIDATES, Scoring::DEFAULT);
+/// let mut evaluation = Evaluation::<3, 1, 2, 1>::new();
+/// evaluation.begin(&problem)?;
+/// assert_eq!(evaluation.best(), None);
+/// let mut ticks = 0;
+/// while evaluation.advance(&problem, 1) {
+///     ticks += 1; // one policy a tick
+/// }
+/// assert_eq!((ticks, evaluation.done(), evaluation.best()), (1, 2, Some(1)));
+/// assert!(evaluation.posterior()[0][1] > 0.99);
+/// # Ok::<(), iibt_core::inference::OutOfRange>(())
+/// ```
+#[doc(alias = "policy inference")]
 #[derive(Clone, Debug)]
 pub struct Evaluation<const S: usize, const G: usize, const R: usize, const P: usize> {
     /// The predicted beliefs: in row `r`, each group's `r`-th candidate.
@@ -186,9 +214,9 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or_default().fill(Terms::ZERO);
         let normalisers = normalisers(problem);
         for step in 0..problem.horizon {
-            self.meet(problem, until, Some(step));
+            self.add_pairs(problem, until, Some(step));
             self.step(problem, step);
-            self.meet(problem, until, None);
+            self.add_pairs(problem, until, None);
             self.observe(problem, &normalisers, until, step);
         }
         let terms = self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
@@ -311,9 +339,10 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         let [Some(firsts), Some(seconds)] = [beliefs[0].get(..used[0]), beliefs[1].get(..used[1])] else {
             return false;
         };
-        let (form, shape, liking) = (sense.modality.likelihood(), sense.modality.shape(), sense.under_way);
-        form.expect_pairs(shape, firsts, seconds, liking.preference, pairs);
-        pairs.iter_mut().for_each(|terms| *terms = sense.weigh_up(*terms, liking.normaliser));
+        let (form, shape, preference) =
+            (sense.modality.likelihood(), sense.modality.shape(), sense.under_way);
+        form.expect_pairs(shape, firsts, seconds, preference.preference, pairs);
+        pairs.iter_mut().for_each(|terms| *terms = sense.weigh_up(*terms, preference.normaliser));
         let places = self.places.as_flattened().get(self.done..until).unwrap_or(&[]);
         let terms = self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or(&mut []);
         for (places, terms) in places.iter().zip(terms) {
@@ -347,10 +376,10 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         }
     }
 
-    /// The encounters, before a step when there is one and after it otherwise.
-    fn meet(&mut self, problem: &Problem<'_, S, G>, until: usize, departing: Option<usize>) {
-        for encounter in problem.encounters {
-            let factors = encounter.factors();
+    /// Adds the preferences for pairs of factors, before a step when there is one and after it otherwise.
+    fn add_pairs(&mut self, problem: &Problem<'_, S, G>, until: usize, departing: Option<usize>) {
+        for pair in problem.pair_preferences {
+            let factors = pair.factors();
             let groups = factors.iter().fold(0, |groups, &factor| groups | 1 << problem.model.group(factor));
             if groups & !problem.scope != 0 {
                 continue;
@@ -360,9 +389,9 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
                 let utility = match departing {
                     Some(step) => {
                         let actions = factors.map(|factor| rows.action(problem, factor, places, step));
-                        encounter.departing(beliefs, actions)
+                        pair.departing(beliefs, actions)
                     }
-                    None => encounter.arrived(beliefs),
+                    None => pair.arrived(beliefs),
                 };
                 Terms { utility, ..Terms::ZERO }
             });

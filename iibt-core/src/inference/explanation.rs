@@ -3,7 +3,7 @@
 use super::belief::Beliefs;
 use super::error::{Argument, OutOfRange, below};
 use super::evaluation::{Sense, action_of, arrival, normalisers};
-use super::free_energy::{Credit, Gain, Terms};
+use super::free_energy::{Gain, PreferenceTiming, Terms};
 use super::gain;
 use super::model::MAX_MODALITIES;
 use super::problem::Problem;
@@ -28,8 +28,8 @@ pub enum Source {
     Modality(usize),
     /// All modalities together: the information gain, where it is found jointly.
     Jointly,
-    /// An encounter, by its number.
-    Encounter(usize),
+    /// A preference for a pair of factors, by its number.
+    PairPreference(usize),
     /// The moves: what they will tell about B, while that is being learned.
     Motion,
 }
@@ -41,6 +41,27 @@ pub enum Source {
 ///
 /// # Errors
 /// [`OutOfRange`] when the problem does not fit its model or there is no such policy.
+///
+/// ```
+/// use iibt_core::inference::explanation::trace;
+/// use iibt_core::inference::{
+///     Beliefs, Candidates, Factor, IdentityNoise, Modality, Model, NextState, Policy, Problem, Scoring, Terms,
+/// };
+///
+/// # static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 3);
+/// # static MOVES: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
+/// # static FACTORS: [Factor; 1] = [Factor::new(&MOVES, MOVES.shape(), &[0.0, 1.0, 0.0])];
+/// # static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 2.0])];
+/// # static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
+/// static POLICIES: [Policy; 1] = [Policy::of(&[1, 0])]; // right, and back
+/// static CANDIDATES: Candidates = Candidates::all(&[&POLICIES]);
+/// let beliefs = Beliefs::<3, 1>::prior(&MODEL);
+/// let problem = Problem::new(&MODEL, &beliefs, CANDIDATES, Scoring::JAX_PYMDP);
+/// let mut steps = [Terms::ZERO; 2];
+/// trace(&problem, 0, |part| steps[part.step - 1] += part.terms)?;
+/// assert!(steps[0].utility > steps[1].utility); // the goal is on the right
+/// # Ok::<(), iibt_core::inference::OutOfRange>(())
+/// ```
 pub fn trace<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     policy: usize,
@@ -50,37 +71,37 @@ pub fn trace<const S: usize, const G: usize>(
     below(Argument::Policy, 0, policy, problem.candidates.len())?;
     let mut beliefs = *problem.beliefs;
     for step in 1..=problem.horizon {
-        meet(problem, &beliefs, Some((policy, step)), step, &mut visit);
+        visit_pairs(problem, &beliefs, Some((policy, step)), step, &mut visit);
         let novelty = advance(problem, &mut beliefs, policy, step);
         visit(Contribution { step, source: Source::Motion, terms: Terms { novelty, ..Terms::ZERO } });
-        meet(problem, &beliefs, None, step, &mut visit);
+        visit_pairs(problem, &beliefs, None, step, &mut visit);
         observe(problem, &beliefs, policy, step, &mut visit);
     }
     Ok(())
 }
 
-/// The encounters, before a step of a policy or after it.
-fn meet<const S: usize, const G: usize>(
+/// Visits the preferences for pairs of factors, before a step of a policy or after it.
+fn visit_pairs<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     beliefs: &Beliefs<S, G>,
     departing: Option<(usize, usize)>,
     step: usize,
     visit: &mut impl FnMut(Contribution),
 ) {
-    for (number, encounter) in problem.encounters.iter().enumerate() {
-        let factors = encounter.factors();
+    for (number, pair) in problem.pair_preferences.iter().enumerate() {
+        let factors = pair.factors();
         if factors.iter().any(|&factor| problem.scope >> problem.model.group(factor) & 1 == 0) {
             continue;
         }
         let parts = factors.map(|factor| beliefs.of(problem.model, factor));
         let utility = match departing {
             Some((policy, step)) => {
-                encounter.departing(parts, factors.map(|factor| action_of(problem, factor, policy, step - 1)))
+                pair.departing(parts, factors.map(|factor| action_of(problem, factor, policy, step - 1)))
             }
-            None => encounter.arrived(parts),
+            None => pair.arrived(parts),
         };
         let terms = Terms { utility, ..Terms::ZERO };
-        visit(Contribution { step, source: Source::Encounter(number), terms });
+        visit(Contribution { step, source: Source::PairPreference(number), terms });
     }
 }
 
@@ -118,7 +139,7 @@ fn observe<const S: usize, const G: usize>(
         let members = (0..u16::BITS as usize).filter(|group| groups >> group & 1 == 1);
         let first = members.map(|group| usize::from(arrival(problem, group, &row))).min();
         let arrives = first == Some(step);
-        if problem.scoring.credit == Credit::OnArrival && !groups.is_power_of_two() && !arrives {
+        if problem.scoring.timing == PreferenceTiming::OnArrival && !groups.is_power_of_two() && !arrives {
             continue;
         }
         observed |= 1 << number;
@@ -136,6 +157,29 @@ fn observe<const S: usize, const G: usize>(
 }
 
 /// What set the chosen joint policy apart from another: the source of the largest part of the lead.
+///
+/// ```
+/// use iibt_core::inference::explanation::{Explanation, Source};
+/// use iibt_core::inference::{
+///     Beliefs, Candidates, Factor, IdentityNoise, Modality, Model, NextState, Policy, Problem, Scoring,
+/// };
+///
+/// # static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 3);
+/// # static MOVES: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
+/// # static FACTORS: [Factor; 1] = [Factor::new(&MOVES, MOVES.shape(), &[0.0, 1.0, 0.0])];
+/// # static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 2.0])];
+/// # static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
+/// # static POLICIES: [Policy; 2] = [Policy::of(&[0]), Policy::of(&[1])];
+/// # static CANDIDATES: Candidates = Candidates::all(&[&POLICIES]);
+/// let beliefs = Beliefs::<3, 1>::prior(&MODEL);
+/// let problem = Problem::new(&MODEL, &beliefs, CANDIDATES, Scoring::DEFAULT);
+/// // Why right, and not left?
+/// let why = Explanation::of(&problem, 1, 0)?;
+/// assert_eq!(why.decided_by.0, Source::Modality(0));
+/// assert!(why.lead > 1.5 && why.chosen.utility > why.other.utility);
+/// # Ok::<(), iibt_core::inference::OutOfRange>(())
+/// ```
+#[doc(alias = "interpretability")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Explanation {
@@ -160,7 +204,7 @@ impl Explanation {
         other: usize,
     ) -> Result<Self, OutOfRange> {
         let mut leads =
-            Leads { modalities: [0.0; MAX_MODALITIES], jointly: 0.0, encounters: 0.0, motion: 0.0 };
+            Leads { modalities: [0.0; MAX_MODALITIES], jointly: 0.0, pair_preferences: 0.0, motion: 0.0 };
         let mut terms = [Terms::ZERO; 2];
         for ((policy, sign), sum) in [(chosen, 1.0), (other, -1.0)].into_iter().zip(&mut terms) {
             trace(problem, policy, |part| {
@@ -178,7 +222,7 @@ impl Explanation {
 struct Leads {
     modalities: [f32; MAX_MODALITIES],
     jointly: f32,
-    encounters: f32,
+    pair_preferences: f32,
     motion: f32,
 }
 
@@ -187,7 +231,7 @@ impl Leads {
         match source {
             Source::Modality(number) => self.modalities.get_mut(number).unwrap_or(&mut self.motion),
             Source::Jointly => &mut self.jointly,
-            Source::Encounter(_) => &mut self.encounters,
+            Source::PairPreference(_) => &mut self.pair_preferences,
             Source::Motion => &mut self.motion,
         }
     }
@@ -198,7 +242,7 @@ impl Leads {
             self.modalities.iter().enumerate().map(|(number, lead)| (Source::Modality(number), *lead));
         let others = [
             (Source::Jointly, self.jointly),
-            (Source::Encounter(0), self.encounters),
+            (Source::PairPreference(0), self.pair_preferences),
             (Source::Motion, self.motion),
         ];
         let first = (Source::Modality(0), f32::NEG_INFINITY);

@@ -1,11 +1,27 @@
 //! Expected free energy, in named terms, and the conventions by which it is scored.
 
-use crate::math::Outlook;
+use crate::math::Prediction;
 
 /// What a policy is expected to bring, in nats, summed over modalities and steps.
 ///
 /// Without novelty, G = risk + ambiguity = -(utility + information gain), because the entropy of the predicted outcomes is
 /// information gain plus ambiguity.
+///
+/// ```
+/// use iibt_core::inference::Terms;
+///
+/// let terms = Terms { utility: -0.5, information_gain: 0.3, ambiguity: 0.2, novelty: 0.0 };
+/// assert!((terms.entropy() - 0.5).abs() < 1e-6);
+/// assert!(terms.risk().abs() < 1e-6); // the predicted outcomes are the preferred ones
+/// assert!((terms.expected_free_energy() - (terms.risk() + terms.ambiguity)).abs() < 1e-6);
+/// assert_eq!((terms + terms).utility, -1.0);
+/// ```
+#[doc(alias = "expected free energy")]
+#[doc(alias = "epistemic value")]
+#[doc(alias = "pragmatic value")]
+#[doc(alias = "ambiguity")]
+#[doc(alias = "risk")]
+#[doc(alias = "information gain")]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Terms {
@@ -26,10 +42,10 @@ impl Terms {
     /// The terms of one modality at one step, from its predicted outcomes and its ambiguity.
     #[inline]
     #[must_use]
-    pub const fn of(outlook: &Outlook, ambiguity: f32) -> Self {
+    pub const fn of(prediction: &Prediction, ambiguity: f32) -> Self {
         Self {
-            utility: outlook.utility(),
-            information_gain: outlook.entropy() - ambiguity,
+            utility: prediction.utility(),
+            information_gain: prediction.entropy() - ambiguity,
             ambiguity,
             novelty: 0.0,
         }
@@ -73,6 +89,15 @@ impl core::ops::AddAssign for Terms {
 }
 
 /// How the information gain of several modalities is put together.
+///
+/// ```
+/// use iibt_core::inference::{Gain, Scoring};
+///
+/// assert_eq!(Scoring::DEFAULT.gain, Gain::PerModality);
+/// assert_eq!(Scoring::NUMPY_PYMDP.gain, Gain::Joint);
+/// ```
+#[doc(alias = "mutual information")]
+#[doc(alias = "epistemic value")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Gain {
@@ -86,9 +111,9 @@ pub enum Gain {
 /// When a preference counts along a policy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Credit {
-    /// What a robot likes counts at the last step of its policy, what it dislikes at every step. What two
-    /// robots bring about together is judged, and observed, once: when the first of them arrives.
+pub enum PreferenceTiming {
+    /// A positive preference counts at the last step of a policy, a negative one at every step. What two robots bring about
+    /// together is judged, and observed, once: when the first of them arrives.
     #[default]
     OnArrival,
     /// Every preference counts at every step, as published.
@@ -96,6 +121,19 @@ pub enum Credit {
 }
 
 /// How policies are scored.
+///
+/// ```
+/// use iibt_core::inference::{PreferenceTiming, Scoring};
+///
+/// // As in JAX pymdp, with a precision of 4, and no policy whose posterior is a thousandth of the best one's.
+/// let scoring = Scoring { precision: 4.0, window: 6.9, ..Scoring::JAX_PYMDP };
+/// assert_eq!(scoring.timing, PreferenceTiming::EveryStep);
+/// // ln E - F - γ G
+/// assert_eq!(scoring.score(-1.0, 0.5, 2.0), -1.0 - 0.5 + 4.0 * 2.0);
+/// assert_eq!(scoring.score(f32::NAN, 0.0, 0.0), f32::NEG_INFINITY);
+/// ```
+#[doc(alias = "gamma")]
+#[doc(alias = "Occam window")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Scoring {
@@ -104,7 +142,7 @@ pub struct Scoring {
     /// Joint or per-modality information gain.
     pub gain: Gain,
     /// When preferences count.
-    pub credit: Credit,
+    pub timing: PreferenceTiming,
     /// Occam's window, in nats: policies whose log posterior is more than this below the best are pruned. Infinity keeps
     /// them all.
     pub window: f32,
@@ -112,12 +150,16 @@ pub struct Scoring {
 
 impl Scoring {
     /// What is right: arrived robots stay, goals count on arrival, standard G with per-modality gain.
-    pub const DEFAULT: Self =
-        Self { precision: 16.0, gain: Gain::PerModality, credit: Credit::OnArrival, window: f32::INFINITY };
+    pub const DEFAULT: Self = Self {
+        precision: 16.0,
+        gain: Gain::PerModality,
+        timing: PreferenceTiming::OnArrival,
+        window: f32::INFINITY,
+    };
 
     /// The field's: every preference counts at every step, and the gain is the sum of each modality's own, as in JAX
     /// pymdp, cpp-AIF and tira.
-    pub const JAX_PYMDP: Self = Self { credit: Credit::EveryStep, ..Self::DEFAULT };
+    pub const JAX_PYMDP: Self = Self { timing: PreferenceTiming::EveryStep, ..Self::DEFAULT };
 
     /// The same with the joint gain, as in numpy pymdp, SPM and ActiveInference.jl.
     pub const NUMPY_PYMDP: Self = Self { gain: Gain::Joint, ..Self::JAX_PYMDP };

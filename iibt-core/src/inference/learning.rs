@@ -18,34 +18,57 @@
 //! without experience ends at nothing; here it ends at the prior, so that a column stays a distribution. The expectation of
 //! a table is its counts divided by the sum of their column.
 //!
+//! The feature `learning`, on by default, has the counts of A, B, D and E; those of C and of slips, by which navigation learns, are always
+//! there. `examples/learning.rs` has a robot whose drive wears out.
+//!
 //! Nothing here panics and every number stays finite, whatever is learned: experience that makes no sense changes nothing,
 //! and the method that was given it returns `false`.
 
+#[cfg(feature = "learning")]
 mod columns;
 mod dirichlet;
+#[cfg(feature = "learning")]
 mod habit;
+#[cfg(feature = "learning")]
 mod initial;
+#[cfg(feature = "learning")]
 mod likelihood;
+#[cfg(feature = "learning")]
 mod origin;
 mod preference;
 #[cfg(test)]
 mod sampling;
 mod slip;
 mod tally;
+#[cfg(feature = "learning")]
 mod transition;
 
 pub use dirichlet::{Dirichlet, LEAST, MOST};
+#[cfg(feature = "learning")]
 pub use habit::HabitCounts;
+#[cfg(feature = "learning")]
 pub use initial::PriorCounts;
+#[cfg(feature = "learning")]
 pub use likelihood::LikelihoodCounts;
 pub use preference::PreferenceCounts;
 pub use slip::SlipCounts;
+#[cfg(feature = "learning")]
 pub use transition::TransitionCounts;
 
-use super::{Evidence, Shape};
+use super::Evidence;
+#[cfg(feature = "learning")]
+use super::Shape;
 use crate::math;
 
 /// How fast counts follow experience.
+///
+/// ```
+/// use iibt_core::inference::learning::Rates;
+///
+/// let rates = Rates::new(0.5, 0.01); // about the last hundred experiences count, half each
+/// assert_eq!((rates.learning(), rates.forgetting()), (0.5, 0.01));
+/// assert_eq!(Rates::new(f32::NAN, 7.0), Rates::new(0.0, 1.0)); // held to their ranges
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Rates {
@@ -101,6 +124,7 @@ fn observed<const O: usize>(evidence: Evidence) -> Option<[f32; O]> {
 }
 
 /// Whether `beliefs` are distributions over the conditions of `shape`.
+#[cfg(feature = "learning")]
 fn fit(shape: &Shape, beliefs: &[&[f32]]) -> bool {
     let sizes = beliefs.iter().enumerate();
     beliefs.len() == shape.conditions()

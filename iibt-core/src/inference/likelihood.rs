@@ -18,7 +18,7 @@ pub use outcome_table::{MAX_KINDS, MAX_LABELS, OutcomeTable};
 
 use super::shape::mass;
 use super::{Evidence, Shape, Terms};
-use crate::math::{self, Outlook};
+use crate::math::{self, Prediction};
 
 /// The floor under a probability before its logarithm is taken in a mean-field update: 2^-52, as in JAX pymdp.
 pub const FLOOR: f32 = 2.220_446e-16;
@@ -28,6 +28,36 @@ pub const FLOOR: f32 = 2.220_446e-16;
 /// Only [`probability`](Self::probability) must be given. The other methods have defaults that work for any form and
 /// cost a visit of the whole table; a form with structure replaces them. `shape` is the modality's
 /// shape, and `beliefs` holds a distribution, or weights, for each condition in it.
+///
+/// ```
+/// use iibt_core::inference::{Factor, Likelihood, Modality, Model, NextState, Shape, Beliefs, Evidence};
+///
+/// /// A button that reads pressed more surely the harder it is pressed.
+/// struct Button;
+///
+/// impl Likelihood for Button {
+///     fn probability(&self, outcome: usize, states: &[usize]) -> f32 {
+///         let pressed = match states {
+///             [0] => 0.0,
+///             [1] => 0.5,
+///             _ => 1.0,
+///         };
+///         if outcome == 1 { pressed } else { 1.0 - pressed }
+///     }
+/// }
+///
+/// let motion = NextState::new(&[0, 1, 2], 3);
+/// let shape = Shape::new(2, &[3]).expect("two outcomes of three states");
+/// let factors = [Factor::new(&motion, motion.shape(), &[0.5, 0.25, 0.25])];
+/// let modalities = [Modality::new(&Button, shape, &[0], &[0.0, 0.0])];
+/// let model = Model::new(&factors, &modalities);
+/// let mut beliefs = Beliefs::<3, 1>::prior(&model);
+/// beliefs.update(&model, &[Evidence::Outcome(1)])?;
+/// assert!((beliefs.of(&model, 0)[2] - 2.0 / 3.0).abs() < 1e-6);
+/// # Ok::<(), iibt_core::inference::ObservationError>(())
+/// ```
+#[doc(alias = "observation model")]
+#[doc(alias = "A matrix")]
 pub trait Likelihood: Sync {
     /// P(o = `outcome` | `states`); zero outside the table.
     fn probability(&self, outcome: usize, states: &[usize]) -> f32;
@@ -38,7 +68,7 @@ pub trait Likelihood: Sync {
     /// With weights in place of distributions it is linear in each, except for the entropy in the gain, which is that of
     /// the weights: -Σ w ln w.
     fn expect(&self, shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
-        let mut outlook = Outlook::new();
+        let mut prediction = Prediction::new();
         let mut ambiguity = 0.0;
         for (block, preferences) in preference.chunks(4).enumerate() {
             let mut probabilities = [0.0; 4];
@@ -50,9 +80,9 @@ pub trait Likelihood: Sync {
                     ambiguity -= mass * math::p_ln_p(p);
                 }
             });
-            outlook.add_some(probabilities.into_iter(), preferences);
+            prediction.add_some(probabilities.into_iter(), preferences);
         }
-        Terms { novelty: self.novelty(shape, beliefs), ..Terms::of(&outlook, ambiguity) }
+        Terms { novelty: self.novelty(shape, beliefs), ..Terms::of(&prediction, ambiguity) }
     }
 
     /// The same for every pair of a belief in `firsts` and one in `seconds`, of a likelihood with two conditions, into
@@ -127,6 +157,15 @@ fn add(sums: &mut [f32], at: Option<&usize>, term: f32) {
 }
 
 /// Why a table is no likelihood or transition.
+///
+/// ```
+/// use iibt_core::inference::{TableError, likelihood, NextState};
+///
+/// let error = likelihood::Dense::try_new(&[0.5, -0.5, 0.5, 1.5], 2, &[2]).unwrap_err();
+/// assert_eq!(error.to_string(), "entry 1 is negative or not finite");
+/// let error = NextState::try_new(&[0, 2], 2, 0.0).unwrap_err();
+/// assert_eq!(error, TableError::Range(1));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TableError {

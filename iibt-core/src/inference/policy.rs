@@ -8,6 +8,13 @@ pub type Policy = Actions;
 
 /// Every policy of `steps` steps of the actions 0 to `actions` - 1, the last step's action running fastest. There are
 /// `actions` to the power of `steps`; none where a policy cannot have such an action or so many steps.
+///
+/// ```
+/// use iibt_core::inference::{Policy, policy};
+///
+/// let all: Vec<Policy> = policy::generated(2, 2).collect();
+/// assert_eq!(all, [[0, 0], [0, 1], [1, 0], [1, 1]].map(|actions| Policy::of(&actions)));
+/// ```
 pub fn generated(actions: u8, steps: usize) -> impl Iterator<Item = Policy> {
     let fits = actions <= Actions::CODES && steps <= HORIZON;
     let count = u32::try_from(steps).ok().and_then(|steps| usize::from(actions).checked_pow(steps));
@@ -27,6 +34,16 @@ pub fn generated(actions: u8, steps: usize) -> impl Iterator<Item = Policy> {
 /// Turns scores into the posterior over policies, their softmax; policies whose score is more than `window` below the best
 /// are pruned (Occam's window, in nats, zero at the least) and get nothing, as do those whose score is NaN. Without any
 /// score all get nothing.
+///
+/// ```
+/// use iibt_core::inference::policy;
+///
+/// let mut scores = [0.0, 0.0, -10.0, f32::NAN];
+/// policy::posterior(&mut scores, 3.0);
+/// assert_eq!(scores, [0.5, 0.5, 0.0, 0.0]);
+/// ```
+#[doc(alias = "Occam window")]
+#[doc(alias = "pruning")]
 pub fn posterior(scores: &mut [f32], window: f32) {
     let best = scores.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     if best == f32::NEG_INFINITY {
@@ -41,6 +58,13 @@ pub fn posterior(scores: &mut [f32], window: f32) {
 
 /// The policy that a number `u` from 0 to 1, drawn evenly by the caller's generator, picks from a posterior: the first
 /// up to which there is more mass than `u`.
+///
+/// ```
+/// use iibt_core::inference::policy;
+///
+/// let posterior = [0.25, 0.0, 0.75];
+/// assert_eq!([0.0, 0.2, 0.3, 0.99].map(|u| policy::sample(&posterior, u)), [0, 0, 2, 2]);
+/// ```
 #[must_use]
 pub fn sample(posterior: &[f32], u: f32) -> usize {
     let mut left = u;
@@ -74,15 +98,27 @@ pub struct Choice {
 ///
 /// p(π, π_1, ..., π_n) ∝ exp(own(π)) Π_k exp(peer_k(π_k) + pair_k(π, π_k)). The sum and the maximum over each
 /// teammate's policies are taken as it joins, so the product of the candidate sets is never formed: memory
-/// is `2 P`, and a teammate costs its number of pairs. With one teammate this is the exact joint posterior.
+/// is `2 P`, and a teammate costs its number of pairs. With one teammate this is the exact joint posterior. Only navigation
+/// uses it; other decisions are exact, see [`Agent::decide`](super::Agent::decide).
+///
+/// ```
+/// use iibt_core::inference::StarOfPairs;
+///
+/// // Two policies of this robot; a teammate with two of its own, which goes well with our second.
+/// let mut star = StarOfPairs::<2>::new([0.0, 0.0]);
+/// star.join([&[0.0, 0.0][..], &[0.0, 3.0][..]]);
+/// let choice = star.choose().expect("there are policies");
+/// assert_eq!(choice.policy, 1);
+/// assert!(choice.marginal > choice.joint && choice.joint > 0.8);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Star<const P: usize> {
+pub struct StarOfPairs<const P: usize> {
     count: usize,
     total: [f32; P],
     best: [f32; P],
 }
 
-impl<const P: usize> Star<P> {
+impl<const P: usize> StarOfPairs<P> {
     /// A decision among policies with these scores ln E - F - γ G. More than `P` are cut off.
     #[must_use]
     pub fn new(scores: impl IntoIterator<Item = f32>) -> Self {
@@ -137,7 +173,7 @@ mod tests {
             own.iter().zip(rows).flat_map(|(own, row)| row.map(|pair| math::exp(own + pair))).collect();
         let sum: f32 = weights.iter().sum();
 
-        let mut star = Star::<4>::new(own);
+        let mut star = StarOfPairs::<4>::new(own);
         star.join(rows.iter().map(|row| &row[..]));
         let choice = star.choose().unwrap();
 
@@ -162,7 +198,7 @@ mod tests {
                 }
             }
         }
-        let mut star = Star::<2>::new([0.0, 0.0]);
+        let mut star = StarOfPairs::<2>::new([0.0, 0.0]);
         star.join(left.iter().map(|row| &row[..]));
         star.join(right.iter().map(|row| &row[..]));
         let choice = star.choose().unwrap();
@@ -182,7 +218,7 @@ mod tests {
 
     #[test]
     fn ties_go_to_the_first_and_nothing_to_nobody() {
-        assert_eq!(Star::<3>::new([1.0, 1.0, 1.0]).choose().map(|choice| choice.policy), Some(0));
-        assert_eq!(Star::<3>::new([]).choose(), None);
+        assert_eq!(StarOfPairs::<3>::new([1.0, 1.0, 1.0]).choose().map(|choice| choice.policy), Some(0));
+        assert_eq!(StarOfPairs::<3>::new([]).choose(), None);
     }
 }

@@ -4,6 +4,21 @@
 ///
 /// The base is what the task wants; [`raise`](Self::raise) adds a temporary preference on top of it, and
 /// [`roll_back`](Self::roll_back) takes all of them away again and leaves exactly the base.
+///
+/// ```
+/// use iibt_core::inference::Preference;
+///
+/// let mut preference = Preference::new([0.0, 1.0, -2.0]);
+/// preference.raise(0, 3.0); // for a while
+/// assert!(preference.is_raised());
+/// assert_eq!((preference.get(0), preference.largest()), (3.0, 3.0));
+/// assert_eq!(preference.negative(), [0.0, 0.0, -2.0]);
+/// preference.roll_back();
+/// assert_eq!(preference.values(), [0.0, 1.0, -2.0]);
+/// ```
+#[doc(alias = "C")]
+#[doc(alias = "prior preference")]
+#[doc(alias = "goal")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preference<const O: usize> {
     base: [f32; O],
@@ -74,9 +89,9 @@ impl<const O: usize> Preference<O> {
         core::array::from_fn(|outcome| self.get(outcome))
     }
 
-    /// The aversions alone: likes count as nothing. See [`Credit`](super::Credit).
+    /// The negative preferences alone: positive ones count as zero. See [`PreferenceTiming`](super::PreferenceTiming).
     #[must_use]
-    pub fn aversions(&self) -> [f32; O] {
+    pub fn negative(&self) -> [f32; O] {
         self.values().map(|value| value.min(0.0))
     }
 }
@@ -111,6 +126,6 @@ mod tests {
 
     #[test]
     fn aversions_leave_likes_out() {
-        assert_eq!(Preference::new([2.0, 0.0, -1.0]).aversions(), [0.0, 0.0, -1.0]);
+        assert_eq!(Preference::new([2.0, 0.0, -1.0]).negative(), [0.0, 0.0, -1.0]);
     }
 }

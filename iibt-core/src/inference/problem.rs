@@ -3,7 +3,7 @@
 use super::belief::Beliefs;
 use super::candidates::Candidates;
 use super::error::{Argument, OutOfRange, at_most, below, exactly};
-use super::free_energy::{Credit, Scoring};
+use super::free_energy::{PreferenceTiming, Scoring};
 use super::model::{Modality, Model};
 use super::policy::Policy;
 use crate::actions::{Action, HORIZON};
@@ -12,6 +12,34 @@ use crate::actions::{Action, HORIZON};
 ///
 /// [`Evaluation::begin`](super::Evaluation::begin) checks it as a whole: what does not fit is an [`OutOfRange`] error, and nothing is
 /// left out or cut off.
+///
+/// ```
+/// use iibt_core::inference::{
+///     Beliefs, Candidates, Evaluation, Factor, IdentityNoise, Modality, Model, NextState, Policy, Problem, Scoring,
+/// };
+///
+/// # static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 3);
+/// # static MOVES: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
+/// # static FACTORS: [Factor; 1] = [Factor::new(&MOVES, MOVES.shape(), &[0.0, 1.0, 0.0])];
+/// # static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 2.0])];
+/// # static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
+/// # static POLICIES: [Policy; 2] = [Policy::of(&[0]), Policy::of(&[1])];
+/// # static CANDIDATES: Candidates = Candidates::all(&[&POLICIES]);
+/// let beliefs = Beliefs::<3, 1>::prior(&MODEL);
+/// let problem = Problem::new(&MODEL, &beliefs, CANDIDATES, Scoring::DEFAULT);
+/// assert_eq!((problem.horizon, problem.scope), (1, 0b1));
+///
+/// // Today the left cell is wanted.
+/// let today = Problem { preferences: &[&[2.0, 0.0, 0.0]], ..problem };
+/// let mut evaluation = Evaluation::<3, 1, 2, 1>::new();
+/// evaluation.evaluate(&today)?;
+/// assert_eq!(evaluation.best(), Some(0));
+///
+/// // A preference is missing.
+/// let error = evaluation.evaluate(&Problem { preferences: &[&[2.0, 0.0]], ..problem }).unwrap_err();
+/// assert_eq!(error.to_string(), "modality 0 has 3 outcomes, but 2 preferences are given");
+/// # Ok::<(), iibt_core::inference::OutOfRange>(())
+/// ```
 #[derive(Clone, Copy)]
 pub struct Problem<'a, const S: usize, const G: usize> {
     /// The generative model.
@@ -28,18 +56,42 @@ pub struct Problem<'a, const S: usize, const G: usize> {
     /// C as it is now for each modality, in place of the model's; a modality without an entry, or with an empty one, keeps the
     /// model's.
     pub preferences: &'a [&'a [f32]],
-    /// The part of C that counts before a policy arrives, for each modality, with [`Credit::OnArrival`]; a modality without an
+    /// The part of C that counts before a policy arrives, for each modality, with [`PreferenceTiming::OnArrival`]; a modality without an
     /// entry, or with an empty one, has all of it count.
-    pub aversions: &'a [&'a [f32]],
+    pub negative_preferences: &'a [&'a [f32]],
     /// What is liked or disliked about two factors' moves beyond any outcome.
-    pub encounters: &'a [&'a dyn Encounter],
+    pub pair_preferences: &'a [&'a dyn PairPreference],
     /// Only modalities that depend on nothing but these groups are looked at, and only these groups move; a bit for each.
     pub scope: u16,
 }
 
 /// A preference for how two factors move relative to each other that no modality's outcome expresses, on the log scale
 /// of C: two robots in one place, or changing places.
-pub trait Encounter: Sync {
+///
+/// ```
+/// use iibt_core::inference::PairPreference;
+///
+/// /// Two robots that should not be in one cell.
+/// struct Apart;
+///
+/// impl PairPreference for Apart {
+///     fn factors(&self) -> [usize; 2] {
+///         [0, 1]
+///     }
+///
+///     fn departing(&self, _: [&[f32]; 2], _: [Option<u8>; 2]) -> f32 {
+///         0.0
+///     }
+///
+///     fn arrived(&self, [one, other]: [&[f32]; 2]) -> f32 {
+///         -4.0 * one.iter().zip(other).map(|(p, q)| p * q).sum::<f32>()
+///     }
+/// }
+///
+/// assert_eq!(Apart.arrived([&[1.0, 0.0], &[0.5, 0.5]]), -2.0);
+/// ```
+#[doc(alias = "collision")]
+pub trait PairPreference: Sync {
     /// The two factors.
     fn factors(&self) -> [usize; 2];
 
@@ -66,8 +118,8 @@ impl<'a, const S: usize, const G: usize> Problem<'a, S, G> {
             scoring,
             horizon: candidates.horizon(),
             preferences: &[],
-            aversions: &[],
-            encounters: &[],
+            negative_preferences: &[],
+            pair_preferences: &[],
             scope: model.all_groups(),
         }
     }
@@ -75,8 +127,11 @@ impl<'a, const S: usize, const G: usize> Problem<'a, S, G> {
     /// The C of a modality as it counts at a step at which a policy arrives, or at another.
     pub(super) fn preference(&self, number: usize, modality: &Modality<'a>, arrives: bool) -> &'a [f32] {
         let given = |list: &'a [&'a [f32]]| list.get(number).copied().filter(|given| !given.is_empty());
-        let under_way =
-            if arrives || self.scoring.credit == Credit::EveryStep { None } else { given(self.aversions) };
+        let under_way = if arrives || self.scoring.timing == PreferenceTiming::EveryStep {
+            None
+        } else {
+            given(self.negative_preferences)
+        };
         under_way.or_else(|| given(self.preferences)).unwrap_or(modality.preference())
     }
 
@@ -101,11 +156,11 @@ impl<'a, const S: usize, const G: usize> Problem<'a, S, G> {
         if let Some(beyond) = (self.scope & !self.model.all_groups()).checked_ilog2() {
             return Err(OutOfRange::new(Argument::Scope, 0, beyond as usize, self.model.groups()));
         }
-        for factor in self.encounters.iter().flat_map(|encounter| encounter.factors()) {
+        for factor in self.pair_preferences.iter().flat_map(|pair| pair.factors()) {
             below(Argument::Factor, 0, factor, self.model.factors().len())?;
         }
         check_preferences(self.model, self.preferences)?;
-        check_preferences(self.model, self.aversions)?;
+        check_preferences(self.model, self.negative_preferences)?;
         self.candidates.check(self.model)
     }
 }

@@ -7,6 +7,17 @@ pub const MAX_CONDITIONS: usize = 8;
 ///
 /// For a likelihood the values are outcomes and the conditions are hidden factors; for a transition the values
 /// are next states, and the first condition is the factor's own state.
+///
+/// ```
+/// use iibt_core::inference::Shape;
+///
+/// // Three outcomes, given two factors of four and two states.
+/// let shape = Shape::new(3, &[4, 2]).expect("it has no empty dimension");
+/// assert_eq!((shape.values(), shape.conditions(), shape.columns()), (3, 2, Some(8)));
+/// assert_eq!(shape.column(&[1, 0]), Some(2)); // the last condition runs fastest
+/// assert_eq!(shape.column(&[4, 0]), None);
+/// assert!(Shape::new(3, &[4, 0]).is_none());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Shape {

@@ -22,6 +22,30 @@ use crate::actions::{Action, Actions};
 ///
 /// Only [`probability`](Self::probability) must be given. `shape` is the factor's shape: as many values as states, and
 /// the factor's own state as the first condition.
+///
+/// ```
+/// use iibt_core::inference::{Shape, Transition};
+///
+/// /// A counter that an action sets to its own number.
+/// struct Counter;
+///
+/// impl Transition for Counter {
+///     fn probability(&self, action: u8, next: usize, _: &[usize]) -> f32 {
+///         if usize::from(action) == next { 1.0 } else { 0.0 }
+///     }
+///
+///     fn actions(&self) -> u8 {
+///         3
+///     }
+/// }
+///
+/// let shape = Shape::new(3, &[3]).expect("three states");
+/// let mut after = [0.0; 3];
+/// Counter.predict(&shape, 2, &[&[0.5, 0.5, 0.0]], &mut after);
+/// assert_eq!(after, [0.0, 0.0, 1.0]);
+/// ```
+#[doc(alias = "B matrix")]
+#[doc(alias = "dynamics")]
 pub trait Transition: Sync {
     /// P(s' = `next` | `states`, u = `action`); zero outside the table.
     fn probability(&self, action: Action, next: usize, states: &[usize]) -> f32;

@@ -6,8 +6,8 @@ use super::{Candidate, Mission};
 use crate::bounded::up_to;
 use crate::grid::Cell;
 use crate::inference::{
-    Beliefs, Candidates, Choice, Combinations, Encounter, Evaluation, Evidence, Habits, Model, Policy,
-    Preference, Problem, Scoring, Star, Terms,
+    Beliefs, Candidates, Choice, Combinations, Evaluation, Evidence, Habits, Model, PairPreference, Policy,
+    Preference, Problem, Scoring, StarOfPairs, Terms,
 };
 use crate::math;
 use crate::team::RobotId;
@@ -21,7 +21,7 @@ pub struct Decision<const S: usize, const P: usize> {
     collision: f32,
     haste: f32,
     evaluation: Evaluation<S, 2, P, P>,
-    star: Star<P>,
+    star: StarOfPairs<P>,
     /// ln E - F - γ G of the robot's own policies.
     own: [f32; P],
     /// The same of the last teammate's policies, its pairs with ours included.
@@ -54,7 +54,7 @@ impl<const S: usize, const P: usize> Decision<S, P> {
             collision: mission.collision,
             haste: mission.haste,
             evaluation: Evaluation::new(),
-            star: Star::new([]),
+            star: StarOfPairs::new([]),
             own: [f32::NEG_INFINITY; P],
             rows: [[f32::NEG_INFINITY; P]; P],
             counts: (0, 0),
@@ -144,16 +144,16 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         let priors = parties.map(|party| self.ln_priors(party, timing));
         let habits = priors.each_ref().map(|priors| priors.as_slice());
         let wanted = parties.map(|party| party.map_or([0.0; S], |party| party.preference.values()));
-        let unwanted = parties.map(|party| party.map_or([0.0; S], |party| party.preference.aversions()));
+        let unwanted = parties.map(|party| party.map_or([0.0; S], |party| party.preference.negative()));
         let collision = Collision { motion: self.world.motion(), preference: self.collision };
-        let encounters: [&dyn Encounter; 1] = [&collision];
+        let pair_preferences: [&dyn PairPreference; 1] = [&collision];
         let evaluation = &mut self.evaluation;
         let (scoring, avoids) = (self.scoring, self.collision != 0.0);
         self.world.with_pair_model(|model| {
             let _ = evaluation.evaluate(&Problem {
                 preferences: &wanted.each_ref().map(|values| self.world.cells(values)),
-                aversions: &unwanted.each_ref().map(|values| self.world.cells(values)),
-                encounters: if avoids { &encounters } else { &[] },
+                negative_preferences: &unwanted.each_ref().map(|values| self.world.cells(values)),
+                pair_preferences: if avoids { &pair_preferences } else { &[] },
                 horizon: timing.horizon,
                 scope: if theirs.is_some() { model.all_groups() } else { 1 << OWN },
                 ..Problem::new(
@@ -187,7 +187,7 @@ impl<const S: usize, const P: usize> Decision<S, P> {
             *score = score_of(&self.scoring, ln_prior(self.haste, ours.odds, candidate, timing), terms);
         }
         let count = ours.candidates.len().min(P);
-        self.star = Star::new(self.own.iter().copied().take(count));
+        self.star = StarOfPairs::new(self.own.iter().copied().take(count));
         self.counts = (count, 0);
     }
 

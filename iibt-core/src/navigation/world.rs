@@ -1,10 +1,11 @@
-//! The generative model of a robot and a teammate on a map, and what their encounters are worth.
+//! The generative model of a robot and a teammate on a map, and what their pair_preferences are worth.
 
 use super::mission::{LABELS, Mission, OUTCOMES, outcome_of};
 use crate::actions::Action;
 use crate::grid::{Cell, Move};
 use crate::inference::{
-    Beliefs, Encounter, Factor, IdentityNoise, Modality, Model, NextState, OutcomeTable, Preference, Shape,
+    Beliefs, Factor, IdentityNoise, Modality, Model, NextState, OutcomeTable, PairPreference, Preference,
+    Shape,
 };
 use crate::math;
 use crate::team::RobotId;
@@ -153,7 +154,7 @@ pub(super) struct Collision<'a> {
     pub(super) preference: f32,
 }
 
-impl Encounter for Collision<'_> {
+impl PairPreference for Collision<'_> {
     fn factors(&self) -> [usize; 2] {
         [OWN, PEER]
     }

@@ -4,7 +4,27 @@
 use super::node::{Millis, Node};
 use super::row::{ASK, LATER, MAX_DEPTH, MAX_NODES, NONE, Row, UP};
 
-/// A rule that a table broke.
+/// A rule for tables, as the reason why one is no tree.
+///
+/// ```
+/// use iibt_core::tree::{Full, Millis, Node, Rule, Tree};
+/// use Node::*;
+///
+/// fn broken<const N: usize>(nodes: [Node<()>; N]) -> Option<Rule> {
+///     Tree::<(), N, Full>::try_new(nodes).err().map(|error| error.rule)
+/// }
+///
+/// assert_eq!(broken([Sequence(1), Action(())]), None);
+/// assert_eq!(broken([]), Some(Rule::Empty));
+/// assert_eq!(broken([Sequence(0)]), Some(Rule::NoChildren));
+/// assert_eq!(broken([Sequence(2), Action(())]), Some(Rule::MissingChildren));
+/// assert_eq!(broken([Action(()), Action(())]), Some(Rule::Unreachable));
+/// assert_eq!(broken([IfThenElse(1), Action(())]), Some(Rule::Arity));
+/// assert_eq!(broken([RateController(Millis::new(0)), Action(())]), Some(Rule::Duration));
+/// assert_eq!(broken([Fallback(2), AlwaysSuccess, Action(())]), Some(Rule::NeverTicked));
+/// let three = Parallel { children: 1, success_count: 3, failure_count: 1 };
+/// assert_eq!(broken([three, Action(())]), Some(Rule::SuccessCount));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rule {
@@ -40,7 +60,16 @@ pub enum Rule {
     NeverTicked,
 }
 
-/// A table that is no tree: the first row that breaks a rule.
+/// The error of a table that is no tree: the first row that breaks a rule.
+///
+/// ```
+/// use iibt_core::tree::{Node, Rule, Tree, TreeError};
+///
+/// let nodes = [Node::Sequence(2), Node::Action("fetch"), Node::Fallback(0)];
+/// let error = Tree::<_, 3>::try_new(nodes).unwrap_err();
+/// assert_eq!(error, TreeError { node: 2, rule: Rule::NoChildren });
+/// assert_eq!(error.to_string(), "node 2: a composite of a behavior tree has no children");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TreeError {
@@ -52,8 +81,9 @@ pub struct TreeError {
 
 /// Links the rows of a table in preorder.
 ///
-/// `open` is the innermost row that misses children and lies past the end of the table when none does. Until a
-/// row has all its children, its links are the row of its parent and how many of them are still to come.
+/// `open` is the innermost row that misses children and lies past the end of the table when none
+/// does. Until a row has all its children, its links are the row of its parent and how many of them
+/// are still to come.
 pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeError> {
     if rows.is_empty() {
         return Err(TreeError { node: 0, rule: Rule::Empty });
@@ -110,8 +140,8 @@ const fn links<L>(node: &Node<L>, parent: u16, sibling: u16) -> [u16; 2] {
     }
 }
 
-/// The rule that a node in row `at` breaks, whatever it is, below `depth` levels, of which the lowest
-/// is `open` for a child.
+/// The rule that a node in row `at` breaks, whatever it is, below `depth` levels, of which the
+/// lowest is `open` for a child.
 const fn placed_wrongly(at: usize, open: bool, depth: usize) -> Option<Rule> {
     if at > 0 && !open {
         Some(Rule::Unreachable)
@@ -164,8 +194,8 @@ const fn next<L>(rows: &[Row<L>], child: usize) -> usize {
     }
 }
 
-/// How many nodes one pass visits at the most. For each row, `most` gets the number below it if the node was
-/// running before, and if it was idle.
+/// How many nodes one pass visits at the most. For each row, `most` gets the number below it if the
+/// node was running before, and if it was idle.
 pub(super) const fn visits<L>(rows: &[Row<L>], most: &mut [(u32, u32)]) -> u32 {
     let mut at = rows.len();
     while at > 0 {
@@ -297,7 +327,8 @@ const fn chain<L>(rows: &[Row<L>], can: &[u8], at: usize, passing: u8) -> (u8, u
     (set | if some_pass { passing } else { 0 } | if all_skip { K } else { 0 }, NONE as usize)
 }
 
-/// The outcomes of a node with a condition in row `at + 1` and one or two branches from row `second` on.
+/// The outcomes of a node with a condition in row `at + 1` and one or two branches from row
+/// `second` on.
 const fn branches<L>(rows: &[Row<L>], can: &[u8], at: usize, second: usize) -> (u8, usize) {
     let condition = can[at + 1];
     let third = next(rows, second);

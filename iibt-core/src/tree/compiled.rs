@@ -1,16 +1,80 @@
 //! Trees as types: the basic kinds of nodes as straight-line code.
 //!
-//! What [`tree!`](crate::tree!) writes as a table, [`compiled_tree!`](crate::compiled_tree!) writes as a value
-//! whose type is the tree. The compiler turns its tick into nested branches, as if they had been written by hand. In
-//! the basic set at most one action is running, so its only state is the number of that action: one byte. It has
-//! the same [`Leaves`], ticked and halted in the same order as by a table of the [`Basic`](super::Basic) set. It reports no
-//! transitions, and every tree is code of its own: the table is smaller from about the second tree on.
+//! What [`tree!`](crate::tree!) writes as a table, [`compiled_tree!`](crate::compiled_tree!) writes
+//! as a value whose type is the tree. The compiler turns its tick into nested branches, as if they
+//! had been written by hand. In the basic set at most one action is running, so its only state is
+//! the number of that action: one byte. It has the same [`Leaves`], ticked and halted in the same
+//! order as by a table of the [`Basic`](super::Basic) set. It reports no transitions, and every
+//! tree is code of its own: the table is smaller from about the second tree on.
+//!
+//! The types here are what the macro expands to. A program names only [`Compiled`]:
+//!
+//! ```
+//! use iibt_core::time::Instant;
+//! use iibt_core::tree::{Compiled, Halt, Leaves, Status};
+//!
+//! /// A robot with its tree, of whatever form.
+//! struct Robot<T> { tree: T, body: Body }
+//!
+//! struct Body { low: bool, at: &'static str }
+//!
+//! impl Leaves<&'static str> for Body {
+//!     fn condition(&mut self, _: &&'static str, _: Instant) -> bool { self.low }
+//!     fn on_start(&mut self, leaf: &&'static str, _: Instant) -> Status {
+//!         self.at = leaf;
+//!         Status::Running
+//!     }
+//!     fn on_running(&mut self, _: &&'static str, _: Instant) -> Status { Status::Running }
+//!     fn on_halted(&mut self, _: &&'static str, _: Instant) -> Halt { self.at = ""; Halt::Done }
+//! }
+//!
+//! impl<T: Compiled<&'static str, Body>> Robot<T> {
+//!     fn tick(&mut self, now: u32) -> &'static str {
+//!         assert_eq!(self.tree.tick(&mut self.body, Instant(now)), Status::Running);
+//!         self.body.at
+//!     }
+//! }
+//!
+//! let tree = iibt_core::compiled_tree! {
+//!     ReactiveFallback { Sequence { Condition("low"), Action("dock") }, Action("field") }
+//! };
+//! assert_eq!(size_of_val(&tree), 1);
+//! let mut robot = Robot { tree, body: Body { low: false, at: "" } };
+//! assert_eq!(robot.tick(0), "field");
+//! robot.body.low = true;
+//! robot.tick(1);
+//! robot.tree.halt(&mut robot.body, Instant(2));
+//! assert_eq!(robot.body.at, "");
+//! ```
 
 use super::leaves::Leaves;
 use super::status::Status;
 use crate::time::Instant;
 
-/// A tree that the compiler knows, whose leaves are those of `V`, named by `L`.
+/// A tree as straight-line code, whose leaves are those of `V`, named by `L`.
+///
+/// [`compiled_tree!`](crate::compiled_tree!) makes one.
+///
+/// ```
+/// use iibt_core::compiled_tree;
+/// use iibt_core::time::Instant;
+/// use iibt_core::tree::{Compiled, Halt, Leaves, Status};
+///
+/// struct Light { on: bool }
+///
+/// impl Leaves<bool> for Light {
+///     fn condition(&mut self, on: &bool, _: Instant) -> bool { self.on == *on }
+///     fn on_start(&mut self, on: &bool, _: Instant) -> Status { self.on = *on; Status::Running }
+///     fn on_running(&mut self, _: &bool, _: Instant) -> Status { Status::Success }
+///     fn on_halted(&mut self, _: &bool, _: Instant) -> Halt { self.on = false; Halt::Done }
+/// }
+///
+/// let mut tree = compiled_tree! { Fallback { Condition(true), Action(true) } };
+/// let mut light = Light { on: false };
+/// assert_eq!(tree.tick(&mut light, Instant(0)), Status::Running);
+/// tree.halt(&mut light, Instant(1));
+/// assert!(!light.on);
+/// ```
 pub trait Compiled<L, V: ?Sized> {
     /// Ticks the tree once.
     fn tick(&mut self, leaves: &mut V, now: Instant) -> Status;
@@ -27,14 +91,14 @@ pub struct Root<T> {
     running: u8,
 }
 
-/// A node of a compiled tree. Actions are numbered in the order of the tree, those below this node from `first`
-/// on.
+/// A node of a compiled tree. Actions are numbered in the order of the tree, those below this node
+/// from `first` on.
 pub trait Part<L, V: ?Sized> {
     /// How many actions it has.
     const ACTIONS: u8;
 
-    /// Ticks the node, in which the action `resume` was running if its number is one of them, and 0 or a
-    /// lower number if none was.
+    /// Ticks the node, in which the action `resume` was running if its number is one of them, and 0
+    /// or a lower number if none was.
     fn tick(&self, pass: &mut Pass<'_, V>, first: u8, resume: u8) -> Status;
 
     /// Halts the action `running`, which is one of them.
@@ -46,8 +110,9 @@ pub trait Children<L, V: ?Sized> {
     /// How many actions they have.
     const ACTIONS: u8;
 
-    /// Ticks the children in turn while they return `go_on`, beginning, unless `REACTIVE`, at the one in which
-    /// `resume` was running: the status, and the number of the first action after the last child ticked.
+    /// Ticks the children in turn while they return `go_on`, beginning, unless `REACTIVE`, at the
+    /// one in which `resume` was running: the status, and the number of the first action after the
+    /// last child ticked.
     fn tick<const REACTIVE: bool>(
         &self,
         go_on: Status,
@@ -76,7 +141,8 @@ pub struct Cons<A, B>(pub A, pub B);
 #[derive(Clone, Copy, Debug)]
 pub struct End;
 
-/// A sequence or, if not `SEQUENCE`, a fallback; one that is `REACTIVE` begins at its first child every time.
+/// A sequence or, if not `SEQUENCE`, a fallback; one that is `REACTIVE` begins at its first child
+/// every time.
 #[derive(Clone, Copy, Debug)]
 pub struct Composite<C, const SEQUENCE: bool, const REACTIVE: bool>(pub C);
 
@@ -236,7 +302,8 @@ impl<L, V: Leaves<L> + ?Sized, F: Fn() -> L> Part<L, V> for Action<F> {
     }
 }
 
-/// Ticks an action. On a chip it is called rather than put in place: that is a fifth of a tree's flash.
+/// Ticks an action. On a chip it is called rather than inlined, which saves a fifth of a tree's
+/// flash.
 #[cfg_attr(target_os = "none", inline(never))]
 fn act<L, V: Leaves<L> + ?Sized>(leaves: &mut V, name: &L, is_running: bool, now: Instant) -> Status {
     if is_running { leaves.on_running(name, now) } else { leaves.on_start(name, now) }

@@ -47,8 +47,8 @@ fn threshold(count: i8, children: u8) -> i32 {
 }
 
 impl<L, K: Kinds> Visit<'_, L, K> {
-    /// A node of the basic set whose child is running, or decides. A later child that is running is halted: only a
-    /// reactive node has one.
+    /// A node of the basic set whose child is running, or decides. A later child that is running is
+    /// halted: only a reactive node has one.
     #[inline(always)]
     pub(super) fn settle(&self, child: usize, status: Status) -> Decision {
         let own = if matches!(self.node, Node::Inverter) { status.inverted() } else { status };
@@ -66,8 +66,8 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         self.conclude(own).with_slot(slot).halting(halted)
     }
 
-    /// A sequence or fallback one of whose children was skipped: the next one, or its own status after the last.
-    /// It is skipped when all its children were.
+    /// A sequence or fallback one of whose children was skipped: the next one, or its own status
+    /// after the last. It is skipped when all its children were.
     #[cold]
     pub(super) fn skip(&self, child: usize) -> (Slot, Result<usize, Status>) {
         let mut index = 0;
@@ -87,8 +87,8 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         (slot, step)
     }
 
-    /// A sequence (`passing` success) or fallback (failure) that yields after each child that passed in its first
-    /// tick. One with memory keeps its place when it ends early.
+    /// A sequence (`passing` success) or fallback (failure) that yields after each child that
+    /// passed in its first tick. One with memory keeps its place when it ends early.
     pub(super) fn yielding(&self, child: usize, status: Status, passing: Status) -> Decision {
         let next = self.sibling(child);
         match next {
@@ -117,7 +117,8 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         decision.with_extra(tally.word())
     }
 
-    /// Goes on to the next child of a parallel node that has not ended, or waits for those that are running.
+    /// Goes on to the next child of a parallel node that has not ended, or waits for those that are
+    /// running.
     fn tallied(&self, child: usize, status: Status, children: u8) -> Decision {
         let tally = Tally::read(self.extra).after(status);
         let decision = match self.unfinished(self.sibling(child)) {

@@ -5,6 +5,19 @@ use super::node::Node;
 use super::table::Tree;
 
 /// The size of a tree: its nodes by kind, and its levels.
+///
+/// ```
+/// use iibt_core::tree::{NodeCounts, Tree};
+///
+/// const TREE: Tree<&str, 5> = iibt_core::tree! {
+///     Sequence { Fallback { Condition("charged"), Action("charge") }, Action("patrol") }
+/// };
+///
+/// const COUNTS: NodeCounts = TREE.counts();
+/// assert_eq!((COUNTS.sequences, COUNTS.fallbacks), (1, 1));
+/// assert_eq!((COUNTS.conditions, COUNTS.actions, COUNTS.inferences), (1, 2, 0));
+/// assert_eq!((COUNTS.total(), COUNTS.depth), (5, 3));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NodeCounts {
@@ -27,7 +40,7 @@ pub struct NodeCounts {
 }
 
 impl NodeCounts {
-    /// All nodes.
+    /// The number of all nodes.
     #[must_use]
     pub const fn total(&self) -> usize {
         self.sequences + self.fallbacks + self.controls + self.decorators + self.conditions + self.actions

@@ -39,7 +39,8 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         decision.with_extra(begun)
     }
 
-    /// Once the flag is set the child runs on without another delay; when it has ended, the next one waits again.
+    /// Once the flag is set the child runs on without another delay; when it has ended, the next
+    /// one waits again.
     pub(super) fn enter_delay(&self, time: Millis) -> Decision {
         let begun = self.begun(self.now.0);
         let decision = if self.slot.has_flag() || self.has_passed(begun, time) {

@@ -36,7 +36,8 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Context<'_, L, V, K> {
         self.note_pending_halt()
     }
 
-    /// Halts what is running in row `first` and the rows after it whose parents are in row `within` or later.
+    /// Halts what is running in row `first` and the rows after it whose parents are in row `within`
+    /// or later.
     #[inline(never)]
     pub(super) fn halt(&mut self, first: usize, within: usize) {
         for at in first..self.rows.len() {
@@ -93,7 +94,8 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Context<'_, L, V, K> {
         result
     }
 
-    /// Tells every action to halt, idle or not, as BehaviorTree.CPP does after a halt of the whole tree.
+    /// Tells every action to halt, idle or not, as BehaviorTree.CPP does after a halt of the whole
+    /// tree.
     fn halt_every_action(&mut self) {
         for row in self.rows {
             if let Node::Action(leaf) | Node::Inference(leaf) = &row.node {
@@ -102,8 +104,9 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Context<'_, L, V, K> {
         }
     }
 
-    /// Halts the children of all timeouts whose time is over, before anything is ticked, as BehaviorTree.CPP does by timers
-    /// between two ticks. The timeouts themselves fail when they are next ticked.
+    /// Halts the children of all timeouts whose time is over, before anything is ticked, as
+    /// BehaviorTree.CPP does by timers between two ticks. The timeouts themselves fail when they
+    /// are next ticked.
     pub(super) fn halt_overdue(&mut self) {
         for (at, row) in self.rows.iter().enumerate() {
             let (Node::Timeout(limit), Some(cell)) = (&row.node, self.cells.get(at)) else { continue };

@@ -2,11 +2,21 @@
 
 /// A set of node kinds, chosen by a tree's type: what a set leaves out costs neither flash nor RAM.
 ///
+/// ```
+/// use iibt_core::tree::{Basic, Full, Kinds, Node, Rule, Times, Tree};
+///
+/// let nodes = [Node::Repeat(Times::new(3)), Node::Action("knock")];
+/// assert!(Tree::<_, 2, Full>::try_new(nodes).is_ok());
+/// let error = Tree::<_, 2, Basic>::try_new(nodes).unwrap_err();
+/// assert_eq!((error.node, error.rule), (0, Rule::NotInSet));
+/// assert!(Full::FULL && !Basic::FULL && !Full::COMPAT);
+/// ```
+///
 /// Sealed: the sets are [`Basic`], [`Full`] and [`Compat`].
 pub trait Kinds: sealed::Sealed + Copy + core::fmt::Debug + Eq {
-    /// Whether every [`Node`](super::Node) is in it.
+    /// Whether the set has every [`Node`](super::Node).
     const FULL: bool;
-    /// Whether it does what BehaviorTree.CPP does where that is peculiar.
+    /// Whether the set follows BehaviorTree.CPP also where that is peculiar.
     const COMPAT: bool;
     /// What a node remembers besides its slot.
     #[doc(hidden)]
@@ -15,7 +25,7 @@ pub trait Kinds: sealed::Sealed + Copy + core::fmt::Debug + Eq {
 
 /// Sequences and fallbacks, with memory and reactive, inverters, and leaves: 4 bytes of RAM a node.
 ///
-/// It leaves out two things more: [`Halt::Pending`](super::Halt::Pending) counts as done, and
+/// It leaves out two more things. [`Halt::Pending`](super::Halt::Pending) counts as done, and
 /// [`Status::Skipped`](super::Status::Skipped) is passed on like a success.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Basic {}
@@ -24,8 +34,37 @@ pub enum Basic {}
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Full {}
 
-/// Every kind of node, following BehaviorTree.CPP 4.10 also in those differences for which the [module](super)
-/// says so.
+/// Every kind of node, following BehaviorTree.CPP 4.10 also in those differences for which the
+/// [module](super) says so.
+///
+/// ```
+/// use iibt_core::time::Instant;
+/// use iibt_core::tree::{Compat, Full, Halt, Kinds, Leaves, Memory, Node, Status, Tree};
+///
+/// struct Asked(u32);
+///
+/// impl Leaves<()> for Asked {
+///     fn condition(&mut self, _: &(), _: Instant) -> bool { self.0 += 1; true }
+///     fn on_start(&mut self, _: &(), _: Instant) -> Status { Status::Running }
+///     fn on_running(&mut self, _: &(), _: Instant) -> Status { Status::Running }
+///     fn on_halted(&mut self, _: &(), _: Instant) -> Halt { Halt::Done }
+/// }
+///
+/// /// How often a precondition is asked in three ticks of its running child.
+/// fn asked<K: Kinds>() -> u32 {
+///     let tree: Tree<(), 2, K> = iibt_core::tree! {
+///         Precondition((), Status::Failure) { Action(()) }
+///     };
+///     let (mut leaves, mut memory) = (Asked(0), Memory::new());
+///     for tick in 0..3 {
+///         tree.tick(&mut memory, &mut leaves, Instant(tick));
+///     }
+///     leaves.0
+/// }
+///
+/// assert_eq!((asked::<Full>(), asked::<Compat>()), (3, 1));
+/// ```
+#[doc(alias("BehaviorTree.CPP", "BTCPP"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compat {}
 

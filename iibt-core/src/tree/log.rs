@@ -4,12 +4,22 @@ use super::status::Status;
 use crate::time::Instant;
 
 /// A change of a node's status; 8 bytes.
+///
+/// ```
+/// use iibt_core::time::Instant;
+/// use iibt_core::tree::{Status, Transition};
+///
+/// let (time, to) = (Instant(1002), Some(Status::Success));
+/// let transition = Transition { time, node: 4, from: Some(Status::Running), to };
+/// // 2 ms are 2000 us, 0x07D0; BehaviorTree.CPP numbers the same node 5.
+/// assert_eq!(transition.btlog(Instant(1000)), [0xD0, 0x07, 0, 0, 0, 0, 5, 0, 2]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Transition {
-    /// When.
+    /// The time of the tick or halt.
     pub time: Instant,
-    /// The node's row in the table, from zero: BehaviorTree.CPP's unique identifier less one.
+    /// The node's row in the table, from zero: the unique identifier of BehaviorTree.CPP less one.
     pub node: u16,
     /// The status before; `None` is idle.
     pub from: Option<Status>,
@@ -18,8 +28,10 @@ pub struct Transition {
 }
 
 impl Transition {
-    /// The record of BehaviorTree.CPP's `.btlog` files: 6 bytes of microseconds since `start` and 2 of the unique
-    /// identifier, least significant first, and the code of the status.
+    /// The record of BehaviorTree.CPP's `.btlog` files.
+    ///
+    /// It has 6 bytes of microseconds since `start` and 2 of the unique identifier, least
+    /// significant first, and the code of the status.
     ///
     /// Times count as milliseconds; the file can tell 49 days apart.
     #[must_use]
@@ -34,8 +46,41 @@ impl Transition {
     }
 }
 
-/// The last `N` transitions that were not taken yet. Adding one never waits; when it is full, the
-/// oldest gives way and is counted.
+/// A ring buffer of the last `N` transitions, for instance between the tree and a serial port.
+///
+/// Adding a transition never waits. When the buffer is full, the oldest is dropped and counted.
+///
+/// ```
+/// use iibt_core::time::Instant;
+/// use iibt_core::tree::{Halt, Leaves, Log, Memory, Status, Transition, Tree};
+///
+/// static OPEN: Tree<(), 2> = iibt_core::tree! { Inverter { Condition(()) } };
+///
+/// struct Door { log: Log<8> }
+///
+/// impl Leaves<()> for Door {
+///     fn condition(&mut self, _: &(), _: Instant) -> bool { false }
+///     fn on_start(&mut self, _: &(), _: Instant) -> Status { Status::Success }
+///     fn on_running(&mut self, _: &(), _: Instant) -> Status { Status::Success }
+///     fn on_halted(&mut self, _: &(), _: Instant) -> Halt { Halt::Done }
+///     fn transition(&mut self, transition: Transition) { self.log.push(transition); }
+/// }
+///
+/// let mut door = Door { log: Log::new() };
+/// OPEN.tick(&mut Memory::new(), &mut door, Instant(7));
+/// assert_eq!((door.log.len(), door.log.lost()), (2, 0));
+/// let child = door.log.pop().unwrap();
+/// assert_eq!((child.node, child.from, child.to), (1, None, Some(Status::Failure)));
+/// let parent = door.log.pop().unwrap();
+/// assert_eq!((parent.node, parent.from, parent.to), (0, None, Some(Status::Success)));
+/// assert!(door.log.is_empty() && door.log.pop().is_none());
+///
+/// let mut short = Log::<1>::new();
+/// short.push(child);
+/// short.push(parent);
+/// assert_eq!((short.lost(), short.pop()), (1, Some(parent)));
+/// ```
+#[doc(alias("trace", "ring buffer", "btlog"))]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Log<const N: usize> {
     records: [Transition; N],
@@ -45,7 +90,7 @@ pub struct Log<const N: usize> {
 }
 
 impl<const N: usize> Log<N> {
-    /// An empty log; one without room fails the build.
+    /// Creates an empty log; one without room fails the build.
     #[must_use]
     pub const fn new() -> Self {
         const { assert!(N > 0, "a transition log has room for at least one record") }
@@ -66,7 +111,7 @@ impl<const N: usize> Log<N> {
         }
     }
 
-    /// Takes the oldest transition out.
+    /// Removes and returns the oldest transition.
     pub fn pop(&mut self) -> Option<Transition> {
         self.len = self.len.checked_sub(1)?;
         let record = self.records.get(self.first).copied();
@@ -74,19 +119,19 @@ impl<const N: usize> Log<N> {
         record
     }
 
-    /// How many transitions it holds.
+    /// The number of transitions in the log.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether it holds none.
+    /// Whether the log holds no transition.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// How many transitions were lost since the beginning because nobody had taken them.
+    /// The number of transitions that were dropped since the log was created.
     #[must_use]
     pub const fn lost(&self) -> u32 {
         self.lost

@@ -2,22 +2,26 @@
 
 /// A [`Tree`](crate::tree::Tree) written as it nests; the numbers of children are counted.
 ///
-/// Each node is the name of a [`Node`](crate::tree::Node) with its children in braces or its leaf in
-/// parentheses. What else a node needs stands in parentheses before its children, durations in milliseconds:
+/// Each node is the name of a [`Node`](crate::tree::Node) with its children in braces or its leaf
+/// in parentheses. What else a node needs stands in parentheses before its children, durations in
+/// milliseconds:
 ///
 /// | written | |
 /// |---|---|
-/// | `Parallel(-1, 1) { .. }`, `ParallelAll(1) { .. }` | counts of successes and failures; of failures |
+/// | `Parallel(-1, 1) { .. }` | counts of successes and failures |
+/// | `ParallelAll(1) { .. }` | count of failures |
 /// | `Switch(leaf) { .. }`, `RecoveryNode(3) { .. }` | the name of the choice; retries |
 /// | `RetryUntilSuccessful(3) { .. }`, `Repeat(-1) { .. }` | times, -1 for ever |
-/// | `Timeout(500) { .. }`, `Delay(20) { .. }`, `RateController(100) { .. }`, `Sleep(10)` | milliseconds |
-/// | `Precondition(leaf, Status::Skipped) { .. }`, `RunOnce(true) { .. }` | condition and status otherwise; whether it is skipped afterwards |
+/// | `Timeout(500) { .. }`, `Delay(20) { .. }` | milliseconds |
+/// | `RateController(100) { .. }`, `Sleep(10)` | milliseconds |
+/// | `Precondition(leaf, Status::Skipped) { .. }` | condition; status while it does not hold |
+/// | `RunOnce(true) { .. }` | whether it is skipped afterwards |
 /// | `AlwaysSuccess()`, `AlwaysFailure()` | |
 ///
 /// In a `static` or `const`, a mistake fails the build.
 ///
-/// The macro recurses once a node: more than about 120 nodes need a larger `recursion_limit` in the crate
-/// that uses it, or a table given to [`Tree::new`](crate::tree::Tree::new).
+/// The macro recurses once a node: more than about 120 nodes need a larger `recursion_limit` in the
+/// crate that uses it, or a table given to [`Tree::new`](crate::tree::Tree::new).
 ///
 /// ```
 /// use iibt_core::tree::{Node, Tree};
@@ -47,17 +51,27 @@
 /// Kinds beyond the basic ones need the full set:
 ///
 /// ```
-/// use iibt_core::tree::{Full, Tree};
+/// use iibt_core::tree::{Full, Node, Tree};
 ///
-/// static KNOCK: Tree<&str, 6, Full> = iibt_core::tree! {
-///     Timeout(5000) { RetryUntilSuccessful(3) { Sequence { Action("knock"), Delay(500) { Action("listen") } } } }
+/// const KNOCK: Tree<&str, 6, Full> = iibt_core::tree! {
+///     Timeout(5000) {
+///         RetryUntilSuccessful(3) {
+///             Sequence { Action("knock"), Delay(500) { Action("listen") } }
+///         }
+///     }
 /// };
+///
+/// assert_eq!(KNOCK.counts().decorators, 3);
+/// assert_eq!(KNOCK.nodes().nth(5), Some(&Node::Action("listen")));
 /// ```
 ///
 /// ```compile_fail
-/// // error: evaluation panicked: a behavior tree of the basic set has a node of another kind: use Full
-/// static KNOCK: iibt_core::tree::Tree<&str, 2> = iibt_core::tree! { Repeat(3) { Action("knock") } };
+/// use iibt_core::tree::Tree;
+///
+/// // error: a behavior tree of the basic set has a node of another kind: use Full
+/// static KNOCK: Tree<&str, 2> = iibt_core::tree! { Repeat(3) { Action("knock") } };
 /// ```
+#[doc(alias("behavior tree", "builder", "XML"))]
 #[macro_export]
 macro_rules! tree {
     (@table [$($row:expr,)*]) => {
@@ -141,9 +155,11 @@ macro_rules! tree {
     };
 }
 
-/// A tree written as [`tree!`](crate::tree!) writes it, of the basic kinds, as code instead of a table.
+/// A tree written as [`tree!`](crate::tree!) writes it, of the basic kinds, as code instead of a
+/// table.
 ///
-/// The value's type is the tree; see [`compiled`](crate::tree::compiled). Let a function own it, or be generic over
+/// The value's type is the tree; see [`compiled`](crate::tree::compiled). Let a function own it, or
+/// be generic over
 /// [`Compiled`](crate::tree::Compiled).
 ///
 /// ```
@@ -159,7 +175,9 @@ macro_rules! tree {
 ///     fn on_halted(&mut self, _: &&str, _: Instant) -> Halt { Halt::Done }
 /// }
 ///
-/// let mut tree = iibt_core::compiled_tree! { Fallback { Condition("is open"), Action("open it") } };
+/// let mut tree = iibt_core::compiled_tree! {
+///     Fallback { Condition("is open"), Action("open it") }
+/// };
 /// let mut door = Door { open: false };
 /// assert_eq!(tree.tick(&mut door, Instant(0)), Status::Success);
 /// assert!(door.open);

@@ -7,16 +7,49 @@ use super::status::Status;
 /// The memory of a tree with `N` nodes of the set `K`: one [`NodeMemory`] for each.
 ///
 /// All nodes are idle at first, and again after every tick that ended in success or failure.
+///
+/// ```
+/// use iibt_core::time::Instant;
+/// use iibt_core::tree::{Full, Halt, Leaves, Memory, Status, Tree};
+///
+/// static WORK: Tree<&str, 3> = iibt_core::tree! { Sequence { Action("fetch"), Action("carry") } };
+///
+/// struct Robot { holds: bool }
+///
+/// impl Leaves<&str> for Robot {
+///     fn condition(&mut self, _: &&str, _: Instant) -> bool { self.holds }
+///     fn on_start(&mut self, leaf: &&str, _: Instant) -> Status {
+///         self.holds = *leaf == "fetch";
+///         if self.holds { Status::Success } else { Status::Running }
+///     }
+///     fn on_running(&mut self, _: &&str, _: Instant) -> Status { Status::Success }
+///     fn on_halted(&mut self, _: &&str, _: Instant) -> Halt { Halt::Done }
+/// }
+///
+/// // Two robots share one tree; each has its own memory.
+/// let (mut first, mut second) = (Memory::new(), Memory::new());
+/// let mut robot = Robot { holds: false };
+/// assert_eq!(WORK.tick(&mut first, &mut robot, Instant(0)).status, Status::Running);
+/// assert!(first.is_running(0) && first.is_running(2) && !first.is_running(1));
+/// assert!(second.is_idle());
+/// let mut other = Robot { holds: false };
+/// assert_eq!(WORK.tick(&mut second, &mut other, Instant(0)).status, Status::Running);
+///
+/// assert_eq!(WORK.tick(&mut first, &mut robot, Instant(1)).status, Status::Success);
+/// assert!(first.is_idle() && !second.is_idle());
+/// assert_eq!((Memory::<21>::BYTES, Memory::<21, Full>::BYTES), (84, 168));
+/// ```
+#[doc(alias = "state")]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Memory<const N: usize, K: Kinds = Basic> {
     pub(super) cells: [NodeMemory<K>; N],
 }
 
 impl<const N: usize, K: Kinds> Memory<N, K> {
-    /// The bytes of RAM it takes.
+    /// The number of bytes of RAM.
     pub const BYTES: usize = size_of::<Self>();
 
-    /// The memory of a tree of which no node is running.
+    /// Creates the memory of a tree of which no node is running.
     #[must_use]
     pub const fn new() -> Self {
         Self { cells: [NodeMemory::NEW; N] }
@@ -42,6 +75,14 @@ impl<const N: usize, K: Kinds> Default for Memory<N, K> {
 }
 
 /// The memory of one node: 4 bytes in the basic set, 8 in the full one.
+///
+/// ```
+/// use iibt_core::tree::{Basic, Full, NodeMemory};
+///
+/// let memory = vec![NodeMemory::<Full>::NEW; 21];
+/// assert!(memory.iter().all(NodeMemory::is_idle) && !memory.iter().any(NodeMemory::is_running));
+/// assert_eq!((size_of::<NodeMemory<Basic>>(), size_of::<NodeMemory<Full>>()), (4, 8));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct NodeMemory<K: Kinds> {
     pub(super) slot: Slot,
@@ -90,7 +131,8 @@ pub(super) struct Slot(u32);
 
 impl Slot {
     pub(super) const IDLE: Self = Self(0);
-    /// Running, with nothing else to remember: a leaf, or a node that begins at its first child every time.
+    /// Running, with nothing else to remember: a leaf, or a node that begins at its first child
+    /// every time.
     pub(super) const RUNNING: Self = Self(1);
     pub(super) const STOPPING_LEAF: Self = Self(STOPPING);
 

@@ -12,9 +12,9 @@ use core::marker::PhantomData;
 
 /// A behavior tree that owns its rows `R`: a `Vec<Row<L>>`, a `Box<[Row<L>]>`, an array.
 ///
-/// It is checked and linked once, when it is built. It never changes, so that robots share it, for instance
-/// in an `Arc`; each has a [`NodeMemory`] of its own for each node. A tree that the program knows is
-/// better a [`Tree`](super::Tree), which is checked by the compiler.
+/// It is checked and linked once, when it is built. It never changes, so that robots share it, for
+/// instance in an `Arc`; each has a [`NodeMemory`] of its own for each node. A tree that the
+/// program knows is better a [`Tree`](super::Tree), which is checked by the compiler.
 ///
 /// ```
 /// use iibt_core::time::Instant;
@@ -33,7 +33,8 @@ use core::marker::PhantomData;
 ///     fn on_halted(&mut self, _: &String, _: Instant) -> Halt { Halt::Done }
 /// }
 ///
-/// let nodes = [Node::Fallback(2), Node::Condition("is open".into()), Node::Action("open it".into())];
+/// let (is_open, open) = ("is open".to_string(), "open it".to_string());
+/// let nodes = vec![Node::Fallback(2), Node::Condition(is_open), Node::Action(open)];
 /// let rows: Vec<Row<String>> = nodes.into_iter().map(Row::new).collect();
 /// let tree: Arc<OwnedTree<String, Vec<Row<String>>>> = Arc::new(OwnedTree::try_new(rows)?);
 ///
@@ -51,7 +52,8 @@ pub struct OwnedTree<L, R, K: Kinds = Basic> {
 }
 
 impl<L, R: AsRef<[Row<L>]>, K: Kinds> OwnedTree<L, R, K> {
-    /// Links `rows`, in preorder, to a tree. As [`TreeRef::try_new`] it accepts nodes that no tick can reach.
+    /// Links `rows`, in preorder, to a tree. As [`TreeRef::try_new`] it accepts nodes that no tick
+    /// can reach.
     ///
     /// # Errors
     /// The first row that breaks a [`Rule`](super::Rule).

@@ -21,8 +21,8 @@
 //! | any other | `ASK` | `LATER` |
 //! | none: the root | `LATER`, none | `LATER`, none |
 //!
-//! So each row names its parent and its next sibling in four bytes, and a tick through sequences and fallbacks follows one
-//! link a node. In the table of
+//! So each row names its parent and its next sibling in four bytes, and a tick through sequences
+//! and fallbacks follows one link a node. In the table of
 //!
 //! ```text
 //! 0 Sequence ──► 1 Fallback ──► 2 Condition        row  success   failure
@@ -45,7 +45,8 @@ pub const MAX_NODES: usize = 8191;
 /// ```
 /// use iibt_core::tree::{Node, Row, TreeRef};
 ///
-/// let mut rows = [Node::Fallback(2), Node::Condition("is open"), Node::Action("open it")].map(Row::new);
+/// let nodes = [Node::Fallback(2), Node::Condition("is open"), Node::Action("open it")];
+/// let mut rows = nodes.map(Row::new);
 /// assert_eq!(rows[1].node(), &Node::Condition("is open"));
 /// let tree: TreeRef<&str> = TreeRef::try_new(&mut rows)?;
 /// assert_eq!(tree.parent(2), Some(0));
@@ -98,8 +99,8 @@ impl<L> Row<L> {
         }
     }
 
-    /// The link that follows an [`end`](Status::end). Only the parent knows what follows when it is neither success nor
-    /// failure, which no node of the basic set leaves to it.
+    /// The link that follows an [`end`](Status::end). Only the parent knows what follows when it is
+    /// neither success nor failure, which no node of the basic set leaves to it.
     #[inline(always)]
     pub(super) const fn link(&self, end: usize, full: bool) -> usize {
         if full && end > 1 { ASK as usize } else { self.links[end & 1] as usize }

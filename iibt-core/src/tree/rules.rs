@@ -7,8 +7,8 @@ use super::visit::{Decision, Visit};
 use Status::{Failure, Running, Skipped, Success};
 
 impl<L, K: Kinds> Visit<'_, L, K> {
-    /// What the node decides when it is ticked. `answer` is the case of a switch, and whether the condition of a
-    /// precondition holds.
+    /// What the node decides when it is ticked. `answer` is the case of a switch, and whether the
+    /// condition of a precondition holds.
     pub(super) fn ticked(&self, answer: usize) -> Decision {
         match self.node {
             Node::SequenceWithMemory(_) | Node::AsyncSequence(_) | Node::AsyncFallback(_) => {

@@ -1,7 +1,7 @@
 //! What a node may look at when it is ticked, and what it can decide.
 //!
-//! The rules of the nodes are functions from the one to the other; they change nothing. The walk asks them, and it
-//! alone changes memory and calls leaves.
+//! The rules of the nodes are functions from the one to the other; they change nothing. The walk
+//! asks them, and it alone changes memory and calls leaves.
 
 use super::kinds::Kinds;
 use super::kinds::sealed::Extra;

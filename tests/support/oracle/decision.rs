@@ -3,7 +3,7 @@
 use super::description::Description;
 use iibt_core::actions::Action;
 use iibt_core::inference::{
-    Beliefs, Candidates, Combinations, Encounter, Habits, Model, Policy, Problem, Scoring,
+    Beliefs, Candidates, Combinations, Habits, Model, PairPreference, Policy, Problem, Scoring,
 };
 
 /// What is to be decided about a described model.
@@ -22,7 +22,7 @@ pub struct Decision {
     /// C in place of the model's, for each modality; empty where the model's stays.
     pub preferences: Vec<Vec<f32>>,
     /// The part of C that counts under way, for each modality; empty where all of it does.
-    pub aversions: Vec<Vec<f32>>,
+    pub negative_preferences: Vec<Vec<f32>>,
     /// What is thought of moves beyond outcomes.
     pub meetings: Vec<Meeting>,
     /// The groups that are looked at.
@@ -71,7 +71,7 @@ impl Meeting {
     }
 }
 
-impl Encounter for Meeting {
+impl PairPreference for Meeting {
     fn factors(&self) -> [usize; 2] {
         self.pair
     }
@@ -142,8 +142,9 @@ impl Decision {
         };
         let habits: Vec<&[f32]> = habits.iter().map(Vec::as_slice).collect();
         let preferences: Vec<&[f32]> = self.preferences.iter().map(Vec::as_slice).collect();
-        let aversions: Vec<&[f32]> = self.aversions.iter().map(Vec::as_slice).collect();
-        let meetings: Vec<&dyn Encounter> = self.meetings.iter().map(|of| of as &dyn Encounter).collect();
+        let negative_preferences: Vec<&[f32]> = self.negative_preferences.iter().map(Vec::as_slice).collect();
+        let meetings: Vec<&dyn PairPreference> =
+            self.meetings.iter().map(|of| of as &dyn PairPreference).collect();
         let candidates = Candidates {
             sequences: &sequences,
             combinations: if self.listed.is_some() { Combinations::Listed(&rows) } else { Combinations::All },
@@ -157,8 +158,8 @@ impl Decision {
         with(&Problem {
             horizon: self.horizon,
             preferences: &preferences,
-            aversions: &aversions,
-            encounters: &meetings,
+            negative_preferences: &negative_preferences,
+            pair_preferences: &meetings,
             scope: self.scope,
             ..Problem::new(model, beliefs, candidates, self.scoring)
         })

@@ -4,18 +4,18 @@ use super::decision::Decision;
 use super::description::Description;
 use super::{Marginals, Tables, log_softmax, p_ln_p, wide};
 use iibt_core::actions::Action;
-use iibt_core::inference::{Credit, Gain};
+use iibt_core::inference::{Gain, PreferenceTiming};
 
 /// What a policy is expected to bring, in nats.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sums {
-    /// E_q(o) C(o), normalised, and what encounters are worth.
+    /// E_q(o) C(o), normalised, and what pair_preferences are worth.
     pub utility: f64,
     /// I(o; s), by the states' posterior for every outcome.
     pub information_gain: f64,
     /// E_q(s) H[P(o | s)].
     pub ambiguity: f64,
-    /// KL[q(o) || P(o)], less what encounters are worth.
+    /// KL[q(o) || P(o)], less what pair_preferences are worth.
     pub risk: f64,
 }
 
@@ -117,14 +117,14 @@ impl<'a> Reference<'a> {
             }
             let first = groups.iter().map(|&group| self.arrival(group, policy)).min();
             let arrives = Some(step + 1) == first;
-            let every_step = self.decision.scoring.credit == Credit::EveryStep;
+            let every_step = self.decision.scoring.timing == PreferenceTiming::EveryStep;
             // What several groups bring about together is judged and observed once, at the first arrival.
             if groups.len() > 1 && !arrives && !every_step {
                 continue;
             }
             let given = |list: &'a [Vec<f32>]| list.get(number);
             let full = given(&self.decision.preferences).unwrap_or(&sense.preference);
-            let under_way = given(&self.decision.aversions).unwrap_or(full);
+            let under_way = given(&self.decision.negative_preferences).unwrap_or(full);
             seen.push((number, log_softmax(&wide(if arrives || every_step { full } else { under_way }))));
         }
         seen

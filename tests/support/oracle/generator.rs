@@ -4,7 +4,7 @@ use super::chance::Chance;
 use super::decision::{Decision, Habit, Meeting};
 use super::description::{Description, Hidden, Motion, Observed, Sense, Sensor};
 use iibt_core::actions::Action;
-use iibt_core::inference::{Credit, Gain, Scoring};
+use iibt_core::inference::{Gain, PreferenceTiming, Scoring};
 
 /// The most states of a factor.
 pub const STATES: usize = 6;
@@ -190,7 +190,7 @@ pub fn decision(chance: &mut Chance, description: &Description) -> Decision {
         list.truncate(if chance.once_in(once) { chance.below(list.len() + 1) } else { 0 });
         list
     };
-    let (preferences, aversions) = (wishes(3), wishes(2));
+    let (preferences, negative_preferences) = (wishes(3), wishes(2));
     Decision {
         sequences,
         listed,
@@ -198,7 +198,7 @@ pub fn decision(chance: &mut Chance, description: &Description) -> Decision {
         scoring: scoring(chance),
         horizon,
         preferences,
-        aversions,
+        negative_preferences,
         meetings: (0..chance.pick(&[0, 0, 0, 1, 2])).map(|_| meeting(chance, description)).collect(),
         scope: description.all_groups() & if chance.once_in(8) { chance.below(16) as u16 } else { u16::MAX },
     }
@@ -214,7 +214,7 @@ pub fn scoring(chance: &mut Chance) -> Scoring {
     Scoring {
         precision: chance.pick(&[0.1, 0.5, 1.0, 4.0, 16.0, 32.0]),
         gain: chance.pick(&[Gain::PerModality, Gain::Joint]),
-        credit: chance.pick(&[Credit::OnArrival, Credit::EveryStep]),
+        timing: chance.pick(&[PreferenceTiming::OnArrival, PreferenceTiming::EveryStep]),
         window: chance.pick(&[f32::INFINITY, f32::INFINITY, 3.0, 0.5]),
     }
 }

@@ -54,6 +54,12 @@ impl Announcement {
     }
 }
 
+impl AsRef<Self> for Announcement {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
 impl Message for Announcement {
     const SCHEMA: &'static str = "iibt.table.announcement/1: states u32, operator u8, probability u8";
     const MAX_BYTES: usize = 7;

@@ -7,8 +7,9 @@ use super::model::{Question, prior, track};
 use crate::iibt::{Condition, Literal, Logic, Task};
 use crate::inference::{Beliefs, ObservationError, Preference};
 use crate::math;
-use crate::team::{Invalid, MAX_TEAM, Peers, RobotId};
+use crate::team::{Invalid, MAX_TEAM, Message, Peers, RobotId};
 use crate::time::Instant;
+use core::marker::PhantomData;
 
 /// What a robot senses in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,9 +79,10 @@ pub struct JointDecision<const S: usize, const N: usize, const P: usize> {
 /// A robot's part of a task written as tables.
 ///
 /// `S`, `N` and `P` are the [`states`](Tables::states), [`robots`](Tables::robots) and
-/// [`policies`](Tables::policies) of the tables, or more.
+/// [`policies`](Tables::policies) of the tables, or more. `M` is what the robots tell each other: the
+/// [`Announcement`], or a message of one's own that has one in it.
 #[derive(Clone, Debug)]
-pub struct TableTask<'a, const S: usize, const N: usize, const P: usize> {
+pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, M = Announcement> {
     tables: &'a Tables<'a>,
     role: &'a Role<'a>,
     own: usize,
@@ -95,9 +97,10 @@ pub struct TableTask<'a, const S: usize, const N: usize, const P: usize> {
     pending: Option<Command>,
     command: Option<Command>,
     decision: Option<JointDecision<S, N, P>>,
+    message: PhantomData<fn(M)>,
 }
 
-impl<'a, const S: usize, const N: usize, const P: usize> TableTask<'a, S, N, P> {
+impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, P, M> {
     /// Robot `robot` of the team at the start of the task, with its first aim.
     ///
     /// # Errors
@@ -128,6 +131,7 @@ impl<'a, const S: usize, const N: usize, const P: usize> TableTask<'a, S, N, P> 
             pending: None,
             command: None,
             decision: None,
+            message: PhantomData,
         })
     }
 
@@ -353,14 +357,17 @@ impl<'a, const S: usize, const N: usize, const P: usize> TableTask<'a, S, N, P> 
     }
 }
 
-impl<const S: usize, const N: usize, const P: usize> Task for TableTask<'_, S, N, P> {
+impl<const S: usize, const N: usize, const P: usize, M> Task for TableTask<'_, S, N, P, M>
+where
+    M: Message + AsRef<Announcement>,
+{
     type Percept = Percept;
-    type Message = Announcement;
+    type Message = M;
     type Preference = Wanted<S, N>;
     type Candidates = Offered<N>;
     type Policy = Plan;
 
-    fn observe(&mut self, percept: &Percept, peers: Peers<'_, Announcement>) {
+    fn observe(&mut self, percept: &Percept, peers: Peers<'_, M>) {
         if self.observed == Some(percept.at) {
             return;
         }
@@ -369,7 +376,7 @@ impl<const S: usize, const N: usize, const P: usize> Task for TableTask<'_, S, N
         self.said = [None; N];
         for peer in peers.fresh() {
             if let Some(slot) = self.said.get_mut(peer.sender().index()) {
-                *slot = Some(*peer.message());
+                *slot = Some(*peer.message().as_ref());
             }
         }
         if !percept.busy {
@@ -393,22 +400,17 @@ impl<const S: usize, const N: usize, const P: usize> Task for TableTask<'_, S, N
     }
 
     /// All operators, always: which of them may be begun, the preconditions say.
-    fn candidates(&mut self, preference: &Wanted<S, N>, peers: Peers<'_, Announcement>) -> Offered<N> {
+    fn candidates(&mut self, preference: &Wanted<S, N>, peers: Peers<'_, M>) -> Offered<N> {
         let mut offered = Offered { target: preference.target, announced: [None; N] };
         for peer in peers.fresh() {
             if let Some(slot) = offered.announced.get_mut(peer.sender().index()) {
-                *slot = Some(peer.message().operator());
+                *slot = Some(peer.message().as_ref().operator());
             }
         }
         offered
     }
 
-    fn infer(
-        &mut self,
-        offered: &Offered<N>,
-        preference: &Wanted<S, N>,
-        _: Peers<'_, Announcement>,
-    ) -> Option<Plan> {
+    fn infer(&mut self, offered: &Offered<N>, preference: &Wanted<S, N>, _: Peers<'_, M>) -> Option<Plan> {
         self.decision = None;
         if self.busy {
             return Some(Plan::Continue);
@@ -433,7 +435,7 @@ impl<const S: usize, const N: usize, const P: usize> Task for TableTask<'_, S, N
         }
     }
 
-    fn execute(&mut self, plan: Plan, offered: &Offered<N>, _: Peers<'_, Announcement>) {
+    fn execute(&mut self, plan: Plan, offered: &Offered<N>, _: Peers<'_, M>) {
         let operator = self.part_of(plan);
         if operator != self.role.idle {
             let target =

@@ -4,7 +4,7 @@ use super::action_of;
 use super::group::{Candidate, Group, Places};
 use crate::actions::Action;
 use crate::inference::belief::Beliefs;
-use crate::inference::free_energy::Credit;
+use crate::inference::free_energy::PreferenceTiming;
 use crate::inference::model::Model;
 use crate::inference::problem::Problem;
 
@@ -47,7 +47,7 @@ impl<'a, const S: usize, const G: usize, const R: usize> Rows<'a, S, G, R> {
         places: &Places<G>,
         step: usize,
     ) -> u64 {
-        if problem.scoring.credit == Credit::EveryStep {
+        if problem.scoring.timing == PreferenceTiming::EveryStep {
             return members;
         }
         let together = |groups: u16| !groups.is_power_of_two();

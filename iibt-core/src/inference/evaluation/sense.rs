@@ -1,6 +1,6 @@
 //! What is expected of one modality under the preferences that count at a step.
 
-use crate::inference::free_energy::{Credit, Gain, Terms};
+use crate::inference::free_energy::{Gain, PreferenceTiming, Terms};
 use crate::inference::model::{MAX_MODALITIES, Modality};
 use crate::inference::problem::Problem;
 use crate::math;
@@ -10,13 +10,13 @@ pub(in crate::inference) struct Sense<'a> {
     pub(super) modality: &'a Modality<'a>,
     pub(super) on_arrival: bool,
     pub(super) joint: bool,
-    pub(super) arriving: Liking<'a>,
-    pub(super) under_way: Liking<'a>,
+    pub(super) arriving: LogPreference<'a>,
+    pub(super) under_way: LogPreference<'a>,
 }
 
 /// C, and ln Σ exp C.
 #[derive(Clone, Copy)]
-pub(super) struct Liking<'a> {
+pub(super) struct LogPreference<'a> {
     pub(super) preference: &'a [f32],
     pub(super) normaliser: f32,
 }
@@ -32,18 +32,18 @@ impl<'a> Sense<'a> {
             [true, false].map(|arrives| problem.preference(number, modality, arrives));
         Self {
             modality,
-            on_arrival: problem.scoring.credit == Credit::OnArrival,
+            on_arrival: problem.scoring.timing == PreferenceTiming::OnArrival,
             joint: problem.scoring.gain == Gain::Joint,
-            arriving: Liking { preference: arriving, normaliser: normalisers[0] },
-            under_way: Liking { preference: under_way, normaliser: normalisers[1] },
+            arriving: LogPreference { preference: arriving, normaliser: normalisers[0] },
+            under_way: LogPreference { preference: under_way, normaliser: normalisers[1] },
         }
     }
 
     /// The terms under these beliefs, at a step at which a policy arrives or at another.
     pub(in crate::inference) fn expect(&self, beliefs: &[&[f32]], arrives: bool) -> Terms {
-        let liking = if arrives { self.arriving } else { self.under_way };
+        let preference = if arrives { self.arriving } else { self.under_way };
         let (form, shape) = (self.modality.likelihood(), self.modality.shape());
-        self.weigh_up(form.expect(shape, beliefs, liking.preference), liking.normaliser)
+        self.weigh_up(form.expect(shape, beliefs, preference.preference), preference.normaliser)
     }
 
     /// Terms as they count: with the preferences normalised, and without a gain that is found jointly.
@@ -63,9 +63,11 @@ pub(in crate::inference) fn normalisers<const S: usize, const G: usize>(
     let mut normalisers = [[0.0; 2]; MAX_MODALITIES];
     for (normalisers, (number, modality, _)) in normalisers.iter_mut().zip(problem.modalities()) {
         let arriving = math::log_sum_exp(problem.preference(number, modality, true));
-        *normalisers = match problem.scoring.credit {
-            Credit::EveryStep => [arriving; 2],
-            Credit::OnArrival => [arriving, math::log_sum_exp(problem.preference(number, modality, false))],
+        *normalisers = match problem.scoring.timing {
+            PreferenceTiming::EveryStep => [arriving; 2],
+            PreferenceTiming::OnArrival => {
+                [arriving, math::log_sum_exp(problem.preference(number, modality, false))]
+            }
         };
     }
     normalisers

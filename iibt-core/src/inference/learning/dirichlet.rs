@@ -13,6 +13,19 @@ pub const LEAST: f32 = 1e-6;
 /// and [`MOST`] in all.
 ///
 /// A value with count zero is impossible, until it is counted.
+///
+/// ```
+/// use iibt_core::inference::learning::Dirichlet;
+///
+/// let mut coin = Dirichlet::new([1.0, 1.0]);
+/// let unknown = coin.novelty();
+/// coin.add(6.0, &[1.0, 0.0]); // six times heads
+/// assert_eq!(coin.expected(), [0.875, 0.125]);
+/// assert!(coin.novelty() < unknown); // another toss tells less
+/// coin.forget(1.0, &Dirichlet::new([1.0, 1.0]));
+/// assert_eq!(coin.total(), 2.0);
+/// ```
+#[doc(alias = "concentration parameters")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dirichlet<const K: usize> {
     counts: [f32; K],

@@ -5,7 +5,7 @@ use super::origin::Origin;
 use super::{Dirichlet, Rates, fit, observed};
 use crate::inference::likelihood::{Likelihood, TableError};
 use crate::inference::{Evidence, Shape, Terms};
-use crate::math::{self, Outlook};
+use crate::math::{self, Prediction};
 
 /// Dirichlet counts of A, the likelihood of one modality with `O` outcomes, whose conditions have `C` combinations of
 /// states. They are a likelihood themselves, with the expected probabilities, so that a model can hold them.
@@ -152,8 +152,8 @@ impl<const O: usize, const C: usize> Likelihood for LikelihoodCounts<'_, O, C> {
 
     fn expect(&self, _: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
         let masses = Columns::<O, C>::masses(beliefs);
-        let outlook = Outlook::of(&self.columns.predict(&masses), preference, |p| p);
-        let terms = Terms::of(&outlook, self.columns.ambiguity(&masses));
+        let prediction = Prediction::of(&self.columns.predict(&masses), preference, |p| p);
+        let terms = Terms::of(&prediction, self.columns.ambiguity(&masses));
         Terms { novelty: self.columns.novelty(&masses), ..terms }
     }
 

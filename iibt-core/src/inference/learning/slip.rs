@@ -8,6 +8,19 @@ use crate::actions::Action;
 ///
 /// Every action begins with so many successes and no failure, so that before the first failure every slip is exactly zero and
 /// motion certain. Twelve bytes per action.
+///
+/// ```
+/// use iibt_core::inference::NextState;
+/// use iibt_core::inference::learning::{Rates, SlipCounts};
+///
+/// let mut counts = SlipCounts::<2>::new(3.0, Rates::DEFAULT);
+/// assert!(counts.learn(1, false)); // the second action failed once
+/// let slips = counts.slips();
+/// assert_eq!(slips, [0.0, 0.25]);
+/// let motion = NextState::new(&[0, 0, 1, 1], 2).try_slipping(&slips)?;
+/// assert_eq!(motion.slip(1), 0.25);
+/// # Ok::<(), iibt_core::inference::TableError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlipCounts<const U: usize> {
     actions: [Dirichlet<2>; U],

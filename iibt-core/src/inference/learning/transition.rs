@@ -210,7 +210,7 @@ mod tests {
     use super::*;
     use crate::inference::likelihood::IdentityNoise;
     use crate::inference::transition::Dense;
-    use crate::inference::{Beliefs, Credit, Evidence, Problem, Scoring};
+    use crate::inference::{Beliefs, Evidence, PreferenceTiming, Problem, Scoring};
     use crate::inference::{Candidates, Evaluation, Factor, Likelihood, Modality, Model, NextState, Policy};
     use std::vec::Vec;
 
@@ -455,7 +455,7 @@ mod tests {
             let model = Model::new(&factors, &modalities);
             let beliefs = Beliefs::<4, 1>::prior(&model);
             let among: [&[Policy]; 1] = [&sequences];
-            let scoring = Scoring { credit: Credit::EveryStep, ..Scoring::DEFAULT };
+            let scoring = Scoring { timing: PreferenceTiming::EveryStep, ..Scoring::DEFAULT };
             let problem = Problem::new(&model, &beliefs, Candidates::all(&among), scoring);
             let mut evaluation = Evaluation::<4, 1, 2, 2>::new();
             evaluation.evaluate(&problem).unwrap();

@@ -3,12 +3,25 @@
 use super::{Likelihood, TableError};
 use crate::inference::table;
 use crate::inference::{Evidence, Shape, Terms};
-use crate::math::{self, Outlook};
+use crate::math::{self, Prediction};
 
 /// A full table: a row per outcome, in each row a column per combination of states, the last condition's states
 /// running fastest.
 ///
 /// The numbers stay where they are, in flash for a `static`.
+///
+/// ```
+/// use iibt_core::inference::{Likelihood, TableError, likelihood};
+///
+/// // A row for each outcome, a column for each state.
+/// static A: likelihood::Dense = likelihood::Dense::new(&[0.8, 0.3, 0.2, 0.7], 2, &[2]);
+/// assert_eq!(A.probability(1, &[0]), 0.2);
+/// assert_eq!(A.shape().columns(), Some(2));
+///
+/// // A column that sums to 0.9.
+/// let error = likelihood::Dense::try_new(&[0.8, 0.3, 0.1, 0.7], 2, &[2]).unwrap_err();
+/// assert!(matches!(error, TableError::Column(0, _)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dense<'a> {
     table: &'a [f32],
@@ -66,7 +79,7 @@ impl Likelihood for Dense<'_> {
     }
 
     fn expect(&self, _shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
-        let mut outlook = Outlook::new();
+        let mut prediction = Prediction::new();
         let mut ambiguity = 0.0;
         let mut rows = self.rows();
         for preferences in preference.chunks(4) {
@@ -75,9 +88,9 @@ impl Likelihood for Dense<'_> {
                 *sum = table::contract(row, beliefs);
                 ambiguity -= table::contract_with(row, beliefs, &math::p_ln_p);
             }
-            outlook.add_some(outcomes.into_iter(), preferences);
+            prediction.add_some(outcomes.into_iter(), preferences);
         }
-        Terms::of(&outlook, ambiguity)
+        Terms::of(&prediction, ambiguity)
     }
 
     fn message(&self, shape: &Shape, evidence: Evidence, beliefs: &[&[f32]], to: usize, message: &mut [f32]) {

@@ -3,11 +3,24 @@
 use super::Likelihood;
 use crate::inference::evidence::{Evidence, sound};
 use crate::inference::{Shape, Terms};
-use crate::math::{self, Outlook};
+use crate::math::{self, Prediction};
 
 /// A = off + (correct - off) I.
 ///
 /// Four numbers whatever the number of states, and every method costs that number at the most.
+///
+/// ```
+/// use iibt_core::inference::{IdentityNoise, Likelihood};
+///
+/// static LOCALISER: IdentityNoise = IdentityNoise::new(0.9, 5);
+/// assert_eq!(LOCALISER.probability(2, &[2]), 0.9);
+/// assert!((LOCALISER.probability(3, &[2]) - 0.025).abs() < 1e-7);
+///
+/// // A number that is only known at run time is held to its range.
+/// assert_eq!(IdentityNoise::among(1.7, 5).correct(), 1.0);
+/// ```
+#[doc(alias = "localiser")]
+#[doc(alias = "confusion matrix")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct IdentityNoise {
@@ -83,8 +96,8 @@ impl Likelihood for IdentityNoise {
         let belief = beliefs.first().copied().unwrap_or(&[]);
         let mass = math::sum(belief);
         let (background, signal) = (self.off * mass, self.correct - self.off);
-        let outlook = Outlook::of(belief, preference, |q| background + signal * q);
-        Terms::of(&outlook, self.column_entropy * mass)
+        let prediction = Prediction::of(belief, preference, |q| background + signal * q);
+        Terms::of(&prediction, self.column_entropy * mass)
     }
 
     fn message(&self, shape: &Shape, evidence: Evidence, _: &[&[f32]], _: usize, message: &mut [f32]) {

@@ -3,7 +3,7 @@
 use super::{FLOOR, Likelihood, TableError};
 use crate::inference::table;
 use crate::inference::{Evidence, Shape, Terms};
-use crate::math::{self, Outlook};
+use crate::math::{self, Prediction};
 
 /// The most labels that the states of one condition carry.
 pub const MAX_LABELS: usize = 16;
@@ -16,6 +16,21 @@ pub const MAX_KINDS: usize = 16;
 /// A byte per state, a byte per combination of labels and one column per kind take the place of a number for each
 /// outcome and combination of states. A prediction costs the states' sum and the labels' product. Where every
 /// column has a single one, the outcome is certain given the states.
+///
+/// ```
+/// use iibt_core::inference::{Likelihood, OutcomeTable};
+///
+/// // Two robots among three cells, of which cell 2 is the goal: are none, one or both there?
+/// static AT_GOAL: OutcomeTable = OutcomeTable::new(
+///     &[&[0, 0, 1], &[0, 0, 1]],                              // which cells are the goal
+///     &[0, 1, 1, 2],                                          // none, one, one, both
+///     &[1.0, 0.0, 0.0, 0.0, 0.9, 0.1, 0.0, 0.2, 0.8],         // what is then observed
+///     3,
+/// );
+/// assert_eq!(AT_GOAL.probability(0, &[0, 1]), 1.0);
+/// assert_eq!(AT_GOAL.probability(2, &[2, 2]), 0.8);
+/// assert!(OutcomeTable::try_new(&[&[0, 1]], &[0, 1], &[1.0, 0.0], 2).is_err()); // kind 1 has no column
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutcomeTable<'a> {
     labels: &'a [&'a [u8]],
@@ -304,9 +319,9 @@ impl Block {
     fn pair(&self, left: &[Remains], masses: &[f32; MAX_LABELS]) -> Terms {
         let parts = left.iter().zip(masses);
         let expected = parts.fold(Remains::NONE, |sum, (left, mass)| sum.plus(*mass, left));
-        let mut outlook = Outlook::new();
-        outlook.add(&expected.outcomes, &self.preferences);
-        Terms::of(&outlook, expected.ambiguity)
+        let mut prediction = Prediction::new();
+        prediction.add(&expected.outcomes, &self.preferences);
+        Terms::of(&prediction, expected.ambiguity)
     }
 }
 
@@ -364,15 +379,15 @@ impl Likelihood for OutcomeTable<'_> {
         }
         let masses = self.kind_masses(beliefs);
         let ambiguity = masses.iter().zip(&self.ambiguity).map(|(mass, entropy)| mass * entropy).sum();
-        let mut outlook = Outlook::new();
+        let mut prediction = Prediction::new();
         for (block, preferences) in preference.chunks(LANES).enumerate() {
             let mut sums = [0.0; LANES];
             for (kind, mass) in (0..self.count).zip(&masses) {
                 add_scaled(&mut sums, *mass, &self.block(kind, block));
             }
-            outlook.add_some(sums.into_iter(), preferences);
+            prediction.add_some(sums.into_iter(), preferences);
         }
-        Terms::of(&outlook, ambiguity)
+        Terms::of(&prediction, ambiguity)
     }
 
     fn expect_pairs(

@@ -3,6 +3,19 @@
 use super::{MAX_FACTORS, MAX_MODALITIES};
 
 /// What does not fit together in a model.
+///
+/// ```
+/// use iibt_core::inference::{Factor, IdentityNoise, Modality, Model, ModelError, NextState};
+///
+/// let (moves, sensor) = (NextState::new(&[0, 1], 2), IdentityNoise::new(0.9, 2));
+/// let factors = [Factor::new(&moves, moves.shape(), &[0.5, 0.5])];
+/// let of_another = [Modality::new(&sensor, sensor.shape(), &[1], &[0.0, 0.0])];
+/// let error = Model::try_new(&factors, &of_another).unwrap_err();
+/// assert_eq!(error, ModelError::Dependency(0));
+/// let message = "modality 0 depends on a factor that does not exist, or on one twice";
+/// assert_eq!(error.to_string(), message);
+/// assert_eq!(Model::try_new(&[], &of_another).unwrap_err(), ModelError::Factors(0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ModelError {

@@ -7,6 +7,25 @@ use crate::inference::transition::Transition;
 use crate::math;
 
 /// A hidden factor: its transition B, its prior D, and what acts on it.
+///
+/// ```
+/// use iibt_core::inference::{Control, Factor, NextState};
+///
+/// // A lamp that an action switches on or off, and that stays as it is when the switch fails.
+/// static SWITCH: NextState = NextState::with_slip(&[1, 1, 0, 0], 2, 0.1);
+/// static LAMP: Factor = Factor::new(&SWITCH, SWITCH.shape(), &[0.5, 0.5]);
+/// assert_eq!(LAMP.states(), 2);
+/// assert_eq!(LAMP.probability(0, 1, &[0]), 0.9); // switched on
+/// assert_eq!(LAMP.probability(0, 0, &[0]), 0.1); // the switch failed
+///
+/// // A prior that is only known at run time.
+/// assert!(Factor::try_new(&SWITCH, SWITCH.shape(), &[0.5, 0.4]).is_none());
+/// // A lamp that somebody else switches.
+/// let other = LAMP.controlled_by(Control::None);
+/// assert_eq!(other.states(), 2);
+/// ```
+#[doc(alias = "hidden state")]
+#[doc(alias = "state factor")]
 #[derive(Clone, Copy)]
 pub struct Factor<'a> {
     pub(super) transition: &'a dyn Transition,
@@ -17,6 +36,24 @@ pub struct Factor<'a> {
 }
 
 /// Which of a joint policy's action sequences moves a factor.
+///
+/// ```
+/// use iibt_core::inference::{Control, Factor, IdentityNoise, Modality, Model, NextState};
+///
+/// static TURN: NextState = NextState::new(&[0, 1, 1, 0], 2);
+/// static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 2);
+/// // Two wheels on one axle, and a door that nobody moves.
+/// static FACTORS: [Factor; 3] = [
+///     Factor::new(&TURN, TURN.shape(), &[0.5, 0.5]),
+///     Factor::new(&TURN, TURN.shape(), &[0.5, 0.5]).controlled_by(Control::Shared(0)),
+///     Factor::new(&TURN, TURN.shape(), &[0.5, 0.5]).controlled_by(Control::None),
+/// ];
+/// static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[2], &[0.0, 0.0])];
+/// static CART: Model = Model::new(&FACTORS, &MODALITIES);
+/// assert_eq!(CART.controls(), 1); // one action sequence moves both wheels
+/// assert_eq!(CART.groups(), 2); // the wheels move together, the door apart
+/// assert_eq!(CART.actions(0), 2);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Control {

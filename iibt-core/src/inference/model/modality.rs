@@ -8,6 +8,22 @@ use crate::inference::likelihood::Likelihood;
 use crate::inference::shape::{MAX_CONDITIONS, Shape};
 
 /// A modality: its likelihood A, the factors that it depends on, and the preference C over its outcomes.
+///
+/// ```
+/// use iibt_core::inference::{IdentityNoise, Modality};
+///
+/// static THERMOMETER: IdentityNoise = IdentityNoise::new(0.8, 3);
+/// // It reads factor 0, and the middle reading is preferred: P(o) = softmax(C).
+/// static READING: Modality = Modality::new(&THERMOMETER, THERMOMETER.shape(), &[0], &[0.0, 2.0, 0.0]);
+/// assert_eq!(READING.shape().values(), 3);
+/// assert_eq!(READING.factors(), [0]);
+/// assert_eq!(READING.preference(), [0.0, 2.0, 0.0]);
+///
+/// // A preference too few, of a table that is only known at run time.
+/// assert!(Modality::try_new(&THERMOMETER, THERMOMETER.shape(), &[0], &[0.0, 2.0]).is_none());
+/// ```
+#[doc(alias = "observation")]
+#[doc(alias = "sensor")]
 #[derive(Clone, Copy)]
 pub struct Modality<'a> {
     likelihood: &'a dyn Likelihood,

@@ -11,6 +11,17 @@ use crate::inference::likelihood::TableError;
 /// are probabilities that sum to one. Memory and time grow with the number of blocks, not with the product of
 /// the factors' states. Each block has as many values as the factor, the states of its own condition, and the same
 /// actions as the others.
+///
+/// ```
+/// use iibt_core::inference::{Blocks, NextState, Transition};
+///
+/// // A follower keeps its own cell three times in four, else it is drawn to where the leader is.
+/// static STAY: NextState = NextState::new(&[0, 1], 2);
+/// static FOLLOWER: Blocks = Blocks::new(&[(0.75, &STAY), (0.25, &STAY)], &[2, 2]);
+/// let mut after = [0.0; 2];
+/// FOLLOWER.predict(&FOLLOWER.shape(), 0, &[&[1.0, 0.0], &[0.0, 1.0]], &mut after);
+/// assert_eq!(after, [0.75, 0.25]);
+/// ```
 #[derive(Clone, Copy)]
 pub struct Blocks<'a> {
     blocks: &'a [(f32, &'a dyn Transition)],

@@ -7,6 +7,19 @@ use crate::inference::{Shape, table};
 
 /// A full table: per action a matrix with a row per next state and a column per combination of states, the factor's
 /// own state running slowest.
+///
+/// ```
+/// use iibt_core::inference::{Transition, transition};
+///
+/// // A door: action 0 waits, action 1 pushes it open. A row for each next state, a column for each state.
+/// static DOOR: transition::Dense =
+///     transition::Dense::new(&[0.9, 0.2, 0.1, 0.8, 1.0, 0.7, 0.0, 0.3], 2, &[2]);
+/// assert_eq!(DOOR.probability(1, 0, &[1]), 0.7);
+/// let mut after = [0.0; 2];
+/// DOOR.predict(&DOOR.shape(), 1, &[&[0.0, 1.0]], &mut after);
+/// assert_eq!(after, [0.7, 0.3]);
+/// assert!(transition::Dense::try_new(&[0.9, 0.2, 0.1], 1, &[2]).is_err());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dense<'a> {
     table: &'a [f32],

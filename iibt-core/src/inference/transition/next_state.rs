@@ -9,6 +9,21 @@ use crate::inference::likelihood::TableError;
 /// is the same for all actions, or one of each action's own.
 ///
 /// Two bytes per action and state, and a prediction costs an addition per state.
+///
+/// ```
+/// use iibt_core::inference::{NextState, Transition};
+///
+/// // Left and right in a corridor of three cells; the robot slips once in ten.
+/// static MOVES: NextState = NextState::with_slip(&[0, 0, 1, 1, 2, 2], 3, 0.1);
+/// assert_eq!((MOVES.successor(1, 0), MOVES.actions()), (1, 2));
+/// let mut after = [0.0; 3];
+/// MOVES.predict(&MOVES.shape(), 1, &[&[1.0, 0.0, 0.0]], &mut after);
+/// assert_eq!(after, [0.1, 0.9, 0.0]);
+///
+/// // A slip of its own for each action.
+/// static WORN: NextState = NextState::with_slips(&[0, 0, 1, 1, 2, 2], 3, &[0.0, 0.5]);
+/// assert_eq!((WORN.slip(0), WORN.slip(1)), (0.0, 0.5));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NextState<'a> {
     table: &'a [u16],

@@ -1,0 +1,112 @@
+//! The program as its users run it: what it prints where, and its exit status.
+
+use assert_cmd::{Command, cargo_bin_cmd};
+use predicates::prelude::*;
+use predicates::str::{contains, is_empty, starts_with};
+use serde_json::Value;
+use std::fs;
+use std::path::PathBuf;
+
+fn host_sim(line: &str) -> Command {
+    let mut command = cargo_bin_cmd!("host-sim");
+    command.args(line.split_whitespace());
+    command
+}
+
+/// A file with this text, for one test.
+fn file(name: &str, text: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    fs::write(&path, text).expect("the folder for tests can be written");
+    path
+}
+
+/// Input that cannot be used: status 2, a reason on standard error, nothing on standard output.
+#[track_caller]
+fn refuses(command: &mut Command, reason: &str) {
+    command.assert().code(2).stdout(is_empty()).stderr(starts_with("error: ").and(contains(reason)));
+}
+
+#[test]
+fn every_verb_explains_itself() {
+    let help = host_sim("--help").assert().success().stdout(contains("Exit status:"));
+    let help = String::from_utf8_lossy(&help.get_output().stdout).into_owned();
+    let verbs =
+        help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let names: Vec<_> = verbs.filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).collect();
+    let names: Vec<_> = names.into_iter().filter(|name| !name.is_empty() && *name != "help").collect();
+    assert!(names.len() >= 9, "{names:?}");
+    for name in names {
+        let help = host_sim(&format!("{name} --help")).assert().success().stderr(is_empty());
+        help.stdout(
+            contains(format!("Usage: host-sim {name} ")).or(contains(format!("Usage: host-sim {name}\n"))),
+        );
+    }
+}
+
+#[test]
+fn a_flight_is_printed_as_json_and_its_end_is_the_exit_status() {
+    let flight = |line: &str, status: i32| {
+        let run = host_sim(line).assert().code(status).stderr(is_empty());
+        serde_json::from_slice::<Value>(&run.get_output().stdout).expect("JSON")
+    };
+    let accomplished = flight("two-goals --json", 0);
+    assert_eq!(accomplished, flight("run two-goals --json --seed 0", 0));
+    assert_eq!(accomplished["outcome"], "together");
+    assert_eq!(flight("two-goals --json --loss 1", 1)["outcome"], "unfinished");
+}
+
+#[test]
+fn every_scenario_that_is_listed_can_be_read() {
+    let list = host_sim("list").assert().success();
+    let list = String::from_utf8_lossy(&list.get_output().stdout).into_owned();
+    let names: Vec<_> = list.lines().filter_map(|line| line.split("  ").next()).collect();
+    assert!(names.contains(&"factory") && names.len() >= 5, "{names:?}");
+    for name in names {
+        host_sim(&format!("{name} --loss 1 --quiet"))
+            .assert()
+            .code(vec![0, 1])
+            .stderr(is_empty())
+            .stdout(contains("collisions"));
+    }
+}
+
+#[test]
+fn wrong_usage_and_unusable_input_have_status_two_and_a_reason() {
+    refuses(&mut host_sim("run --loss 2"), "a probability is a number from 0 to 1");
+    refuses(&mut host_sim("factry"), "did you mean 'factory'?");
+    refuses(&mut host_sim("run nowhere.toml"), "nowhere.toml: ");
+    let scenario = file("wide.toml", "title = 't'\nmap = '''\n1..G\n'''\nlimitt = 3\n");
+    refuses(host_sim("run").arg(&scenario), "wide.toml:5:");
+    let model = file("model.json", "{\n  \"A\": [1,,2]\n}");
+    refuses(host_sim("infer").arg(&model), "model.json:2:11: expected value, found ','");
+    let tree = file("tree.xml", "<root>\n<BehaviorTree ID='A'>");
+    let check = host_sim("tree check").arg(&tree).assert().code(1).stderr(is_empty());
+    check.stdout(contains("tree.xml:2:1: error: <BehaviorTree> is never closed"));
+}
+
+#[test]
+fn a_model_is_run_and_a_table_of_a_campaign_printed() {
+    let models = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("models");
+    let run = host_sim("infer").arg(models.join("switch.json")).assert().success().stderr(is_empty());
+    serde_json::from_slice::<Value>(&run.get_output().stdout).expect("JSON");
+    for threads in [1, 3] {
+        let campaign =
+            host_sim(&format!("campaign two-goals --seeds 2 --json --threads {threads}")).assert().success();
+        let report: Value = serde_json::from_slice(&campaign.get_output().stdout).expect("JSON");
+        let once = host_sim("campaign two-goals --seeds 2 --json").output().expect("it runs");
+        assert_eq!(report, serde_json::from_slice::<Value>(&once.stdout).expect("JSON"));
+    }
+}
+
+#[test]
+fn output_that_is_not_read_to_its_end_is_no_error() {
+    let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin!("host-sim"));
+    command
+        .args(["factory", "--json"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped());
+    let mut child = command.spawn().expect("it starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), ""));
+}

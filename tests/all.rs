@@ -1,0 +1,29 @@
+//! What crosses crates, linked once: one file is one module.
+//!
+//! `cargo test -p tests --test all` runs everything, `cargo test -p tests --test all safety::` one file.
+
+mod algorithm_1;
+mod benchmarks;
+mod beyond;
+mod budgets;
+mod campaign;
+mod choices;
+mod documentation;
+mod emulated;
+mod frames;
+#[path = "inference/main.rs"]
+mod inference;
+mod learning;
+mod manipulation;
+mod navigation;
+// The path makes the modules in it lie beside it, not in a folder of its name.
+#[path = "notebook.rs"]
+mod notebook;
+mod paper;
+mod rejected_models;
+mod safety;
+mod scenarios;
+#[path = "tasks.rs"]
+mod tasks;
+mod tree_files;
+mod trees;
