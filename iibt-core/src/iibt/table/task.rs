@@ -1,7 +1,9 @@
 //! The task that tables describe: the lines of Algorithm 1.
 
 use super::announcement::Announcement;
-use super::definition::{Aim, Fact, Holds, MAX_SENSORS, Operator, Postcondition, Role, Tables, Wish};
+use super::definition::{
+    Aim, Fact, HiddenFactor, Holds, MAX_SENSORS, Operator, Postcondition, Role, Tables, Wish,
+};
 use super::error::TablesError;
 use super::model::{Question, prior, track};
 use crate::iibt::{Condition, Literal, Logic, Task};
@@ -193,10 +195,10 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
     /// q of one hidden factor.
     #[must_use]
     pub fn belief(&self, factor: usize) -> &[f32] {
-        let sizes = self.role.factors.iter().map(|factor| factor.states.len());
-        let from: usize = sizes.clone().take(factor).sum();
-        let until = from + sizes.skip(factor).next().unwrap_or(0);
-        self.beliefs.as_flat().get(from..until).unwrap_or(&[])
+        let (before, from) = self.role.factors.split_at_checked(factor).unwrap_or_default();
+        let count = |factors: &[HiddenFactor<'_>]| factors.iter().map(|factor| factor.states.len()).sum();
+        let (start, states): (usize, usize) = (count(before), count(from.get(..1).unwrap_or_default()));
+        self.beliefs.as_flat().get(start..start + states).unwrap_or(&[])
     }
 
     /// q(s) of the semantic states: what the factors amount to.
@@ -463,7 +465,7 @@ fn operator_of(tables: &Tables<'_>, policy: u16, robot: usize) -> u8 {
 
 /// Whether a role has all that an announcement names.
 fn is_of(said: &Announcement, role: &Role<'_>) -> bool {
-    let known = |(number, factor): (usize, &super::HiddenFactor<'_>)| {
+    let known = |(number, factor): (usize, &HiddenFactor<'_>)| {
         said.state(number).is_none_or(|state| usize::from(state) < factor.states.len())
     };
     usize::from(said.operator()) < role.operators.len() && role.factors.iter().enumerate().all(known)
