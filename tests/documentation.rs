@@ -3,17 +3,21 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const DOCUMENTS: [&str; 10] = [
+const DOCUMENTS: [&str; 14] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
     "docs/inference.md",
     "docs/notebook.md",
     "docs/paper.md",
+    "docs/symbols.md",
     "docs/trees.md",
+    "docs/your-robot.md",
+    "firmware/README.md",
     "host-sim/scenarios/README.md",
     "host-sim/tasks/README.md",
     "host-sim/trees/README.md",
+    "iibt-core/README.md",
 ];
 
 fn root() -> PathBuf {
@@ -105,4 +109,20 @@ fn every_statement_about_the_paper_names_its_test() {
         assert!(quoted(last).iter().any(|word| is_sentence(word)), "row {index} names no test: {row}");
     }
     assert!(rows.len() > 50, "only {} rows: are they still found?", rows.len());
+}
+
+/// What docs/your-robot.md shows is what is built for the chip and flown, and all of that is shown.
+#[test]
+fn a_robot_of_your_own_is_the_one_that_is_flown() {
+    let document = read(&root().join("docs/your-robot.md"));
+    let blocks: Vec<_> =
+        document.split("```rust\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    let [robot, flight] =
+        ["firmware/examples/airlock.rs", "host-sim/tests/airlock.rs"].map(|file| read(&root().join(file)));
+    let mut shown = 0;
+    for block in blocks {
+        assert!(robot.contains(block) || flight.contains(block), "it is not flown: {block}");
+        shown += if robot.contains(block) { block.lines().count() } else { 0 };
+    }
+    assert!(shown + 15 > robot.lines().filter(|line| !line.is_empty()).count(), "{shown} lines are shown");
 }

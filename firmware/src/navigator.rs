@@ -19,6 +19,16 @@ enum Skill {
     MoveToGoal,
 }
 
+impl Skill {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::BatteryEnough => "BatteryEnough",
+            Self::Recharge => "Recharge",
+            Self::MoveToGoal => "MoveToGoal",
+        }
+    }
+}
+
 /// How many nodes the tree has.
 const NODES: usize = 5;
 
@@ -119,17 +129,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigator<'m, S, W, P> 
     /// The leaf of the tree that is running since the last tick.
     #[must_use]
     pub fn activity(&self) -> Option<&'static str> {
-        let running = (0..NODES as u16).filter(|&node| self.memory.is_running(node));
-        running.filter_map(name).next()
-    }
-}
-
-/// What the action or inference node in row `node` of the tree does; `None` for the other nodes.
-const fn name(node: u16) -> Option<&'static str> {
-    match node {
-        3 => Some("Recharge"),
-        4 => Some("MoveToGoal"),
-        _ => None,
+        TREE.running(&self.memory).map(|skill| skill.name())
     }
 }
 
@@ -204,10 +204,6 @@ impl<const S: usize, const W: usize, const P: usize> Ticking<'_, '_, S, W, P> {
 impl<const S: usize, const W: usize, const P: usize> Leaves<Skill> for Ticking<'_, '_, S, W, P> {
     fn condition(&mut self, leaf: &Skill, _: Instant) -> bool {
         *leaf == Skill::BatteryEnough && self.skills.charge >= self.skills.thresholds.low
-    }
-
-    fn on_start(&mut self, leaf: &Skill, now: Instant) -> Status {
-        self.on_running(leaf, now)
     }
 
     fn on_running(&mut self, leaf: &Skill, now: Instant) -> Status {

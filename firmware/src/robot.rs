@@ -62,9 +62,6 @@ use iibt_core::tree::Status;
 ///             Leaf::Light => false,
 ///         }
 ///     }
-///     fn on_start(&mut self, leaf: &Leaf, now: Instant) -> Status {
-///         self.on_running(leaf, now)
-///     }
 ///     fn on_running(&mut self, _: &Leaf, _: Instant) -> Status {
 ///         self.lit = true;
 ///         Status::Running

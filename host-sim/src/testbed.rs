@@ -4,6 +4,7 @@ use crate::body::{Antenna, Clock};
 use crate::radio::{KEY, Radio, Traffic};
 use crate::scenario;
 use firmware::{Controller, Robot, Settings, hardware};
+use iibt_core::grid::{Cell, Move};
 use iibt_core::team::{Member, MemberError, RobotId};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
@@ -11,8 +12,8 @@ use std::num::NonZero;
 
 /// The hardware of one simulated robot: an end of the radio, a clock, and parts of any kind.
 ///
-/// The parts are sensors and actuators as the world fills and reads them. Implement the hardware traits that a
-/// robot asks for on `Simulated` with the parts of its kind.
+/// The parts are sensors and actuators as the world fills and reads them. Implement the firmware's hardware
+/// traits that a robot asks for on the parts, and traits of your own on `Simulated` with parts of that kind.
 #[derive(Debug, Default)]
 pub struct Simulated<T> {
     /// Sensors and actuators.
@@ -33,6 +34,36 @@ impl<T> hardware::Link for Simulated<T> {
 impl<T> hardware::Clock for Simulated<T> {
     fn now(&mut self) -> Instant {
         self.clock.now()
+    }
+}
+
+impl<T: hardware::Drive> hardware::Drive for Simulated<T> {
+    fn go(&mut self, step: Move) {
+        self.parts.go(step);
+    }
+    fn is_moving(&mut self) -> bool {
+        self.parts.is_moving()
+    }
+    fn stop(&mut self) {
+        self.parts.stop();
+    }
+}
+
+impl<T: hardware::Localiser> hardware::Localiser for Simulated<T> {
+    fn locate(&mut self) -> Option<Cell> {
+        self.parts.locate()
+    }
+}
+
+impl<T: hardware::Scanner> hardware::Scanner for Simulated<T> {
+    fn scan(&mut self) -> Option<Cell> {
+        self.parts.scan()
+    }
+}
+
+impl<T: hardware::Battery> hardware::Battery for Simulated<T> {
+    fn charge(&mut self) -> u8 {
+        self.parts.charge()
     }
 }
 

@@ -117,6 +117,12 @@ impl Actions {
         self.bytes().iter().fold(0, |most, byte| most.max(byte & 0xf).max(byte >> 4))
     }
 
+    /// Adds the bits of all action codes, two codes a byte, to `bits`: these are no less than the largest code.
+    #[inline]
+    pub(crate) fn gather_bits(&self, bits: &mut [u8; BYTES]) {
+        bits.iter_mut().zip(&self.packed).for_each(|(bits, codes)| *bits |= codes);
+    }
+
     fn bytes(&self) -> &[u8] {
         self.packed.get(..self.len().div_ceil(2)).unwrap_or(&[])
     }

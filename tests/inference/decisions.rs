@@ -2,8 +2,8 @@
 
 use super::{Room, Trial, close, for_seeds, marginals};
 use iibt_core::inference::{
-    Agent, Beliefs, Candidates, Evaluation, Factor, Gain, Habits, IdentityNoise, Likelihood, Modality, Model,
-    NextState, Policy, PreferenceTiming, Problem, Scoring, Shape, Terms, Transition, policy,
+    Agent, Beliefs, Candidates, Evaluation, Factor, Gain, Likelihood, Modality, Model, Policy,
+    PreferenceTiming, Problem, Scoring, Shape, Terms, Transition, policy,
 };
 use tests::oracle::decision::Decision;
 use tests::oracle::description::Description;
@@ -297,23 +297,4 @@ fn an_agent_decides_as_brute_force_does_with_habits_and_announcements() {
             });
         });
     });
-}
-
-/// One control, two policies that are worth the same: the habit alone decides, and the second is as good as any.
-#[test]
-fn a_habit_decides_between_policies_that_are_worth_the_same() {
-    static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 2);
-    static STAY: NextState = NextState::new(&[0, 1, 0, 1], 2);
-    static FACTORS: [Factor; 1] = [Factor::new(&STAY, STAY.shape(), &[0.5, 0.5])];
-    static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[1.0, 0.0])];
-    static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
-    static POLICIES: [Policy; 2] = [Policy::of(&[0]), Policy::of(&[1])];
-    let lists: [&[Policy]; 1] = [&POLICIES];
-    let mut agent = iibt_core::agent!(MODEL, 2);
-    for habits in [Habits::Joint(&[0.0, 1.0]), Habits::PerSequence(&[&[0.0, 1.0]])] {
-        let decision = agent.decide(Candidates::all(&lists).with_habits(habits)).expect("it fits");
-        assert_eq!(decision.policy(), 1);
-        // softmax(0, 1)
-        assert!((decision.probability() - 0.731_058_6).abs() < 1e-5, "{}", decision.probability());
-    }
 }

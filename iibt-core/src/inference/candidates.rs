@@ -3,6 +3,7 @@
 use super::error::{Argument, OutOfRange, at_most, below, exactly};
 use super::model::{MAX_FACTORS, Model};
 use super::policy::Policy;
+use crate::actions::BYTES;
 
 /// Joint policies: one action sequence for each control of a model.
 ///
@@ -238,10 +239,7 @@ impl Candidates<'_> {
         for (control, list) in self.sequences.iter().enumerate().filter(|(_, list)| !list.is_empty()) {
             below(Argument::Control, 0, control, model.controls())?;
             at_most(Argument::Sequences, control, list.len(), Self::MOST)?;
-            let actions = model.actions(control);
-            for policy in list.iter().filter(|policy| !policy.is_empty()) {
-                below(Argument::Action, control, policy.largest().into(), actions)?;
-            }
+            check_actions(list, control, model.actions(control))?;
         }
         self.check_rows()?;
         self.check_habits()?;
@@ -288,4 +286,17 @@ impl Candidates<'_> {
         let combinations = controls.fold(1, |all: usize, control| all.saturating_mul(self.choices(control)));
         at_most(Argument::Combinations, group, combinations, u32::MAX as usize - 1)
     }
+}
+
+/// Whether a control has all actions of its sequences.
+fn check_actions(list: &[Policy], control: usize, actions: usize) -> Result<(), OutOfRange> {
+    // The bits of all codes together are no less than any of the codes: mostly one look at them is enough.
+    let mut bits = [0; BYTES];
+    list.iter().for_each(|policy| policy.gather_bits(&mut bits));
+    let together = bits.iter().fold(0, |all, byte| all | byte);
+    if usize::from((together | together >> 4) & 0xf) < actions {
+        return Ok(());
+    }
+    let mut sequences = list.iter().filter(|policy| !policy.is_empty());
+    sequences.try_for_each(|policy| below(Argument::Action, control, policy.largest().into(), actions))
 }

@@ -293,8 +293,8 @@ impl<'a> Model<'a> {
     /// The same for the first modalities of the model, one after the other.
     pub(super) fn check_all_evidence(&self, evidence: &[Evidence]) -> Result<(), OutOfRange> {
         at_most(Argument::Evidence, 0, evidence.len(), self.modalities.len())?;
-        let pairs = self.modalities.iter().zip(evidence).enumerate();
-        pairs.map(|(number, (of, evidence))| evidence.check(number, of.shape().values())).collect()
+        let mut pairs = self.modalities.iter().zip(evidence).enumerate();
+        pairs.try_for_each(|(number, (of, evidence))| evidence.check(number, of.shape().values()))
     }
 
     /// D of one factor.

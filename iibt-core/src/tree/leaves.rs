@@ -72,9 +72,11 @@ pub trait Leaves<L> {
     /// Whether a condition holds now.
     fn condition(&mut self, leaf: &L, now: Instant) -> bool;
 
-    /// Starts an action: its first tick.
+    /// Starts an action: its first tick, by default like every later one.
     #[doc(alias("onStart", "initialise", "setup"))]
-    fn on_start(&mut self, leaf: &L, now: Instant) -> Status;
+    fn on_start(&mut self, leaf: &L, now: Instant) -> Status {
+        self.on_running(leaf, now)
+    }
 
     /// Continues an action that returned [`Status::Running`] when it was last ticked.
     #[doc(alias("onRunning", "update"))]

@@ -49,8 +49,11 @@ pub struct Decision {
 impl Decision {
     pub(super) fn new(candidates: &Candidates, controls: usize, policy: usize, probability: f32) -> Self {
         let sequences = candidates.row(policy);
-        let first = |control| candidates.policy(control, sequences.get(control)).get(0);
-        Self { policy, probability, sequences, first: core::array::from_fn(first), controls }
+        let mut first = [None; MAX_FACTORS];
+        for (control, action) in first.iter_mut().enumerate().take(controls) {
+            *action = candidates.policy(control, sequences.get(control)).get(0);
+        }
+        Self { policy, probability, sequences, first, controls }
     }
 
     /// The number of the most probable joint policy; the first of equals.
