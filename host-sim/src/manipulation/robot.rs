@@ -92,8 +92,9 @@ impl Ticking<'_, '_> {
         !self.percept.busy && self.task.sure(PLACE.into()) == Some(place.into())
     }
 
-    /// The plain leaf MoveTo(place). It leaves for the meeting place when, in turn, the teammate has its object too; it fails
-    /// when the robot is sure to have nothing to bring there, so that the tree begins again.
+    /// The plain leaf MoveTo(place). It leaves for the meeting place when, in turn, the teammate
+    /// has its object too; it fails when the robot is sure to have nothing to bring there, so that
+    /// the tree begins again.
     fn go(&mut self, place: u8) -> Status {
         if !self.task.is_settled() {
             return Status::Running;

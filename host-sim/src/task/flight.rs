@@ -29,7 +29,8 @@ pub struct Operated {
     pub operator: u8,
     /// Where it leads, if that is a target.
     pub target: Option<u8>,
-    /// The joint policy by which it was chosen and that policy's posterior probability; `None` for a plain leaf.
+    /// The joint policy by which it was chosen and that policy's posterior probability; `None` for
+    /// a plain leaf.
     pub policy: Option<(u16, f32)>,
 }
 
@@ -73,8 +74,8 @@ impl<'t, R: Worker<'t>> Flight<'t, R> {
         Ok(Self { world, statuses, tick: 0, testbed, operated: Vec::new() })
     }
 
-    /// Flies until `done` holds of the trees' statuses, or for `limit` ticks; `watch` sees the flight after every tick, before the
-    /// world moves on.
+    /// Flies until `done` holds of the trees' statuses, or for `limit` ticks; `watch` sees the
+    /// flight after every tick, before the world moves on.
     pub(crate) fn fly(
         mut self,
         limit: u32,

@@ -26,7 +26,8 @@ macro_rules! each {
     };
 }
 
-/// Returns the flaw of a row if there is one: a condition and what it means, or what a check of part of the row found.
+/// Returns the flaw of a row if there is one: a condition and what it means, or what a check of
+/// part of the row found.
 macro_rules! refuse {
     ($wrong:expr, $at:expr, $reason:expr) => {
         if $wrong {
@@ -40,7 +41,8 @@ macro_rules! refuse {
     };
 }
 
-/// The first table of a role with a flaw, as an error. A table is looked at when those that it refers to fit.
+/// The first table of a role with a flaw, as an error. A table is looked at when those that it
+/// refers to fit.
 macro_rules! first_flaw {
     ($number:expr, $($table:literal: $flaw:expr),+ $(,)?) => {{
         $(if let Some((row, reason)) = $flaw {

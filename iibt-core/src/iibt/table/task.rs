@@ -56,8 +56,8 @@ pub struct Wanted<const S: usize, const N: usize> {
     pub target: Option<u8>,
 }
 
-/// The candidates of a decision: all operators of all robots, less what teammates have excluded by announcing
-/// another.
+/// The candidates of a decision: all operators of all robots, less what teammates have excluded by
+/// announcing another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offered<const N: usize> {
     target: Option<u8>,
@@ -81,8 +81,8 @@ pub struct JointDecision<const S: usize, const N: usize, const P: usize> {
 /// A robot's part of a task written as tables.
 ///
 /// `S`, `N` and `P` are the [`states`](Tables::states), [`robots`](Tables::robots) and
-/// [`policies`](Tables::policies) of the tables, or more. `M` is what the robots tell each other: the
-/// [`Announcement`], or a message of one's own that has one in it.
+/// [`policies`](Tables::policies) of the tables, or more. `M` is what the robots tell each other:
+/// the [`Announcement`], or a message of one's own that has one in it.
 #[derive(Clone, Debug)]
 pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, M = Announcement> {
     tables: &'a Tables<'a>,
@@ -106,7 +106,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
     /// Robot `robot` of the team at the start of the task, with its first aim.
     ///
     /// # Errors
-    /// [`TablesError`] when the tables have no such role, or need more room than `S`, `N` and `P` give.
+    /// [`TablesError`] when the tables have no such role, or need more room than `S`, `N` and `P`
+    /// give.
     pub fn new(tables: &'a Tables<'a>, robot: RobotId) -> Result<Self, TablesError> {
         let role = tables.role(robot.index());
         let role = role.ok_or(TablesError::of_team("roles", "there is none for this robot"))?;
@@ -177,7 +178,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
         operator_of(self.tables, policy, self.own)
     }
 
-    /// The state of a factor that is probable enough to be acted on; `None` while an operator is under way.
+    /// The state of a factor that is probable enough to be acted on; `None` while an operator is
+    /// under way.
     #[must_use]
     pub fn sure(&self, factor: usize) -> Option<usize> {
         let belief = self.belief(factor);
@@ -326,7 +328,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
         }
     }
 
-    /// The best of the joint policies in which the teammates do what they announced; the first of equals.
+    /// The best of the joint policies in which the teammates do what they announced; the first of
+    /// equals.
     fn best(&self, posterior: &[f32; P], announced: &[Option<u8>; N]) -> Option<u16> {
         let mut best: Option<(u16, f32)> = None;
         for (policy, &p) in (0..).zip(posterior.iter().take(self.tables.policies())) {
