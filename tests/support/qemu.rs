@@ -161,7 +161,7 @@ impl Robot {
     /// When QEMU ends or the robot is silent before the frame is whole.
     pub fn receive(&mut self) -> Vec<u8> {
         let mut frame = Vec::new();
-        while frame.last() != Some(&0) {
+        while frame.len() < 2 || frame.last() != Some(&0) {
             let mut byte = [0];
             if let Err(error) = self.link.read_exact(&mut byte) {
                 panic!("no frame ({error}) after {frame:02x?}; the robot logged {:#?}", self.seen)
