@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const DOCUMENTS: [&str; 13] = [
+const DOCUMENTS: [&str; 14] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -15,6 +15,7 @@ const DOCUMENTS: [&str; 13] = [
     "docs/your-robot.md",
     "firmware/README.md",
     "host-sim/scenarios/README.md",
+    "host-sim/tasks/README.md",
     "host-sim/trees/README.md",
     "iibt-core/README.md",
 ];

@@ -79,6 +79,17 @@ fn a_flight_repeats_with_its_seed_and_is_told() {
     assert!(told.contains("All goals are reached: "), "{told}");
 }
 
+#[test]
+fn the_example_of_the_readme_opens_its_door() {
+    let readme = include_str!("../host-sim/tasks/README.md");
+    let text = readme.split("```toml").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
+    let arena = Bump::new();
+    let door = TableMission::parse(&arena, "door.toml", text).expect("it is sound");
+    for seed in 0..50 {
+        assert!(door.fly(seed, Trouble::default()).expect("it fits").success, "seed {seed}");
+    }
+}
+
 /// What is said about a task file in which `from` is replaced by `to`.
 fn refusal(name: &str, from: &str, to: &str) -> String {
     let text = text(name);
@@ -141,7 +152,7 @@ fn what_is_wrong_is_said_with_line_and_column() {
     let said = refusal("bottle-and-plate", "target = \"goal A\"", "target = \"goal D\"");
     assert!(said.contains("there is no state \"goal D\": there are elsewhere, goal A"), "{said}");
     let said = refusal("bottle-and-plate", "\"failure\", \"success\",", "\"failure\",");
-    assert!(said.contains("the table does not have an entry per combination of states"), "{said}");
+    assert!(said.contains("the table lacks an entry per combination of states"), "{said}");
 }
 
 #[rustfmt::skip]
@@ -169,4 +180,31 @@ fn exported_tables_are_those_of_the_file_and_what_export_writes() {
         let kept = std::fs::read_to_string(&path).expect("the exported source");
         assert!(task.to_rust() == kept, "{}: write it again with `host-sim export`", path.display());
     }
+}
+
+#[test]
+fn exported_tables_compile_for_the_chip() {
+    use std::path::Path;
+    use std::process::Command;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().expect("the workspace");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tables");
+    std::fs::create_dir_all(folder.join("src")).expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("a file");
+    let core = root.join("iibt-core");
+    let dependency = format!("[dependencies]\niibt-core = {{ path = {core:?} }}\n");
+    let package = "[package]\nname = \"tables\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[workspace]\n\n";
+    write("Cargo.toml", &(package.to_owned() + &dependency));
+    write("src/lib.rs", "#![no_std]\npub mod bottle_and_plate;\npub mod valves;\n");
+    let arena = Bump::new();
+    write("src/bottle_and_plate.rs", &mission(&arena, "bottle-and-plate").to_rust());
+    write("src/valves.rs", &mission(&arena, "valves").to_rust());
+    std::fs::copy(root.join("Cargo.lock"), folder.join("Cargo.lock")).expect("the lock file");
+    let output = Command::new(env!("CARGO"))
+        .args(["check", "--offline", "--target", "thumbv7em-none-eabihf", "--target-dir"])
+        .arg(folder.join("target"))
+        .current_dir(&folder)
+        .env("RUSTFLAGS", "-D warnings")
+        .output()
+        .expect("cargo");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }

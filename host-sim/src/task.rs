@@ -16,6 +16,7 @@ mod flight;
 mod mission;
 mod read;
 mod station;
+mod values;
 mod world;
 
 pub use campaign::{LEVELS, Level, level_table};

@@ -116,6 +116,7 @@ fn play() {
             closed[number] = closed[number].or(robot.is_closed().then_some(tick));
         }
     }
+    show!("the inlet is closed at tick {:?}, the outlet at tick {:?}", closed[0], closed[1]);
     assert_eq!(statuses, [Status::Success; 2]);
     assert_eq!(robots.map(|robot| robot.turns), [2, 1], "R1 turns again what stuck");
     assert!(closed[0] < closed[1], "the inlet is closed before the outlet: {closed:?}");

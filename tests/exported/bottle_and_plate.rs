@@ -16,8 +16,8 @@ pub static TABLES: Tables = Tables::new(&[
         ],
         states: Labels { names: &["loc", "hold", "place", "free"], factors: &[1, 0], table: &[3, 0, 3, 3, 1, 1, 1, 1, 2, 2, 2, 2] },
         sensors: &[
-            Sensor { name: "localiser", reads: Reads::Factor(0), accuracy: Accuracy::Even(0.9230769) },
-            Sensor { name: "state", reads: Reads::State, accuracy: Accuracy::Even(0.9230769) },
+            Sensor { name: "localiser", reads: Reads::Factor(0), accuracy: Accuracy::Even(0.92307687) },
+            Sensor { name: "state", reads: Reads::State, accuracy: Accuracy::Even(0.92307687) },
         ],
         operators: &[
             Operator { name: "moveTo", requires: &[6], forbids: &[3], brings: Postcondition::Reset(0, 1.0, 3), effects: &[Effect { given: &[], factor: 0, to: To::Target }], success: 0.9, habit: 0.0 },
@@ -49,8 +49,8 @@ pub static TABLES: Tables = Tables::new(&[
             Remedy { missing: Literal { variable: 9, value: true }, state: 3, raise: Raise::AboveAll, target: None },
         ],
         aims: &[
-            Aim { name: "hold", done: &[5], preference: &[0.0, 1.0, 0.0, 0.0], teammates: Wish::Rows(&[&[0.0, 0.0, 0.0, 0.0], &[0.0, 0.0, 0.0, 1.0]]), target: Some(1) },
-            Aim { name: "place", done: &[4], preference: &[0.0, 0.0, 1.0, 0.0], teammates: Wish::Rows(&[&[0.0, 0.0, 0.0, 0.0], &[0.0, 0.0, 0.0, 1.0]]), target: Some(3) },
+            Aim { name: "hold", done: &[5], preference: &[0.0, 1.0, 0.0, 0.0], teammates: Wish::Rows(&[&[], &[0.0, 0.0, 0.0, 1.0]]), target: Some(1) },
+            Aim { name: "place", done: &[4], preference: &[0.0, 0.0, 1.0, 0.0], teammates: Wish::Rows(&[&[], &[0.0, 0.0, 0.0, 1.0]]), target: Some(3) },
         ],
         outcome: Some(JointOutcome { names: &["null", "success", "failure"], preference: &[0.0, 1.0, 0.0], table: &[0, 0, 0, 0, 0, 0, 0, 0, 2, 2, 2, 1, 0, 0, 0, 0], possible: Some(2) }),
     },
@@ -62,8 +62,8 @@ pub static TABLES: Tables = Tables::new(&[
         ],
         states: Labels { names: &["loc", "hold", "place", "free"], factors: &[1, 0], table: &[3, 3, 0, 3, 1, 1, 1, 1, 2, 2, 2, 2] },
         sensors: &[
-            Sensor { name: "localiser", reads: Reads::Factor(0), accuracy: Accuracy::Even(0.9230769) },
-            Sensor { name: "state", reads: Reads::State, accuracy: Accuracy::Even(0.9230769) },
+            Sensor { name: "localiser", reads: Reads::Factor(0), accuracy: Accuracy::Even(0.92307687) },
+            Sensor { name: "state", reads: Reads::State, accuracy: Accuracy::Even(0.92307687) },
         ],
         operators: &[
             Operator { name: "moveTo", requires: &[6, 7], forbids: &[3], brings: Postcondition::Reset(0, 1.0, 3), effects: &[Effect { given: &[], factor: 0, to: To::Target }], success: 0.9, habit: 0.0 },
@@ -95,8 +95,8 @@ pub static TABLES: Tables = Tables::new(&[
             Remedy { missing: Literal { variable: 9, value: true }, state: 3, raise: Raise::AboveAll, target: None },
         ],
         aims: &[
-            Aim { name: "hold", done: &[5], preference: &[0.0, 1.0, 0.0, 0.0], teammates: Wish::Rows(&[&[0.0, 0.0, 0.0, 1.0], &[0.0, 0.0, 0.0, 0.0]]), target: Some(2) },
-            Aim { name: "bring", done: &[2, 0], preference: &[1.0, 0.0, 0.0, 0.0], teammates: Wish::Rows(&[&[0.0, 0.0, 0.0, 1.0], &[0.0, 0.0, 0.0, 0.0]]), target: Some(3) },
+            Aim { name: "hold", done: &[5], preference: &[0.0, 1.0, 0.0, 0.0], teammates: Wish::Rows(&[&[0.0, 0.0, 0.0, 1.0], &[]]), target: Some(2) },
+            Aim { name: "bring", done: &[2, 0], preference: &[1.0, 0.0, 0.0, 0.0], teammates: Wish::Rows(&[&[0.0, 0.0, 0.0, 1.0], &[]]), target: Some(3) },
         ],
         outcome: None,
     },

@@ -57,7 +57,7 @@ impl Robot<Station> for Conventional<'_> {
     type Message = Announcement;
 
     fn sense(&mut self, station: &mut Station, _: Instant) {
-        self.skills.percept = station.percept;
+        self.skills.percept = station.parts.percept;
     }
 
     fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
@@ -72,7 +72,7 @@ impl Robot<Station> for Conventional<'_> {
     }
 
     fn act(&mut self, station: &mut Station) {
-        station.command = self.skills.command;
+        station.parts.command = self.skills.command;
     }
 
     fn message(&self) -> Announcement {

@@ -53,7 +53,7 @@ impl Robot<Station> for Inferring<'_> {
     }
 
     fn sense(&mut self, station: &mut Station, _: Instant) {
-        self.percept = station.percept;
+        self.percept = station.parts.percept;
     }
 
     fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
@@ -64,7 +64,7 @@ impl Robot<Station> for Inferring<'_> {
     }
 
     fn act(&mut self, station: &mut Station) {
-        station.command = self.task.command();
+        station.parts.command = self.task.command();
     }
 
     fn message(&self) -> Announcement {
@@ -92,8 +92,9 @@ impl Ticking<'_, '_> {
         !self.percept.busy && self.task.sure(PLACE.into()) == Some(place.into())
     }
 
-    /// The plain leaf MoveTo(place). It leaves for the meeting place when, in turn, the teammate has its object too; it fails
-    /// when the robot is sure to have nothing to bring there, so that the tree begins again.
+    /// The plain leaf MoveTo(place). It leaves for the meeting place when, in turn, the teammate
+    /// has its object too; it fails when the robot is sure to have nothing to bring there, so that
+    /// the tree begins again.
     fn go(&mut self, place: u8) -> Status {
         if !self.task.is_settled() {
             return Status::Running;

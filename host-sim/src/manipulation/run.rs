@@ -187,15 +187,16 @@ impl<'t> Worker<'t> for Hand<'t> {
 fn noted<'t>(flight: &Flight<'t, Hand<'t>>) -> Tick {
     let world = &flight.world;
     let robots = [0, 1].map(|index| {
-        let (controller, place) = (&flight.robots[index], world.state(index, PLACE.into()));
-        let [read_place, read_state, ..] = controller.hardware().percept.readings;
+        let (robot, place) = (flight.robots().nth(index), world.state(index, PLACE.into()));
+        let parts = flight.parts(index);
+        let [read_place, read_state, ..] = parts.percept.readings;
         RobotTick {
             place: place_name(place),
             state: state_name(world.semantic(index)),
             reading: read_place
                 .zip(read_state)
                 .map(|(place, state)| [place_name(place.into()), state_name(state.into())]),
-            begins: flight.command(index).map(|command| {
+            begins: parts.command.map(|command| {
                 let at = command.target.map_or(place, usize::from);
                 [operator_name(command.operator), place_name(at)]
             }),
@@ -204,8 +205,8 @@ fn noted<'t>(flight: &Flight<'t, Hand<'t>>) -> Tick {
                 Status::Failure => "failure",
                 Status::Running | Status::Skipped => "running",
             },
-            leaf: controller.robot().running().map(Skill::name),
-            thought: controller.robot().thought(),
+            leaf: robot.and_then(Hand::running).map(Skill::name),
+            thought: robot.and_then(Hand::thought),
         }
     });
     let [bottle, plate] =

@@ -69,14 +69,15 @@ const PEER_HOLDS: u8 = 9;
 const STATES: [&str; 4] = ["loc", "hold", "place", "free"];
 const FREED: &[f32] = &[0.0, 0.0, 0.0, 1.0];
 
-/// Equation 8 with its columns normalised: 0.9 of 0.975. As printed they sum to 0.975 and are no distributions.
+/// Equation 8 with its columns normalised: 0.9 of 0.975. As printed they sum to 0.975 and are no
+/// distributions.
 pub const SENSOR: f32 = 0.9 / 0.975;
 
 /// How likely an action is taken to succeed, when a robot works out what came of it.
 const RELIABILITY: f32 = 0.9;
 
-/// f_L: every precondition that is missing is wanted above all else, l = max(C) + 1. Nothing that a robot can do makes its
-/// teammate free or ready, so it wants to be free itself until then.
+/// f_L: every precondition that is missing is wanted above all else, l = max(C) + 1. Nothing that a
+/// robot can do makes its teammate free or ready, so it wants to be free itself until then.
 const fn above_all(variable: u8, state: u8, target: Option<u8>) -> Remedy {
     Remedy { missing: Literal { variable, value: true }, state, raise: Raise::AboveAll, target }
 }
@@ -91,7 +92,8 @@ const fn aim(
     Aim { name, done, preference, teammates, target: Some(target) }
 }
 
-/// A robot that takes its object from `source`, acts when the facts `turn` hold, and can place it by `places`.
+/// A robot that takes its object from `source`, acts when the facts `turn` hold, and can place it
+/// by `places`.
 macro_rules! role {
     ($name:literal, $source:expr, $peer:expr, $turn:tt, $labels:expr, $places:expr, $outcome:expr, $wish:expr) => {
         Role {
@@ -210,7 +212,8 @@ const ON_PLATE: &[Effect] = &[Effect {
     to: To::State(PLACED),
 }];
 
-/// The result (equation 9): null, success when robot 0 has placed and robot 1 has kept still, failure when that has not.
+/// The result (equation 9): null, success when robot 0 has placed and robot 1 has kept still,
+/// failure when that has not.
 const RESULT: Option<JointOutcome> = Some(JointOutcome {
     names: &["null", "success", "failure"],
     preference: &[0.0, 1.0, 0.0],
@@ -218,12 +221,15 @@ const RESULT: Option<JointOutcome> = Some(JointOutcome {
     possible: Some(PUT_DOWN),
 });
 
-const STAY_FREE: Wish = Wish::Rows(&[FREED, FREED]);
+/// The teammate is to be free.
+const FREE_R1: Wish = Wish::Rows(&[FREED, &[]]);
+const FREE_R2: Wish = Wish::Rows(&[&[], FREED]);
 
-/// One after the other, as published: robot 0 is to be free and to have its bottle before robot 1 begins.
+/// One after the other, as published: robot 0 is to be free and to have its bottle before robot 1
+/// begins.
 pub const IN_TURN: [Role; TEAM] = [
-    role!("R1", GOAL_A, 1, [PEER_IDLE], BOTTLE, ON_PLATE, RESULT, STAY_FREE),
-    role!("R2", GOAL_B, 0, [PEER_IDLE, PEER_HAS], PLATE, &[], None, STAY_FREE),
+    role!("R1", GOAL_A, 1, [PEER_IDLE], BOTTLE, ON_PLATE, RESULT, FREE_R2),
+    role!("R2", GOAL_B, 0, [PEER_IDLE, PEER_HAS], PLATE, &[], None, FREE_R1),
 ];
 
 /// Both fetch at once.
@@ -247,7 +253,8 @@ pub enum Order {
 pub struct Preset {
     /// How likely a reading is right; each of the others has an equal share of the rest.
     pub sensor: f32,
-    /// How likely an action is taken to bring its state about when policies are compared; else the robot is free.
+    /// How likely an action is taken to bring its state about when policies are compared; else the
+    /// robot is free.
     pub success: f32,
     /// γ, the precision.
     pub precision: f32,
@@ -257,7 +264,8 @@ impl Preset {
     /// Nothing tuned: actions are judged by what they bring about, and γ is one.
     pub const DEFAULT: Self = Self { sensor: SENSOR, success: 1.0, precision: 1.0 };
 
-    /// The reported probabilities to a thousandth. The pair of success and precision is one of several that give them.
+    /// The reported probabilities to a thousandth. The pair of success and precision is one of
+    /// several that give them.
     pub const CALIBRATED: Self = Self { success: 0.863, precision: 1.381, ..Self::DEFAULT };
 }
 

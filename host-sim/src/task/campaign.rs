@@ -27,8 +27,8 @@ pub struct Level {
 }
 
 impl TableMission<'_> {
-    /// Flies `seeds` seeds from zero on at every level, on as many threads as there are cores if that is left open; the figures do
-    /// not depend on how many.
+    /// Flies `seeds` seeds from zero on at every level, on as many threads as there are cores if
+    /// that is left open; the figures do not depend on how many.
     ///
     /// # Errors
     /// [`TaskError`] when the simulator has no room for the task.

@@ -9,7 +9,8 @@ use iibt_core::iibt::table::{
 use std::fmt::Debug;
 
 impl TableMission<'_> {
-    /// The tables as a module of Rust source, for a crate that depends on `iibt-core` and on nothing else.
+    /// The tables as a module of Rust source, for a crate that depends on `iibt-core` and on
+    /// nothing else.
     #[must_use]
     pub fn to_rust(&self) -> String {
         let title: String =

@@ -1,7 +1,11 @@
 //! From a task file as written to tables and truth, or the first thing that is wrong with it.
 
 use super::error::{Fault, TaskFileError};
-use super::file::{self, File, Number, Real, Text};
+use super::file::{self, File, Real, Text};
+use super::values::{
+    action_names, fact_names, factor_names, index, is_idle, real, share, state_names, states_of, target,
+    texts, unknown, whole,
+};
 use super::world::{Goal, Truth};
 use crate::scenario::Radio;
 use bumpalo::Bump;
@@ -12,7 +16,7 @@ use iibt_core::iibt::table::{
     Reads, Remedy, Role, Sensor, Tables, TablesError, To, Wish,
 };
 use std::collections::BTreeMap;
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 use toml::Spanned;
 
 /// A task that is flown: its tables, and what is true of the world beyond them.
@@ -49,7 +53,8 @@ struct Reader<'a, 'f> {
     file: &'f File,
 }
 
-type Read<T> = Result<T, Fault>;
+/// What is read, or the first thing that is wrong with it.
+pub(super) type Read<T> = Result<T, Fault>;
 
 impl<'a> Reader<'a, '_> {
     fn mission(&self, name: &str) -> Read<TableMission<'a>> {
@@ -246,26 +251,8 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn aim(&self, aim: &file::Aim, robot: &file::Robot) -> Read<Aim<'a>> {
-        let teammates = match &aim.wish {
-            None => Wish::AsAnnounced,
-            Some(wishes) => {
-                let mut rows: Vec<&'a [f32]> = Vec::new();
-                for other in &self.file.robots {
-                    let (other, none) = (other.get_ref(), BTreeMap::new());
-                    let wish = wishes.get(other.name.get_ref()).unwrap_or(&none);
-                    rows.push(self.preference(wish, &state_names(other), aim.name.span())?);
-                }
-                let known =
-                    |name: &&String| self.file.robots.iter().any(|of| of.get_ref().name.get_ref() == *name);
-                if let Some(name) = wishes.keys().find(|name| !known(name)) {
-                    return Err(Fault::new(
-                        aim.name.span(),
-                        format!("the aim wishes something of \"{name}\", which is no robot"),
-                    ));
-                }
-                Wish::Rows(self.arena.alloc_slice_copy(&rows))
-            }
-        };
+        let wish = |wishes| self.wishes(wishes, aim, robot);
+        let teammates = aim.wish.as_ref().map_or(Ok(Wish::AsAnnounced), wish)?;
         Ok(Aim {
             name: self.text(&aim.name),
             done: self.each(&aim.done, |fact| index("fact", fact, &fact_names(robot)))?,
@@ -273,6 +260,28 @@ impl<'a> Reader<'a, '_> {
             teammates,
             target: target(aim.target.as_ref(), robot)?,
         })
+    }
+
+    /// A row for each robot by its name; nothing for the own one, which is not read.
+    fn wishes(
+        &self,
+        wishes: &BTreeMap<String, BTreeMap<String, Real>>,
+        aim: &file::Aim,
+        own: &file::Robot,
+    ) -> Read<Wish<'a>> {
+        let own = own.name.get_ref();
+        let others = || self.file.robots.iter().map(Spanned::get_ref).filter(|of| of.name.get_ref() != own);
+        let unknown = |name: &&String| !others().any(|of| of.name.get_ref() == *name);
+        if let Some(name) = wishes.keys().find(unknown) {
+            let reason = format!("the aim wishes something of \"{name}\", which is no teammate");
+            return Err(Fault::new(aim.name.span(), reason));
+        }
+        let row = |of: &Spanned<file::Robot>| match wishes.get(of.get_ref().name.get_ref()) {
+            _ if of.get_ref().name.get_ref() == own => Ok(&[][..]),
+            Some(wish) => self.preference(wish, &state_names(of.get_ref()), aim.name.span()),
+            None => self.preference(&BTreeMap::new(), &state_names(of.get_ref()), aim.name.span()),
+        };
+        self.each(&self.file.robots, row).map(Wish::Rows)
     }
 
     fn outcome(&self, outcome: &file::Outcome, robot: &file::Robot) -> Read<JointOutcome<'a>> {
@@ -368,84 +377,4 @@ impl<'a> Reader<'a, '_> {
         let rows: Vec<T> = rows.iter().map(of).collect::<Result<_, _>>()?;
         Ok(self.arena.alloc_slice_copy(&rows))
     }
-}
-
-fn is_idle(action: &file::Action) -> bool {
-    action.needs.is_empty() && action.forbids.is_empty() && action.effects.is_empty()
-}
-
-fn texts(texts: &[Text]) -> Vec<&str> {
-    texts.iter().map(|text| text.get_ref().as_str()).collect()
-}
-
-fn factor_names(robot: &file::Robot) -> Vec<&str> {
-    robot.factors.iter().map(|factor| factor.get_ref().name.get_ref().as_str()).collect()
-}
-
-fn states_of(robot: &file::Robot, factor: u8) -> Vec<&str> {
-    robot.factors.get(usize::from(factor)).map_or(Vec::new(), |factor| texts(&factor.get_ref().states))
-}
-
-/// The semantic states.
-fn state_names(robot: &file::Robot) -> Vec<&str> {
-    match &robot.state {
-        Some(labels) => texts(&labels.get_ref().names),
-        None => states_of(robot, 0),
-    }
-}
-
-fn action_names(robot: &file::Robot) -> Vec<&str> {
-    robot.actions.iter().map(|action| action.get_ref().name.get_ref().as_str()).collect()
-}
-
-fn fact_names(robot: &file::Robot) -> Vec<&str> {
-    robot.facts.iter().map(|fact| fact.get_ref().name.get_ref().as_str()).collect()
-}
-
-/// A target: a state of the factor that some action leads to the target.
-fn target(name: Option<&Text>, robot: &file::Robot) -> Read<Option<u8>> {
-    let Some(name) = name else { return Ok(None) };
-    let effects = robot.actions.iter().flat_map(|action| &action.get_ref().effects);
-    let aimed = effects.filter(|effect| effect.to.get_ref() == "target").map(|effect| &effect.factor).next();
-    let Some(factor) = aimed else {
-        return Err(Fault::new(name.span(), "no effect leads to \"target\", so there is none to name"));
-    };
-    let factor = index("factor", factor, &factor_names(robot))?;
-    index("state", name, &states_of(robot, factor)).map(Some)
-}
-
-fn index(what: &str, name: &Text, names: &[&str]) -> Read<u8> {
-    let place = names.iter().position(|known| known == name.get_ref());
-    let place = place.and_then(|place| u8::try_from(place).ok());
-    place.ok_or_else(|| Fault::new(name.span(), unknown(what, name.get_ref(), names)))
-}
-
-fn unknown(what: &str, name: &str, names: &[&str]) -> String {
-    if names.is_empty() {
-        return format!("there is no {what} \"{name}\": there is none at all");
-    }
-    format!("there is no {what} \"{name}\": there are {}", names.join(", "))
-}
-
-fn whole(key: &str, number: Option<&Number>, range: RangeInclusive<u32>, usual: u32) -> Read<u32> {
-    let Some(number) = number else { return Ok(usual) };
-    let value = u32::try_from(*number.get_ref()).ok().filter(|value| range.contains(value));
-    value.ok_or_else(|| {
-        let (found, least, most) = (number.get_ref(), range.start(), range.end());
-        Fault::new(number.span(), format!("{key} = {found} is not between {least} and {most}"))
-    })
-}
-
-fn share(key: &str, number: Option<&Real>, usual: f64) -> Read<f64> {
-    real(key, number, 0.0..=1.0, usual)
-}
-
-fn real(key: &str, number: Option<&Real>, range: RangeInclusive<f64>, usual: f64) -> Read<f64> {
-    let Some(number) = number else { return Ok(usual) };
-    let value = *number.get_ref();
-    if range.contains(&value) {
-        return Ok(value);
-    }
-    let (least, most) = (range.start(), range.end());
-    Err(Fault::new(number.span(), format!("{key} = {value} is not between {least} and {most}")))
 }

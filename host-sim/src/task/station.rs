@@ -1,32 +1,25 @@
-//! The hardware of a simulated robot: its end of the radio, its clock, its sensors and its actuators.
+//! The hardware of a robot that works on a table task.
 
-use crate::body::{Antenna, Clock};
-use firmware::hardware;
-use iibt_core::iibt::table::{Command, Percept};
+use crate::testbed::Simulated;
+use iibt_core::iibt::table::{Command, MAX_SENSORS, Percept};
 use iibt_core::time::Instant;
 
-/// What a robot's controller sees of the world, and what it does to it.
+/// A robot's end of the radio and its clock, with its sensors and its actuators.
+pub(crate) type Station = Simulated<Parts>;
+
+/// What the world fills and reads.
 #[derive(Debug, Default)]
-pub(crate) struct Station {
-    pub(crate) link: Antenna,
-    pub(crate) clock: Clock,
+pub(crate) struct Parts {
     /// What is sensed in this tick.
     pub(crate) percept: Percept,
     /// What is to be begun.
     pub(crate) command: Option<Command>,
 }
 
-impl hardware::Link for Station {
-    fn receive(&mut self) -> Option<u8> {
-        self.link.receive()
-    }
-    fn send(&mut self, frame: &[u8]) -> bool {
-        self.link.send(frame)
-    }
-}
-
-impl hardware::Clock for Station {
-    fn now(&mut self) -> Instant {
-        self.clock.now()
+impl Parts {
+    /// What is sensed in a tick; a robot at work reads nothing.
+    pub(super) fn sense(&mut self, tick: u32, busy: bool, readings: [Option<u8>; MAX_SENSORS]) {
+        let readings = if busy { [None; MAX_SENSORS] } else { readings };
+        *self = Self { percept: Percept { at: Instant(tick), readings, busy }, command: None };
     }
 }

@@ -1,4 +1,5 @@
-//! The truth: the hidden states of all robots, what their sensors read of them, and which actions fail.
+//! The truth: the hidden states of all robots, what their sensors read of them, and which actions
+//! fail.
 
 use crate::chance::{Chance, Purpose};
 use iibt_core::iibt::table::{Accuracy, Command, MAX_SENSORS, Reads, Role, Tables};
@@ -108,7 +109,8 @@ impl<'t> World<'t> {
         self.truth.goals.iter().all(reached)
     }
 
-    /// What a robot's sensors read. Drawn in every tick, so that the luck of a tick does not depend on what was done before it.
+    /// What a robot's sensors read. Drawn in every tick, so that the luck of a tick does not depend
+    /// on what was done before it.
     pub(crate) fn read(&mut self, robot: usize) -> [Option<u8>; MAX_SENSORS] {
         let mut readings = [None; MAX_SENSORS];
         let role = self.role(robot);

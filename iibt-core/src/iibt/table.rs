@@ -5,8 +5,8 @@
 //!   peers ─► announced ──────┴──────────┘ ▲ remedies                               └─► Announcement
 //! ```
 //!
-//! [`Tables`] have a [`Role`] for each robot, and [`TableTask`] is the [`Task`](super::Task) that they
-//! describe.
+//! [`Tables`] have a [`Role`] for each robot, and [`TableTask`] is the [`Task`](super::Task) that
+//! they describe.
 //!
 //! | the paper | table | what it says |
 //! |---|---|---|
@@ -18,24 +18,25 @@
 //! | f_L | [`Remedy`] | what to prefer while a precondition is missing |
 //! | C, π_stop | [`Aim`], [`JointOutcome`] | what to prefer, and when to stop |
 //!
-//! A robot acts on what it is sure of, [`Tables::confidence`], and takes another reading until it is. What it
-//! does in a tick is its part of the most probable joint policy in which its teammates do what they announced.
-//! An action that has failed is chosen again, because its aim is not reached.
+//! A robot acts on what it is sure of, [`Tables::confidence`], and takes another reading until it
+//! is. What it does in a tick is its part of the most probable joint policy in which its teammates
+//! do what they announced. An action that has failed is chosen again, because its aim is not
+//! reached.
 //!
 //! # A door that one robot opens
 //!
 //! ```
 //! use iibt_core::iibt::rules::Raise;
 //! use iibt_core::iibt::table::{
-//!     Accuracy, Aim, Effect, Fact, Given, HiddenFactor, Holds, Labels, Operator, Percept, Postcondition, Reads,
-//!     Remedy, Role, Sensor, TableTask, Tables, To, Wish,
+//!     Accuracy, Aim, Effect, Fact, Given, HiddenFactor, Holds, Labels, Operator, Percept,
+//!     Postcondition, Reads, Remedy, Role, Sensor, TableTask, Tables, To, Wish,
 //! };
 //! use iibt_core::iibt::{Literal, Node};
 //! use iibt_core::team::{Limits, Member, RobotId, Roster};
 //! use iibt_core::time::{Duration, Instant};
 //! use iibt_core::tree::Status;
 //!
-//! // Two hidden factors: where the robot is, and the door. The semantic states are away, at it, and through.
+//! // Two hidden factors: where the robot is, and the door.
 //! const FAR: u8 = 0;
 //! const NEAR: u8 = 1;
 //! const SHUT: u8 = 0;
@@ -59,7 +60,11 @@
 //!     },
 //!     sensors: &[
 //!         Sensor { name: "odometer", reads: Reads::Factor(0), accuracy: Accuracy::Even(0.95) },
-//!         Sensor { name: "camera", reads: Reads::Factor(1), accuracy: Accuracy::Table(&[0.9, 0.2, 0.1, 0.8]) },
+//!         Sensor {
+//!             name: "camera",
+//!             reads: Reads::Factor(1),
+//!             accuracy: Accuracy::Table(&[0.9, 0.2, 0.1, 0.8]), // it misses an open door oftener
+//!         },
 //!     ],
 //!     operators: &[
 //!         Operator {
@@ -117,7 +122,10 @@
 //!     match task.command().map(|command| command.operator) {
 //!         Some(GO) => (place, _) = (NEAR, begun.push("go")),
 //!         // The door sticks at the first push.
-//!         Some(PUSH) => (door, _) = (if begun.contains(&"push") { OPEN } else { SHUT }, begun.push("push")),
+//!         Some(PUSH) => {
+//!             door = if begun.contains(&"push") { OPEN } else { SHUT };
+//!             begun.push("push");
+//!         }
 //!         _ => {}
 //!     }
 //!     if status == Status::Success {
@@ -131,7 +139,8 @@
 //!
 //! # A mismatch fails the build
 //!
-//! This door has a fact about a third factor. The compiler says `roles[0].facts[0]: its factor does not exist`.
+//! This door has a fact about a third factor. The compiler says `roles[0].facts[0]: its factor does
+//! not exist`.
 //!
 //! ```compile_fail,E0080
 //! # use iibt_core::iibt::table::*;
@@ -144,7 +153,13 @@
 //!     idle: 0,
 //!     facts: &[Fact { name: "open", holds: Holds::Sure { factor: 2, states: &[1] } }],
 //!     remedies: &[],
-//!     aims: &[Aim { name: "open it", done: &[0], preference: &[0.0, 1.0], teammates: Wish::AsAnnounced, target: None }],
+//!     aims: &[Aim {
+//!         name: "open it",
+//!         done: &[0],
+//!         preference: &[0.0, 1.0],
+//!         teammates: Wish::AsAnnounced,
+//!         target: None,
+//!     }],
 //!     outcome: None,
 //! }]);
 //! # let _ = &WRONG;

@@ -4,7 +4,8 @@ use super::definition::MAX_FACTORS;
 use crate::team::{Invalid, Message};
 use serde::{Deserialize, Serialize};
 
-/// Where a robot is sure to be, what it is doing, and how sure its decision was: 3 to 7 bytes in a frame.
+/// Where a robot is sure to be, what it is doing, and how sure its decision was: 3 to 7 bytes in a
+/// frame.
 ///
 /// ```
 /// use iibt_core::iibt::table::Announcement;
@@ -16,15 +17,16 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Announcement {
-    /// Half a byte per factor, the first lowest: its state plus one, zero for one that is not known.
+    /// Half a byte per factor, the first lowest: its state plus one, zero for one that is not
+    /// known.
     states: u32,
     operator: u8,
     probability: u8,
 }
 
 impl Announcement {
-    /// An announcement of the state of each factor, `None` for one that the robot is not sure of, of the
-    /// operator under way, and of the posterior probability of the last decision.
+    /// An announcement of the state of each factor, `None` for one that the robot is not sure of,
+    /// of the operator under way, and of the posterior probability of the last decision.
     #[must_use]
     pub fn new(states: impl IntoIterator<Item = Option<u8>>, operator: u8, probability: f32) -> Self {
         let packed = states.into_iter().take(MAX_FACTORS).zip(0..).fold(0, |packed, (state, factor)| {

@@ -26,7 +26,8 @@ macro_rules! each {
     };
 }
 
-/// Returns the flaw of a row if there is one: a condition and what it means, or what a check of part of the row found.
+/// Returns the flaw of a row if there is one: a condition and what it means, or what a check of
+/// part of the row found.
 macro_rules! refuse {
     ($wrong:expr, $at:expr, $reason:expr) => {
         if $wrong {
@@ -40,7 +41,8 @@ macro_rules! refuse {
     };
 }
 
-/// The first table of a role with a flaw, as an error. A table is looked at when those that it refers to fit.
+/// The first table of a role with a flaw, as an error. A table is looked at when those that it
+/// refers to fit.
 macro_rules! first_flaw {
     ($number:expr, $($table:literal: $flaw:expr),+ $(,)?) => {{
         $(if let Some((row, reason)) = $flaw {
@@ -429,4 +431,135 @@ const fn same(one: &str, other: &str) -> bool {
         }
     });
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::definition::{Aim, Fact, HiddenFactor, JointOutcome, Operator, Sensor, Tables};
+    use super::*;
+    use crate::iibt::Literal;
+    use std::string::{String, ToString};
+
+    const TURN: Operator = Operator {
+        name: "turn",
+        requires: &[1],
+        forbids: &[0],
+        brings: Postcondition::State(1, 0.9),
+        effects: &[Effect { given: &[], factor: 0, to: To::Target }],
+        ..Operator::IDLE
+    };
+    const VALVE: HiddenFactor = HiddenFactor { name: "valve", states: &["open", "shut"], prior: &[0.5, 0.5] };
+    const READ: Sensor = Sensor { name: "gauge", reads: Reads::Factor(0), accuracy: Accuracy::Even(0.9) };
+    const SHUT: Fact = Fact { name: "shut", holds: Holds::Sure { factor: 0, states: &[1] } };
+    const FREE: Fact = Fact { name: "R2 idle", holds: Holds::Doing { robot: 1, operators: &[1] } };
+    const WAIT: Remedy = Remedy {
+        missing: Literal { variable: 1, value: true },
+        state: 0,
+        raise: Raise::AboveAll,
+        target: Some(1),
+    };
+    const CLOSE: Aim = Aim {
+        name: "close",
+        done: &[0],
+        preference: &[0.0, 1.0],
+        teammates: Wish::Rows(&[&[], &[0.0, 0.0]]),
+        target: Some(1),
+    };
+    const SAFE: JointOutcome = JointOutcome {
+        names: &["leaks", "safe"],
+        preference: &[0.0, 1.0],
+        table: &[0, 0, 0, 1],
+        possible: Some(0),
+    };
+    const SOUND: Role = Role {
+        name: "R1",
+        factors: &[VALVE],
+        states: Labels { names: &["open", "shut"], factors: &[0], table: &[0, 1] },
+        sensors: &[READ],
+        operators: &[TURN, Operator::IDLE],
+        idle: 1,
+        facts: &[SHUT, FREE],
+        remedies: &[WAIT],
+        aims: &[CLOSE],
+        outcome: Some(SAFE),
+    };
+    const OTHER: Role = Role {
+        name: "R2",
+        facts: &[SHUT, SHUT_R1],
+        aims: &[Aim { teammates: Wish::AsAnnounced, ..CLOSE }],
+        outcome: None,
+        ..SOUND
+    };
+    const SHUT_R1: Fact =
+        Fact { name: "R1 shut", holds: Holds::Announced { robot: 0, factor: 0, states: &[1] } };
+
+    fn refusal(role: Role) -> String {
+        Tables::try_new(&[role, OTHER]).map_or_else(|error| error.to_string(), |_| String::new())
+    }
+
+    /// What is said about a role in which one row is another.
+    macro_rules! said {
+        ($table:ident: $($row:expr),* => $reason:literal) => {
+            assert_eq!(refusal(Role { $table: &[$($row),*], ..SOUND }), concat!("roles[0].", $reason));
+        };
+    }
+
+    #[test]
+    fn a_mismatch_is_named_with_its_table_and_row() {
+        assert_eq!(refusal(SOUND), "");
+        said!(factors: HiddenFactor { prior: &[0.5, 0.4], ..VALVE } => "factors[0]: its prior is no distribution");
+        said!(factors: HiddenFactor { prior: &[1.0], ..VALVE } => "factors[0]: its prior lacks an entry per state");
+        said!(factors: VALVE, VALVE => "factors[1]: its name is taken");
+        said!(factors: HiddenFactor { name: "", ..VALVE } => "factors[0]: its name is empty");
+        said!(factors: HiddenFactor { states: &["a", "a"], ..VALVE } => "factors[0]: a name is there twice");
+        said!(sensors: Sensor { accuracy: Accuracy::Even(1.1), ..READ } => "sensors[0]: its accuracy is no probability");
+        said!(sensors: READ, Sensor { name: "eye", reads: Reads::Factor(3), ..READ }
+            => "sensors[1]: it reads a factor that does not exist");
+        said!(sensors: Sensor { accuracy: Accuracy::Table(&[0.9, 0.2, 0.1, 0.7]), ..READ }
+            => "sensors[0]: a column of its table does not sum to one");
+        said!(sensors: Sensor { accuracy: Accuracy::Table(&[0.9, 0.2]), ..READ }
+            => "sensors[0]: its table does not have a row per reading and a column per truth");
+        said!(operators: Operator { requires: &[2], ..TURN }, Operator::IDLE => "operators[0]: a precondition is no fact");
+        said!(operators: Operator { requires: &[0], ..TURN }, Operator::IDLE
+            => "operators[0]: it both requires and forbids one fact");
+        said!(operators: Operator { brings: Postcondition::State(2, 0.9), ..TURN }, Operator::IDLE
+            => "operators[0]: it brings about a state that does not exist");
+        said!(operators: Operator { success: f32::NAN, ..TURN }, Operator::IDLE
+            => "operators[0]: its success is no probability");
+        said!(operators: Operator { habit: f32::NEG_INFINITY, ..TURN }, Operator::IDLE
+            => "operators[0]: its habit is not finite");
+        said!(operators: Operator { effects: &[Effect::set(1, 0)], ..TURN }, Operator::IDLE
+            => "operators[0]: an effect leads to a state that does not exist");
+        said!(operators: TURN, TURN => "operators[1]: its name is taken");
+        said!(facts: SHUT, Fact { holds: Holds::Doing { robot: 0, operators: &[1] }, ..FREE }
+            => "facts[1]: it is about a robot that is no teammate");
+        said!(facts: SHUT, Fact { holds: Holds::Doing { robot: 1, operators: &[2] }, ..FREE }
+            => "facts[1]: it is about an operator that the teammate does not have");
+        said!(facts: Fact { holds: Holds::Sure { factor: 0, states: &[2] }, ..SHUT }, FREE
+            => "facts[0]: its factor does not have this state");
+        said!(remedies: Remedy { target: Some(2), ..WAIT } => "remedies[0]: no operator can lead to its target");
+        said!(remedies: Remedy { state: 2, ..WAIT } => "remedies[0]: the state that it raises does not exist");
+        said!(aims: Aim { preference: &[1.0], ..CLOSE } => "aims[0]: its preference lacks a finite entry per state");
+        said!(aims: Aim { done: &[], ..CLOSE } => "aims[0]: nothing says when it is reached");
+        said!(aims: Aim { teammates: Wish::Rows(&[&[]]), ..CLOSE } => "aims[0]: its wishes lack a row per robot");
+        let outcome = Some(JointOutcome { table: &[0, 0, 0, 2], ..SAFE });
+        assert_eq!(refusal(Role { outcome, ..SOUND }), "roles[0].outcome[3]: this entry is no outcome");
+        assert_eq!(
+            refusal(Role { idle: 0, ..SOUND }),
+            "roles[0].idle[0]: the idle operator has a precondition or an effect"
+        );
+        let states = Labels { table: &[0, 2], ..SOUND.states };
+        assert_eq!(
+            refusal(Role { states, ..SOUND }),
+            "roles[0].states[1]: this entry of the label table is no label"
+        );
+        assert_eq!(refusal(OTHER), "roles[1]: its name is taken");
+        assert_eq!(Tables::try_new(&[]).unwrap_err().to_string(), "roles[0]: a team has 1 to 8 robots");
+    }
+
+    #[test]
+    #[should_panic = "roles[1].facts[1]: it is about a robot that is no teammate"]
+    fn the_compilers_message_is_the_same() {
+        let _ = Tables::new(&[SOUND, Role { facts: &[SHUT, FREE], ..OTHER }]);
+    }
 }

@@ -18,8 +18,8 @@ pub const MAX_FACTS: usize = 16;
 
 /// A team's task, written as tables and checked as a whole.
 ///
-/// In a `const` or `static` a mismatch fails the build with a message that names the table and the index.
-/// See the [module](super) for a worked example.
+/// In a `const` or `static` a mismatch fails the build with a message that names the table and the
+/// index. See the [module](super) for a worked example.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tables<'a> {
     roles: &'a [Role<'a>],
@@ -28,7 +28,8 @@ pub struct Tables<'a> {
     mission: u64,
 }
 
-/// One robot's part of the task. References to facts, states and operators are indices into this role's tables.
+/// One robot's part of the task. References to facts, states and operators are indices into this
+/// role's tables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Role<'a> {
     /// What the robot is called.
@@ -39,12 +40,13 @@ pub struct Role<'a> {
     pub states: Labels<'a>,
     /// A: what it reads in each tick, at most [`MAX_SENSORS`].
     pub sensors: &'a [Sensor<'a>],
-    /// U with table 5: what it can do, 1 to [`MAX_OPERATORS`]; a joint policy has one of each robot.
+    /// U with table 5: what it can do, 1 to [`MAX_OPERATORS`]; a joint policy has one of each
+    /// robot.
     pub operators: &'a [Operator<'a>],
     /// The operator that stands for doing nothing: it has neither preconditions nor effects.
     pub idle: u8,
-    /// The logic variables, at most [`MAX_FACTS`]. Where several preconditions are missing, the first fact
-    /// of this table is seen to first.
+    /// The logic variables, at most [`MAX_FACTS`]. Where several preconditions are missing, the
+    /// first fact of this table is seen to first.
     pub facts: &'a [Fact<'a>],
     /// f_L: what to prefer while a precondition is missing.
     pub remedies: &'a [Remedy],
@@ -118,8 +120,8 @@ pub struct Operator<'a> {
     pub forbids: &'a [u8],
     /// What it does to the robot's semantic state when joint policies are compared.
     pub brings: Postcondition,
-    /// What it does to the hidden factors when it succeeds; the first effect whose condition is met counts
-    /// for its factor.
+    /// What it does to the hidden factors when it succeeds; the first effect whose condition is met
+    /// counts for its factor.
     pub effects: &'a [Effect<'a>],
     /// B: the probability that it succeeds. When it fails, no factor changes.
     pub success: f32,
@@ -152,8 +154,8 @@ pub struct Effect<'a> {
 /// A condition on a factor in the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Given {
-    /// A teammate's number where the factor is a teammate's. A robot does not track it: it takes it to be as
-    /// the operator's preconditions ask.
+    /// A teammate's number where the factor is a teammate's. A robot does not track it: it takes it
+    /// to be as the operator's preconditions ask.
     pub robot: Option<u8>,
     /// The factor.
     pub factor: u8,
@@ -256,14 +258,16 @@ pub struct JointOutcome<'a> {
     pub names: &'a [&'a str],
     /// C over the outcomes.
     pub preference: &'a [f32],
-    /// The outcome of each combination of the robots' semantic states, the last robot's running fastest.
+    /// The outcome of each combination of the robots' semantic states, the last robot's running
+    /// fastest.
     pub table: &'a [u8],
     /// The outcome counts only while the preconditions of this own operator hold.
     pub possible: Option<u8>,
 }
 
 impl<'a> Tables<'a> {
-    /// The precision γ of [`new`](Self::new): joint policies are compared as the paper's section 6.2 does.
+    /// The precision γ of [`new`](Self::new): joint policies are compared as the paper's section
+    /// 6.2 does.
     pub const PRECISION: f32 = 1.0;
 
     /// The confidence of [`new`](Self::new).
@@ -272,8 +276,8 @@ impl<'a> Tables<'a> {
     /// The tables of a team, a role for each robot in the order of their numbers.
     ///
     /// # Panics
-    /// When something does not fit, with the text of the [`TablesError`]; in a `const` or `static` this fails
-    /// the build.
+    /// When something does not fit, with the text of the [`TablesError`]; in a `const` or `static`
+    /// this fails the build.
     #[must_use]
     pub const fn new(roles: &'a [Role<'a>]) -> Self {
         match Self::try_new(roles) {
@@ -308,7 +312,8 @@ impl<'a> Tables<'a> {
         }
     }
 
-    /// The same tables with another least probability at which a robot is sure of a state and acts on it.
+    /// The same tables with another least probability at which a robot is sure of a state and acts
+    /// on it.
     ///
     /// # Errors
     /// [`TablesError`] when it is no probability above one half.
@@ -419,7 +424,8 @@ impl Role<'_> {
 }
 
 impl<'a> Labels<'a> {
-    /// The label of a combination of the states of all factors of the role; label zero outside the table.
+    /// The label of a combination of the states of all factors of the role; label zero outside the
+    /// table.
     #[must_use]
     pub fn of(&self, factors: &[HiddenFactor<'_>], state: impl Fn(usize) -> usize) -> usize {
         let place = self.factors.iter().fold(0, |place, &factor| {
@@ -442,8 +448,8 @@ impl<'a> Operator<'a> {
         habit: 0.0,
     };
 
-    /// What a factor becomes when the operator succeeds: `None` when it stays. `is` tells the state of a
-    /// factor, of a teammate's where a number is given, and `None` where that is not known.
+    /// What a factor becomes when the operator succeeds: `None` when it stays. `is` tells the state
+    /// of a factor, of a teammate's where a number is given, and `None` where that is not known.
     #[must_use]
     pub fn becomes(
         &self,

@@ -14,7 +14,8 @@ use crate::inference::{
 use crate::team::MAX_TEAM;
 use heapless::Vec;
 
-/// B of one hidden factor: what the operators do to it, given the factors that their effects depend on.
+/// B of one hidden factor: what the operators do to it, given the factors that their effects depend
+/// on.
 struct Dynamics<'a> {
     role: &'a Role<'a>,
     target: Option<u8>,
@@ -193,10 +194,12 @@ pub(super) fn prior<const S: usize>(role: &Role<'_>) -> Option<Beliefs<S, 1>> {
     with_own_model(role, None, |model| Beliefs::try_prior(model).ok())?
 }
 
-/// How likely a robot takes itself to be in any state at all, so that no reading is ever impossible.
+/// How likely a robot takes itself to be in any state at all, so that no reading is ever
+/// impossible.
 const DOUBT: f32 = 1e-4;
 
-/// Takes an operator that has ended and the readings after it into the belief; returns F of the readings.
+/// Takes an operator that has ended and the readings after it into the belief; returns F of the
+/// readings.
 pub(super) fn track<const S: usize>(
     beliefs: &mut Beliefs<S, 1>,
     role: &Role<'_>,
@@ -294,8 +297,8 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
         Some(core::array::from_fn(|policy| posterior.as_flattened().get(policy).copied().unwrap_or(0.0)))
     }
 
-    /// Puts the model of a decision together for `then`: a factor and a modality for each robot, and the
-    /// outcome.
+    /// Puts the model of a decision together for `then`: a factor and a modality for each robot,
+    /// and the outcome.
     fn with_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
         let roles = self.tables.roles();
         let mut parts = Vec::<_, MAX_TEAM>::new();

@@ -1,7 +1,9 @@
 //! The task that tables describe: the lines of Algorithm 1.
 
 use super::announcement::Announcement;
-use super::definition::{Aim, Fact, Holds, MAX_SENSORS, Operator, Postcondition, Role, Tables, Wish};
+use super::definition::{
+    Aim, Fact, HiddenFactor, Holds, MAX_SENSORS, Operator, Postcondition, Role, Tables, Wish,
+};
 use super::error::TablesError;
 use super::model::{Question, prior, track};
 use crate::iibt::{Condition, Literal, Logic, Task};
@@ -54,8 +56,8 @@ pub struct Wanted<const S: usize, const N: usize> {
     pub target: Option<u8>,
 }
 
-/// The candidates of a decision: all operators of all robots, less what teammates have excluded by announcing
-/// another.
+/// The candidates of a decision: all operators of all robots, less what teammates have excluded by
+/// announcing another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offered<const N: usize> {
     target: Option<u8>,
@@ -79,8 +81,8 @@ pub struct JointDecision<const S: usize, const N: usize, const P: usize> {
 /// A robot's part of a task written as tables.
 ///
 /// `S`, `N` and `P` are the [`states`](Tables::states), [`robots`](Tables::robots) and
-/// [`policies`](Tables::policies) of the tables, or more. `M` is what the robots tell each other: the
-/// [`Announcement`], or a message of one's own that has one in it.
+/// [`policies`](Tables::policies) of the tables, or more. `M` is what the robots tell each other:
+/// the [`Announcement`], or a message of one's own that has one in it.
 #[derive(Clone, Debug)]
 pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, M = Announcement> {
     tables: &'a Tables<'a>,
@@ -104,7 +106,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
     /// Robot `robot` of the team at the start of the task, with its first aim.
     ///
     /// # Errors
-    /// [`TablesError`] when the tables have no such role, or need more room than `S`, `N` and `P` give.
+    /// [`TablesError`] when the tables have no such role, or need more room than `S`, `N` and `P`
+    /// give.
     pub fn new(tables: &'a Tables<'a>, robot: RobotId) -> Result<Self, TablesError> {
         let role = tables.role(robot.index());
         let role = role.ok_or(TablesError::of_team("roles", "there is none for this robot"))?;
@@ -175,7 +178,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
         operator_of(self.tables, policy, self.own)
     }
 
-    /// The state of a factor that is probable enough to be acted on; `None` while an operator is under way.
+    /// The state of a factor that is probable enough to be acted on; `None` while an operator is
+    /// under way.
     #[must_use]
     pub fn sure(&self, factor: usize) -> Option<usize> {
         let belief = self.belief(factor);
@@ -193,10 +197,10 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
     /// q of one hidden factor.
     #[must_use]
     pub fn belief(&self, factor: usize) -> &[f32] {
-        let sizes = self.role.factors.iter().map(|factor| factor.states.len());
-        let from: usize = sizes.clone().take(factor).sum();
-        let until = from + sizes.skip(factor).next().unwrap_or(0);
-        self.beliefs.as_flat().get(from..until).unwrap_or(&[])
+        let (before, from) = self.role.factors.split_at_checked(factor).unwrap_or_default();
+        let count = |factors: &[HiddenFactor<'_>]| factors.iter().map(|factor| factor.states.len()).sum();
+        let (start, states): (usize, usize) = (count(before), count(from.get(..1).unwrap_or_default()));
+        self.beliefs.as_flat().get(start..start + states).unwrap_or(&[])
     }
 
     /// q(s) of the semantic states: what the factors amount to.
@@ -324,7 +328,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
         }
     }
 
-    /// The best of the joint policies in which the teammates do what they announced; the first of equals.
+    /// The best of the joint policies in which the teammates do what they announced; the first of
+    /// equals.
     fn best(&self, posterior: &[f32; P], announced: &[Option<u8>; N]) -> Option<u16> {
         let mut best: Option<(u16, f32)> = None;
         for (policy, &p) in (0..).zip(posterior.iter().take(self.tables.policies())) {
@@ -463,7 +468,7 @@ fn operator_of(tables: &Tables<'_>, policy: u16, robot: usize) -> u8 {
 
 /// Whether a role has all that an announcement names.
 fn is_of(said: &Announcement, role: &Role<'_>) -> bool {
-    let known = |(number, factor): (usize, &super::HiddenFactor<'_>)| {
+    let known = |(number, factor): (usize, &HiddenFactor<'_>)| {
         said.state(number).is_none_or(|state| usize::from(state) < factor.states.len())
     };
     usize::from(said.operator()) < role.operators.len() && role.factors.iter().enumerate().all(known)

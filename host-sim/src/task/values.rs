@@ -1,0 +1,86 @@
+//! Names and numbers of a task file: which there are, and their ranges.
+
+use super::error::Fault;
+use super::file::{self, Number, Real, Text};
+use super::read::Read;
+use std::ops::RangeInclusive;
+
+pub(super) fn is_idle(action: &file::Action) -> bool {
+    action.needs.is_empty() && action.forbids.is_empty() && action.effects.is_empty()
+}
+
+pub(super) fn texts(texts: &[Text]) -> Vec<&str> {
+    texts.iter().map(|text| text.get_ref().as_str()).collect()
+}
+
+pub(super) fn factor_names(robot: &file::Robot) -> Vec<&str> {
+    robot.factors.iter().map(|factor| factor.get_ref().name.get_ref().as_str()).collect()
+}
+
+pub(super) fn states_of(robot: &file::Robot, factor: u8) -> Vec<&str> {
+    robot.factors.get(usize::from(factor)).map_or(Vec::new(), |factor| texts(&factor.get_ref().states))
+}
+
+/// The semantic states.
+pub(super) fn state_names(robot: &file::Robot) -> Vec<&str> {
+    match &robot.state {
+        Some(labels) => texts(&labels.get_ref().names),
+        None => states_of(robot, 0),
+    }
+}
+
+pub(super) fn action_names(robot: &file::Robot) -> Vec<&str> {
+    robot.actions.iter().map(|action| action.get_ref().name.get_ref().as_str()).collect()
+}
+
+pub(super) fn fact_names(robot: &file::Robot) -> Vec<&str> {
+    robot.facts.iter().map(|fact| fact.get_ref().name.get_ref().as_str()).collect()
+}
+
+/// A target: a state of the factor that some action leads to the target.
+pub(super) fn target(name: Option<&Text>, robot: &file::Robot) -> Read<Option<u8>> {
+    let Some(name) = name else { return Ok(None) };
+    let effects = robot.actions.iter().flat_map(|action| &action.get_ref().effects);
+    let aimed = effects.filter(|effect| effect.to.get_ref() == "target").map(|effect| &effect.factor).next();
+    let Some(factor) = aimed else {
+        return Err(Fault::new(name.span(), "no effect leads to \"target\", so there is none to name"));
+    };
+    let factor = index("factor", factor, &factor_names(robot))?;
+    index("state", name, &states_of(robot, factor)).map(Some)
+}
+
+pub(super) fn index(what: &str, name: &Text, names: &[&str]) -> Read<u8> {
+    let place = names.iter().position(|known| known == name.get_ref());
+    let place = place.and_then(|place| u8::try_from(place).ok());
+    place.ok_or_else(|| Fault::new(name.span(), unknown(what, name.get_ref(), names)))
+}
+
+pub(super) fn unknown(what: &str, name: &str, names: &[&str]) -> String {
+    if names.is_empty() {
+        return format!("there is no {what} \"{name}\": there is none at all");
+    }
+    format!("there is no {what} \"{name}\": there are {}", names.join(", "))
+}
+
+pub(super) fn whole(key: &str, number: Option<&Number>, range: RangeInclusive<u32>, usual: u32) -> Read<u32> {
+    let Some(number) = number else { return Ok(usual) };
+    let value = u32::try_from(*number.get_ref()).ok().filter(|value| range.contains(value));
+    value.ok_or_else(|| {
+        let (found, least, most) = (number.get_ref(), range.start(), range.end());
+        Fault::new(number.span(), format!("{key} = {found} is not between {least} and {most}"))
+    })
+}
+
+pub(super) fn share(key: &str, number: Option<&Real>, usual: f64) -> Read<f64> {
+    real(key, number, 0.0..=1.0, usual)
+}
+
+pub(super) fn real(key: &str, number: Option<&Real>, range: RangeInclusive<f64>, usual: f64) -> Read<f64> {
+    let Some(number) = number else { return Ok(usual) };
+    let value = *number.get_ref();
+    if range.contains(&value) {
+        return Ok(value);
+    }
+    let (least, most) = (range.start(), range.end());
+    Err(Fault::new(number.span(), format!("{key} = {value} is not between {least} and {most}")))
+}
