@@ -410,7 +410,7 @@ mod in_a_stream {
 
 /// The context that `six_moves` is pinned in.
 const GOLDEN_CONTEXT: u64 = 0;
-const GOLDEN_TAG: [u8; TAG_BYTES] = [0x83, 0x9d, 0x82, 0x46, 0x3c, 0x7d, 0x0e, 0xe4];
+const GOLDEN_TAG: [u8; TAG_BYTES] = [0, 149, 167, 98, 163, 110, 205, 254];
 
 /// A path of six moves, half-way through a mission.
 fn six_moves() -> Said {

@@ -100,14 +100,28 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     /// [`OutOfRange`] when the problem does not fit its model, or has more joint policies than the
     /// [`CAPACITY`](Self::CAPACITY). Nothing can be scored then.
     pub fn begin(&mut self, problem: &Problem<'_, S, G>) -> Result<(), OutOfRange> {
-        (self.done, self.total) = (0, 0);
-        self.groups.iter_mut().for_each(|group| group.used = 0);
-        self.window = problem.scoring.window;
-        self.scores = [[f32::NEG_INFINITY; R]; P];
+        self.forget(problem);
         problem.check()?;
         at_most(Argument::Policies, 0, problem.candidates.len(), Self::CAPACITY)?;
         self.total = problem.candidates.len();
         Ok(())
+    }
+
+    /// Scores all joint policies of a problem that fits its model and this evaluation by construction.
+    ///
+    /// The checks of [`begin`](Self::begin) take 2.5 KB of flash, which an image whose sizes are all in
+    /// types need not carry. More joint policies than there is room for are not scored at all.
+    pub(crate) fn evaluate_fitting(&mut self, problem: &Problem<'_, S, G>) {
+        self.forget(problem);
+        self.total = Some(problem.candidates.len()).filter(|&count| count <= Self::CAPACITY).unwrap_or(0);
+        while self.advance(problem, Self::CAPACITY) {}
+    }
+
+    fn forget(&mut self, problem: &Problem<'_, S, G>) {
+        (self.done, self.total) = (0, 0);
+        self.groups.iter_mut().for_each(|group| group.used = 0);
+        self.window = problem.scoring.window;
+        self.scores = [[f32::NEG_INFINITY; R]; P];
     }
 
     /// Scores up to `count` more joint policies; returns whether there are more.

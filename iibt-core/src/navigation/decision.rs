@@ -150,7 +150,7 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         let evaluation = &mut self.evaluation;
         let (scoring, avoids) = (self.scoring, self.collision != 0.0);
         self.world.with_pair_model(|model| {
-            let _ = evaluation.evaluate(&Problem {
+            evaluation.evaluate_fitting(&Problem {
                 preferences: &wanted.each_ref().map(|values| self.world.cells(values)),
                 negative_preferences: &unwanted.each_ref().map(|values| self.world.cells(values)),
                 pair_preferences: if avoids { &pair_preferences } else { &[] },
