@@ -409,7 +409,7 @@ mod in_a_stream {
 }
 
 /// The context that `six_moves` is pinned in.
-const GOLDEN_CONTEXT: u64 = 0;
+const GOLDEN_CONTEXT: u64 = 0x4b52_df06_1484_db23;
 const GOLDEN_TAG: [u8; TAG_BYTES] = [0, 149, 167, 98, 163, 110, 205, 254];
 
 /// A path of six moves, half-way through a mission.
