@@ -3,7 +3,7 @@
 use tests::budgets::assert_within;
 use tests::elf::Elf;
 use tests::qemu::{Robot, number, team_member};
-use tests::rig::{robot, tick};
+use tests::rig::OnHost;
 
 #[test]
 fn flash_and_ram_are_within_budget() {
@@ -39,7 +39,7 @@ fn instructions(image: &mut Robot) -> u64 {
 fn instructions_per_tick_are_within_budget() {
     let mut image = Robot::boot_counting(team_member());
     assert_within("team_member", "ordinary_tick", instructions(&mut image));
-    image.send(&tick(&mut robot(1), &[]));
+    image.send(&OnHost::robot(1).tick(&[]));
     image.wait_for("Announced");
     assert_within("team_member", "deciding_tick", instructions(&mut image));
 }

@@ -1,10 +1,8 @@
 //! What a team settles on: the paths it agrees on, whoever it is compiled for.
 
-use firmware::{Controller, Navigator};
+use host_sim::{Faults, NavigatorFlight};
 use iibt_core::grid::{Cell, Map, Path};
 use iibt_core::navigation::{Mission, Stage};
-use iibt_core::time::Instant;
-use tests::rig::{Body, settings};
 
 /// The paths on which a team agrees, for controllers compiled for `S` cells.
 fn settled<const S: usize, const W: usize>(drawn: &str, starts: &[u16], goals: &[u16]) -> Vec<Path> {
@@ -13,29 +11,12 @@ fn settled<const S: usize, const W: usize>(drawn: &str, starts: &[u16], goals: &
         goals.iter().copied().map(Cell).collect::<Vec<_>>(),
     );
     let mission = Mission::new(Map::<W>::drawn(drawn).expect("a drawn map"), &starts, &goals);
-    let mut robots: Vec<Controller<Navigator<'_, S, W, 16>, Body>> = (0..starts.len())
-        .map(|robot| {
-            let settings = settings(robot as u8, starts.len(), 1);
-            let navigator = Navigator::new(&mission, &settings).expect("a sound mission");
-            Controller::new(navigator, settings, Body::on(starts[robot]))
-        })
-        .collect();
-    for now in 0..20 {
-        robots.iter_mut().for_each(|robot| {
-            robot.hardware_mut().now = Instant(now);
-            robot.tick();
-        });
-        let sent: Vec<Vec<u8>> = robots
-            .iter_mut()
-            .map(|robot| std::mem::take(&mut robot.hardware_mut().outbox).concat())
-            .collect();
-        for (index, robot) in robots.iter_mut().enumerate() {
-            let heard =
-                sent.iter().enumerate().filter(|(sender, _)| *sender != index).flat_map(|(_, frames)| frames);
-            robot.hardware_mut().inbox.extend(heard);
-        }
-        if robots.iter().all(|robot| robot.robot().navigation().report().stage == Stage::Agreed) {
-            return robots.iter().map(|robot| robot.robot().navigation().report().path).collect();
+    let flight = NavigatorFlight::<S, W, 16>::over(&mission, Faults::default(), 0);
+    let mut flight = flight.expect("a sound mission");
+    for _ in 0..20 {
+        flight.tick();
+        if flight.reports().iter().all(|report| report.stage == Stage::Agreed) {
+            return flight.reports().iter().map(|report| report.path).collect();
         }
     }
     panic!("no agreement on {drawn}");

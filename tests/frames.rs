@@ -1,5 +1,6 @@
 //! Frames as they travel: what was sent arrives, and nothing else does.
 
+use host_sim::Random;
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Move, Path};
 use iibt_core::navigation::{Intention, MAX_HAZARDS, Round, Said, Stage};
@@ -31,9 +32,9 @@ mod arrives {
 
     #[test]
     fn every_intention_as_it_was_sent() {
-        let mut random = Random(1);
+        let mut random = Random::new(1);
         for _ in 0..5_000 {
-            let intention = random.intention();
+            let intention = intention(&mut random);
             assert_eq!(decode(body_of(&framed(&intention)), &AUTH), Ok(intention));
         }
     }
@@ -72,15 +73,15 @@ mod arrives {
         let content = Intention::MAX_BYTES + "version, sender".split(' ').count() + 5 + 5 + TAG_BYTES;
         assert_eq!(longest.len(), content + 1 + 2, "a byte for COBS, and the delimiters");
         assert_eq!(decode(body_of(&longest), &AUTH), Ok(largest()));
-        let mut random = Random(2);
-        assert!((0..5_000).all(|_| framed(&random.intention()).len() <= MAX_FRAME));
+        let mut random = Random::new(2);
+        assert!((0..5_000).all(|_| framed(&intention(&mut random)).len() <= MAX_FRAME));
     }
 
     #[test]
     fn with_zeros_at_its_ends_and_nowhere_else() {
-        let mut random = Random(3);
+        let mut random = Random::new(3);
         for _ in 0..5_000 {
-            let frame = framed(&random.intention());
+            let frame = framed(&intention(&mut random));
             let zeros: Vec<_> = (0..frame.len()).filter(|&at| frame[at] == 0).collect();
             assert_eq!(zeros, [0, frame.len() - 1]);
         }
@@ -102,9 +103,9 @@ mod is_refused {
 
     #[test]
     fn every_truncation() {
-        let mut random = Random(4);
+        let mut random = Random::new(4);
         for _ in 0..tries(5_000) {
-            let frame = framed(&random.intention());
+            let frame = framed(&intention(&mut random));
             let body = body_of(&frame);
             for cut in 0..body.len() {
                 assert!(decode(&body[..cut], &AUTH).is_err(), "first {cut} bytes");
@@ -115,9 +116,9 @@ mod is_refused {
 
     #[test]
     fn every_flip_of_a_single_bit() {
-        let mut random = Random(5);
+        let mut random = Random::new(5);
         for _ in 0..tries(5_000) {
-            let frame = framed(&random.intention());
+            let frame = framed(&intention(&mut random));
             for bit in 0..8 * body_of(&frame).len() {
                 let mut damaged = body_of(&frame).to_vec();
                 damaged[bit / 8] ^= 1 << (bit % 8);
@@ -128,12 +129,12 @@ mod is_refused {
 
     #[test]
     fn every_splice_of_two_frames() {
-        let mut random = Random(6);
+        let mut random = Random::new(6);
         for _ in 0..tries(2_000) {
-            let frames = [framed(&random.intention()), framed(&random.intention())];
+            let frames = [framed(&intention(&mut random)), framed(&intention(&mut random))];
             let [first, second] = frames.each_ref().map(|frame| body_of(frame));
             for cut in 1..first.len() {
-                for splice in [cut, random.below(second.len() as u32 - 1) as usize + 1] {
+                for splice in [cut, random.below(second.len() - 1) + 1] {
                     let spliced = [&first[..cut], second.get(splice..).unwrap_or(&[])].concat();
                     if spliced != first && spliced != second {
                         assert!(decode(&spliced, &AUTH).is_err(), "{cut} of one, from {splice} of the other");
@@ -145,9 +146,9 @@ mod is_refused {
 
     #[test]
     fn whatever_is_random() {
-        let mut random = Random(7);
+        let mut random = Random::new(7);
         for _ in 0..tries(2_000_000) {
-            let length = random.below(MAX_FRAME as u32 + 8) as usize;
+            let length = random.below(MAX_FRAME + 8);
             let bytes = random.bytes(length);
             assert!(decode(&bytes, &AUTH).is_err(), "{bytes:?}");
         }
@@ -256,13 +257,13 @@ mod although_authentic {
 
     #[test]
     fn nothing_but_valid_intentions_comes_out() {
-        let mut random = Random(8);
+        let mut random = Random::new(8);
         let mut decoded = 0;
         for _ in 0..tries(1_000_000) {
-            let mut body = body(&random.intention());
+            let mut body = body(&intention(&mut random));
             for _ in 0..=random.below(3) {
-                let at = random.below(body.len() as u32) as usize;
-                body[at] = random.next() as u8;
+                let at = random.below(body.len());
+                body[at] = random.bits() as u8;
             }
             if let Ok(intention) = decode(&sealed(VERSION, &body), &AUTH) {
                 decoded += 1;
@@ -334,11 +335,11 @@ mod in_a_stream {
 
     #[test]
     fn noise_between_frames_spoils_neither() {
-        let mut random = Random(9);
+        let mut random = Random::new(9);
         for _ in 0..tries(200_000) {
-            let (first, second) = (random.intention(), random.intention());
+            let (first, second) = (intention(&mut random), intention(&mut random));
             let [before, between] = [(); 2].map(|()| {
-                let length = random.below(2 * MAX_FRAME as u32) as usize;
+                let length = random.below(2 * MAX_FRAME);
                 random.bytes(length)
             });
             let stream = [before, framed(&first), between, framed(&second)].concat();
@@ -348,9 +349,10 @@ mod in_a_stream {
 
     #[test]
     fn a_flipped_bit_loses_its_frame_and_no_other() {
-        let mut random = Random(11);
+        let mut random = Random::new(11);
         for _ in 0..tries(2_000) {
-            let [first, second, third] = [random.intention(), random.intention(), random.intention()];
+            let [first, second, third] =
+                [intention(&mut random), intention(&mut random), intention(&mut random)];
             let damaged_length = framed(&first).len();
             let stream = [framed(&first), framed(&second), framed(&third)].concat();
             for bit in 0..8 * damaged_length {
@@ -371,14 +373,14 @@ mod in_a_stream {
     /// A recorder that plays everything back, in any order and at any time, changes nothing.
     #[test]
     fn a_replay_is_never_heard() {
-        let mut random = Random(12);
+        let mut random = Random::new(12);
         let mut roster = roster();
         let mut recorded = Vec::new();
         let mut newest = None;
         for sequence in 0..tries(50_000) {
             let epoch = sequence / 40;
             let stamp = Stamp { epoch, sequence: sequence % 40 };
-            let frame = framed(&Said { sender: RobotId(1), stamp, ..random.intention() });
+            let frame = framed(&Said { sender: RobotId(1), stamp, ..intention(&mut random) });
             let expected = match (newest, epoch) {
                 (None, _) => Heard::First,
                 (Some(before), _) if before < epoch => Heard::Restart,
@@ -387,7 +389,7 @@ mod in_a_stream {
             newest = Some(epoch);
             assert_eq!(receive(&mut roster, body_of(&frame), Instant(sequence)), Ok(expected));
             recorded.push(frame);
-            let old = &recorded[random.below(recorded.len() as u32) as usize];
+            let old = &recorded[random.below(recorded.len())];
             let refused = receive(&mut roster, body_of(old), Instant(sequence)).unwrap_err();
             assert!(matches!(refused, Refused::Duplicate | Refused::Outdated));
         }
@@ -396,11 +398,11 @@ mod in_a_stream {
 
     #[test]
     fn a_flood_of_junk_is_counted_and_harmless() {
-        let mut random = Random(13);
+        let mut random = Random::new(13);
         let mut roster = roster();
         receive(&mut roster, body_of(&framed(&six_moves())), Instant(0)).unwrap();
         for _ in 0..10_000 {
-            let length = random.below(40) as usize;
+            let length = random.below(40);
             receive(&mut roster, &random.bytes(length), Instant(1)).unwrap_err();
         }
         assert_eq!((roster.counters().accepted, roster.counters().refused()), (1, 10_000));
@@ -511,60 +513,40 @@ fn received(stream: &[u8]) -> Vec<Said> {
     frames.flatten().collect()
 }
 
-/// SplitMix64.
-struct Random(u64);
+/// A number with a uniform number of bits, so that short and long encodings are equally common.
+fn number(random: &mut Random) -> u32 {
+    random.bits().checked_shr(random.below(33) as u32).unwrap_or(0)
+}
 
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
+fn cell(random: &mut Random) -> Cell {
+    Cell(number(random) as u16)
+}
 
-    fn below(&mut self, limit: u32) -> u32 {
-        (((self.next() >> 32) * u64::from(limit)) >> 32) as u32
+fn intention(random: &mut Random) -> Said {
+    const STAGES: [Stage; 5] =
+        [Stage::Deciding, Stage::Announced, Stage::Agreed, Stage::Arrived, Stage::Away];
+    let path = path(random);
+    let mut message = Intention {
+        round: Round(number(random) as u16),
+        stage: STAGES[random.below(5)],
+        plan: number(random),
+        goal: (random.below(4) > 0).then(|| cell(random)),
+        path,
+        step: random.below(path.len() + 1) as u8,
+        probability: random.below(1001) as f32 / 1000.0,
+        hazards: Default::default(),
+    };
+    for _ in 0..random.below(MAX_HAZARDS + 1) {
+        message.hazards.push(cell(random)).unwrap();
     }
+    let stamp = Stamp { epoch: number(random), sequence: number(random) };
+    Said { sender: RobotId(random.below(MAX_TEAM) as u8), stamp, message }
+}
 
-    fn bytes(&mut self, length: usize) -> Vec<u8> {
-        (0..length).map(|_| self.next() as u8).collect()
+fn path(random: &mut Random) -> Path {
+    let mut path = Path::at(cell(random));
+    for _ in 0..random.below(HORIZON + 1) {
+        path.push(Move::ALL[random.below(5)]).unwrap();
     }
-
-    /// A number with a uniform number of bits, so that short and long encodings are equally common.
-    fn number(&mut self) -> u32 {
-        (self.next() as u32).checked_shr(self.below(33)).unwrap_or(0)
-    }
-
-    fn cell(&mut self) -> Cell {
-        Cell(self.number() as u16)
-    }
-
-    fn intention(&mut self) -> Said {
-        const STAGES: [Stage; 5] =
-            [Stage::Deciding, Stage::Announced, Stage::Agreed, Stage::Arrived, Stage::Away];
-        let path = self.path();
-        let mut message = Intention {
-            round: Round(self.number() as u16),
-            stage: STAGES[self.below(5) as usize],
-            plan: self.number(),
-            goal: (self.below(4) > 0).then(|| self.cell()),
-            path,
-            step: self.below(path.len() as u32 + 1) as u8,
-            probability: self.below(1001) as f32 / 1000.0,
-            hazards: Default::default(),
-        };
-        for _ in 0..self.below(MAX_HAZARDS as u32 + 1) {
-            message.hazards.push(self.cell()).unwrap();
-        }
-        let stamp = Stamp { epoch: self.number(), sequence: self.number() };
-        Said { sender: RobotId(self.below(MAX_TEAM as u32) as u8), stamp, message }
-    }
-
-    fn path(&mut self) -> Path {
-        let mut path = Path::at(self.cell());
-        for _ in 0..self.below(HORIZON as u32 + 1) {
-            path.push(Move::ALL[self.below(5) as usize]).unwrap();
-        }
-        path
-    }
+    path
 }

@@ -1,10 +1,12 @@
 //! B learned from what happened: by a robot in flight, which then chooses otherwise, and on the host from a log.
 
-use host_sim::{Conditions, ExecutionLog, Learned, Logbook, MoveRatio, Record, Scenario, fly, library};
+use host_sim::{
+    Conditions, ExecutionLog, Faults, Learned, Logbook, MoveRatio, NavigatorFlight, Record, Scenario, fly,
+    library,
+};
 use iibt_core::grid::{Cell, Map, Move};
 use iibt_core::inference::learning::Rates;
 use iibt_core::navigation::Mission;
-use tests::team::{Hardship, Team};
 
 const SEEDS: u64 = 30;
 
@@ -76,21 +78,22 @@ mod in_flight {
         let mission = Mission { learning: Rates::DEFAULT, ..Mission::new(map, &starts, &goals) };
         let slip = 0.5_f32;
         for seed in 0..10 {
-            let mut team =
-                Team::new(&mission, Hardship { slip: f64::from(slip), ..Hardship::default() }, seed);
+            let faults = Faults { slip: f64::from(slip), ..Faults::default() };
+            let flight = NavigatorFlight::<49, 2, 16>::over(&mission, faults, seed);
+            let mut flight = flight.expect("a sound mission");
             // The robot is put back again and again, so that it tries its moves often.
             let mut made = [0_u16; 2];
             for tick in 0..4000 {
                 if tick % 40 == 39 {
-                    team.robots[0].hardware_mut().cell = starts[0];
+                    flight.place(0, starts[0]);
                 }
-                let before = team.robots[0].hardware().cell.0;
-                team.tick();
-                let after = team.robots[0].hardware().cell.0;
+                let before = flight.cells()[0].0;
+                flight.tick();
+                let after = flight.cells()[0].0;
                 made[0] += u16::from(after == before + 1);
                 made[1] += u16::from(after == before + 7);
             }
-            let learned = team.robots[0].robot().navigation().slips();
+            let learned = flight.robot(0).robot().navigation().slips();
             for (step, made) in [Move::Right, Move::Down].into_iter().zip(made) {
                 let found = learned[usize::from(step.code())];
                 let tries = f32::from(made) / (1.0 - slip);

@@ -1,10 +1,14 @@
 //! The lines of Algorithm 1 on real robots: what makes a team decide, wait, decide again, stop and fail.
 
-use host_sim::reproduce;
+use host_sim::{Effect, Faults, NavigatorFlight, Radio, Reading, reproduce};
 use iibt_core::grid::{Cell, Map};
 use iibt_core::navigation::{Cause, Mission, OBSTACLE, Plan, Report, Round, Said, Stage};
 use iibt_core::team::{RobotId, Stamp};
-use tests::team::{Bench, Hardship, Team};
+use iibt_core::tree::Status;
+use tests::judge;
+use tests::rig::overhear;
+
+type Team<'m> = NavigatorFlight<'m, 49, 2, 16>;
 
 static STARTS: [Cell; 3] = [Cell(28), Cell(2), Cell(45)];
 static GOALS: [Cell; 3] = [Cell(24), Cell(26), Cell(32)];
@@ -14,19 +18,24 @@ fn factory() -> Mission<'static, 2> {
 }
 
 fn team<'m>(mission: &'m Mission<'m, 2>) -> Team<'m> {
-    Team::new(mission, Hardship::default(), 1)
+    Team::over(mission, Faults::default(), 1).expect("a sound mission")
+}
+
+fn lossy<'m>(mission: &'m Mission<'m, 2>, loss: f64, seed: u64) -> Team<'m> {
+    let faults = Faults { radio: Radio { loss, ..Radio::default() }, ..Faults::default() };
+    Team::over(mission, faults, seed).expect("a sound mission")
 }
 
 fn stages(team: &Team<'_>) -> Vec<Stage> {
-    team.robots.iter().map(|robot| report(robot).stage).collect()
+    team.reports().iter().map(|report| report.stage).collect()
 }
 
-fn report(robot: &Bench<'_>) -> Report {
-    robot.robot().navigation().report()
+fn report(team: &Team<'_>, robot: usize) -> Report {
+    team.reports()[robot].clone()
 }
 
 fn cells(team: &Team<'_>) -> Vec<u16> {
-    team.robots.iter().map(|robot| robot.hardware().cell.0).collect()
+    team.cells().iter().map(|cell| cell.0).collect()
 }
 
 fn fly_until(team: &mut Team<'_>, what: &str, reached: impl Fn(&Team<'_>) -> bool) {
@@ -52,8 +61,8 @@ fn the_robots_decide_one_after_another_and_agree() {
     fly_until(&mut team, "robot 2 chooses", |team| stages(team)[1] == Stage::Announced);
     assert_eq!(stages(&team)[2], Stage::Deciding);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
-    let goals: Vec<_> = team.robots.iter().map(|robot| report(robot).goal.expect("a goal").0).collect();
-    let lengths: Vec<_> = team.robots.iter().map(|robot| report(robot).path.len()).collect();
+    let goals: Vec<_> = team.reports().iter().map(|report| report.goal.expect("a goal").0).collect();
+    let lengths: Vec<_> = team.reports().iter().map(|report| report.path.len()).collect();
     assert!(lengths.iter().all(|&length| length == lengths[0]), "they arrive together: {lengths:?}");
     assert_eq!(
         goals.iter().collect::<std::collections::BTreeSet<_>>().len(),
@@ -66,7 +75,7 @@ fn the_robots_decide_one_after_another_and_agree() {
 #[test]
 fn line_2_a_controller_is_running_until_it_has_arrived() {
     let mission = factory();
-    let outcome = team(&mission).fly(100);
+    let outcome = judge::fly(&mut team(&mission), 100);
     assert!(outcome.arrived.is_some_and(|tick| tick > 10), "{outcome:?}");
 }
 
@@ -74,11 +83,11 @@ fn line_2_a_controller_is_running_until_it_has_arrived() {
 fn line_5_observes_obstacles_and_passes_them_on() {
     let mission = factory();
     let mut team = team(&mission);
-    team.map.block(Cell(21)); // next to robot 1 only
+    team.cause(Effect::Block(Cell(21))); // next to robot 1 only
     for _ in 0..3 {
         team.tick();
     }
-    assert!(team.robots.iter().all(|robot| robot.robot().navigation().hazards() == [Cell(21)]));
+    assert!(team.robots().all(|robot| robot.robot().navigation().hazards() == [Cell(21)]));
 }
 
 #[test]
@@ -86,15 +95,13 @@ fn lines_17_to_30_an_obstacle_on_the_way_is_avoided_by_another_joint_plan() {
     let mission = factory();
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
-    let second = report(&team.robots[1]);
+    let second = report(&team, 1);
     let blocked = second.path.cell_at(&mission.map, second.path.len() - 2);
-    team.map.block(blocked);
-    fly_until(&mut team, "a new round", |team| {
-        team.robots.iter().all(|robot| report(robot).round > Round(0))
-    });
+    team.cause(Effect::Block(blocked));
+    fly_until(&mut team, "a new round", |team| team.reports().iter().all(|report| report.round > Round(0)));
     fly_until(&mut team, "all agree again", |team| all(team, Stage::Agreed));
-    for robot in &team.robots {
-        let path = report(robot).path;
+    for (robot, report) in team.robots().zip(team.reports()) {
+        let path = report.path;
         assert!(path.cells(&mission.map).all(|cell| cell != blocked), "{path:?} avoids {blocked:?}");
         assert!(!robot.robot().navigation().logic(Plan::Follow).is(OBSTACLE));
     }
@@ -107,15 +114,15 @@ fn lines_18_and_33_the_raise_avoids_the_obstacle_and_leaves_no_trace() {
     let mut team = team(&mission);
     let before: Vec<u32> = preference(&team);
     let shortest = [Cell(29), Cell(21)]; // both ways out of the corner but one
-    assert!(shortest.iter().all(|&cell| team.map.block(cell)));
+    shortest.into_iter().for_each(|cell| team.cause(Effect::Block(cell)));
     fly_until(&mut team, "robot 1 chooses", |team| stages(team)[0] == Stage::Announced);
-    let path = report(&team.robots[0]).path;
+    let path = report(&team, 0).path;
     assert!(path.cells(&mission.map).all(|cell| !shortest.contains(&cell)), "{path:?}");
     assert_eq!(preference(&team), before, "C is what it was, to the last bit");
 }
 
 fn preference(team: &Team<'_>) -> Vec<u32> {
-    (0..49).map(|cell| team.robots[0].robot().preference().get(cell).to_bits()).collect()
+    (0..49).map(|cell| team.robot(0).robot().preference().get(cell).to_bits()).collect()
 }
 
 #[test]
@@ -128,7 +135,7 @@ fn lines_26_to_28_a_robot_that_is_walled_in_fails_at_the_timeout() {
     let mut team = team(&mission);
     let failed = (0..400).any(|_| {
         team.tick();
-        team.last_statuses()[0] == iibt_core::tree::Status::Failure
+        team.statuses()[0] == Status::Failure
     });
     assert!(failed, "robot 1 fails; {:?}", stages(&team));
     assert_eq!(cells(&team)[0], 48);
@@ -158,7 +165,7 @@ fn a_low_battery_takes_a_robot_out_of_the_team_until_it_is_charged() {
     let mission = factory();
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
-    team.robots[0].hardware_mut().charge = 10;
+    team.set_charge(0, 10);
     fly_until(&mut team, "robot 1 is away", |team| stages(team)[0] == Stage::Away);
     for _ in 0..5 {
         team.tick();
@@ -168,10 +175,10 @@ fn a_low_battery_takes_a_robot_out_of_the_team_until_it_is_charged() {
         team.tick();
     }
     assert_eq!(cells(&team), standing, "the others wait");
-    team.robots[0].hardware_mut().charge = 50;
+    team.set_charge(0, 50);
     team.tick();
     assert_eq!(stages(&team)[0], Stage::Away, "half full is not full");
-    team.robots[0].hardware_mut().charge = 95;
+    team.set_charge(0, 95);
     fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
@@ -182,14 +189,14 @@ fn lines_37_and_38_all_stop_in_the_same_tick_and_stay_stopped() {
     let mut arrivals = vec![None; 3];
     for tick in 0..60 {
         team.tick();
-        for (arrival, status) in arrivals.iter_mut().zip(team.last_statuses()) {
-            if status == iibt_core::tree::Status::Success {
+        for (arrival, status) in arrivals.iter_mut().zip(team.statuses().to_vec()) {
+            if status == Status::Success {
                 arrival.get_or_insert(tick);
             }
         }
     }
     assert!(arrivals[0].is_some() && arrivals.iter().all(|&arrival| arrival == arrivals[0]), "{arrivals:?}");
-    assert!(team.last_statuses().iter().all(|&status| status == iibt_core::tree::Status::Success));
+    assert!(team.statuses().iter().all(|&status| status == Status::Success));
 }
 
 #[test]
@@ -197,14 +204,14 @@ fn a_robot_that_is_unsure_where_it_is_stands_still() {
     let mission = factory();
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
-    let standing = team.robots[0].hardware().cell;
+    let standing = team.cells()[0];
     for tick in 0..12 {
         // Its readings jump about.
-        team.misread(0, Some(Cell(if tick % 2 == 0 { 6 } else { 42 })));
+        team.set_reading(0, Reading::Cell(Cell(if tick % 2 == 0 { 6 } else { 42 })));
         team.tick();
     }
-    assert_eq!(team.robots[0].hardware().cell, standing);
-    team.misread(0, None);
+    assert_eq!(team.cells()[0], standing);
+    team.set_reading(0, Reading::Drawn);
     fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
@@ -213,9 +220,9 @@ fn a_robot_put_elsewhere_finds_out_and_the_team_decides_again() {
     let mission = factory();
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
-    team.robots[0].hardware_mut().cell = Cell(42);
-    fly_until(&mut team, "a new round", |team| report(&team.robots[0]).round > Round(0));
-    assert_eq!(report(&team.robots[0]).path.start, team.robots[0].hardware().cell);
+    team.place(0, Cell(42));
+    fly_until(&mut team, "a new round", |team| report(&team, 0).round > Round(0));
+    assert_eq!(report(&team, 0).path.start, team.cells()[0]);
     fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
@@ -233,7 +240,7 @@ fn robots_that_stand_on_their_goals_stop_at_once() {
 }
 
 fn stopped(team: &Team<'_>, count: usize) -> bool {
-    team.last_statuses() == vec![iibt_core::tree::Status::Success; count]
+    team.statuses() == vec![Status::Success; count]
 }
 
 #[test]
@@ -242,7 +249,7 @@ fn a_robot_that_restarts_on_its_goal_finds_out_that_it_has_arrived() {
     let mut team = team(&mission);
     fly_until(&mut team, "all stop", |team| stopped(team, 3));
     let goals = cells(&team);
-    team.restart(1);
+    team.restart(1).expect("a sound mission");
     team.tick();
     assert!(!stopped(&team, 3));
     fly_until(&mut team, "all stop again", |team| stopped(team, 3));
@@ -254,7 +261,7 @@ fn any_number_of_goals_serves_a_team() {
     static FAR: [Cell; 4] = [Cell(24), Cell(26), Cell(32), Cell(0)];
     for (robots, goals) in [(1, 1), (1, 4), (2, 4), (3, 4)] {
         let mission = Mission::new(reproduce::map(), &STARTS[..robots], &FAR[..goals]);
-        let outcome = team(&mission).fly(200);
+        let outcome = judge::fly(&mut team(&mission), 200);
         assert!(outcome.arrived.is_some() && outcome.collisions == 0, "{robots}, {goals}: {outcome:?}");
     }
 }
@@ -266,9 +273,7 @@ fn the_robot_that_is_left_without_a_goal_fails_and_the_others_arrive() {
     fly_until(&mut team, "two arrive", |team| {
         stages(team).iter().filter(|&&stage| stage == Stage::Arrived).count() == 2
     });
-    fly_until(&mut team, "the third fails", |team| {
-        team.last_statuses().contains(&iibt_core::tree::Status::Failure)
-    });
+    fly_until(&mut team, "the third fails", |team| team.statuses().contains(&Status::Failure));
 }
 
 #[test]
@@ -277,7 +282,7 @@ fn eight_robots_arrive_together() {
     static GOALS: [Cell; 8] =
         [Cell(15), Cell(16), Cell(17), Cell(18), Cell(29), Cell(30), Cell(31), Cell(32)];
     let mission = Mission::new(Map::new(7, 7).expect("49 cells fit two words"), &STARTS, &GOALS);
-    let outcome = team(&mission).fly(400);
+    let outcome = judge::fly(&mut team(&mission), 400);
     assert!(outcome.arrived.is_some() && outcome.collisions == 0, "{outcome:?}");
 }
 
@@ -287,14 +292,14 @@ fn a_move_that_nothing_confirms_is_not_announced() {
     let mission = factory();
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
-    let body = team.robots[0].hardware_mut();
-    (body.stuck, body.blind) = (true, true);
+    team.set_slip(0, 1.0);
+    team.set_reading(0, Reading::Nothing);
     for _ in 0..10 {
         team.tick();
-        assert_eq!(report(&team.robots[0]).step, 0);
+        assert_eq!(report(&team, 0).step, 0);
     }
-    team.robots[0].hardware_mut().stuck = false;
-    team.robots[0].hardware_mut().blind = false;
+    team.set_slip(0, 0.0);
+    team.set_reading(0, Reading::Drawn);
     fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
@@ -304,14 +309,14 @@ fn one_late_reading_does_not_have_a_move_made_twice() {
     let mission = factory();
     let mut team = team(&mission);
     let start = STARTS[0];
-    fly_until(&mut team, "robot 1 moves", |team| team.robots[0].hardware().cell != start);
-    let moved = team.robots[0].hardware().cell;
-    team.misread(0, Some(start));
+    fly_until(&mut team, "robot 1 moves", |team| team.cells()[0] != start);
+    let moved = team.cells()[0];
+    team.set_reading(0, Reading::Cell(start));
     team.tick();
-    team.misread(0, None);
-    assert_eq!(team.robots[0].hardware().cell, moved);
+    team.set_reading(0, Reading::Drawn);
+    assert_eq!(team.cells()[0], moved);
     fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
-    assert_eq!(report(&team.robots[0]).round, Round(0), "no other plan was needed");
+    assert_eq!(report(&team, 0).round, Round(0), "no other plan was needed");
 }
 
 #[test]
@@ -320,12 +325,13 @@ fn nobody_plans_with_a_teammate_that_speaks_of_another_map() {
     let mut team = team(&mission);
     team.silence(2, true);
     for tick in 0..20 {
-        let mut message = team.robots[2].robot().navigation().intention();
+        let mut message = team.robot(2).robot().navigation().intention();
         message.path.start = Cell(900);
-        team.overhear(&Said { sender: RobotId(2), stamp: Stamp { epoch: 9, sequence: tick }, message });
+        let stamp = Stamp { epoch: 9, sequence: tick };
+        overhear(&mut team, &mission, &Said { sender: RobotId(2), stamp, message });
         team.tick();
     }
-    assert_eq!(team.robots[0].link_report().received.foreign, 20, "it was heard and refused");
+    assert_eq!(team.robot(0).link_report().received.foreign, 20, "it was heard and refused");
     assert!(all(&team, Stage::Deciding));
 }
 
@@ -335,8 +341,8 @@ fn a_robot_that_restarts_where_it_began_has_the_team_decide_again() {
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     assert_eq!(cells(&team)[2], STARTS[2].0);
-    team.restart(2);
-    fly_until(&mut team, "a new round", |team| report(&team.robots[2]).round > Round(0));
+    team.restart(2).expect("a sound mission");
+    fly_until(&mut team, "a new round", |team| report(&team, 2).round > Round(0));
     fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
@@ -374,17 +380,17 @@ fn a_robot_on_its_way_visits_its_way_points_in_order_and_the_team_arrives_togeth
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     let before = preference(&team);
-    team.robots[0].robot_mut().navigation_mut().visit(Cell(42)).expect("it is free");
-    team.robots[0].robot_mut().navigation_mut().visit(Cell(4)).expect("it is free");
+    team.robot_mut(0).robot_mut().navigation_mut().visit(Cell(42)).expect("it is free");
+    team.robot_mut(0).robot_mut().navigation_mut().visit(Cell(4)).expect("it is free");
     fly_until(&mut team, "all agree again", |team| {
-        all(team, Stage::Agreed) && report(&team.robots[0]).round > Round(0)
+        all(team, Stage::Agreed) && report(&team, 0).round > Round(0)
     });
-    assert_eq!(report(&team.robots[0]).cause, Some(Cause::WayPoint));
-    let lengths: Vec<_> = team.robots.iter().map(|robot| report(robot).path.len()).collect();
+    assert_eq!(report(&team, 0).cause, Some(Cause::WayPoint));
+    let lengths: Vec<_> = team.reports().iter().map(|report| report.path.len()).collect();
     assert!(lengths.iter().all(|&length| length == lengths[0]), "they arrive together: {lengths:?}");
     let tracks = fly_to_the_end(&mut team, 3);
     assert!(passed(&tracks[0], &[42, 4]), "{:?}", tracks[0]);
-    assert!(team.robots[0].robot().navigation().waypoints().is_empty());
+    assert!(team.robot(0).robot().navigation().waypoints().is_empty());
     assert_eq!(preference(&team), before, "C is what it was, to the last bit");
 }
 
@@ -393,14 +399,14 @@ fn two_robots_with_way_points_of_their_own_come_to_one_plan_within_a_round_each(
     for (loss, rounds) in [(0.0, 8), (0.3, 8)] {
         for seed in 0..20 {
             let mission = factory();
-            let mut team = Team::new(&mission, Hardship { loss, ..Hardship::default() }, seed);
+            let mut team = lossy(&mission, loss, seed);
             fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
-            team.robots[0].robot_mut().navigation_mut().visit(Cell(4)).expect("it is free");
-            team.robots[2].robot_mut().navigation_mut().visit(Cell(42)).expect("it is free");
+            team.robot_mut(0).robot_mut().navigation_mut().visit(Cell(4)).expect("it is free");
+            team.robot_mut(2).robot_mut().navigation_mut().visit(Cell(42)).expect("it is free");
             fly_until(&mut team, "all agree again", |team| {
-                all(team, Stage::Agreed) && report(&team.robots[0]).round > Round(0)
+                all(team, Stage::Agreed) && report(&team, 0).round > Round(0)
             });
-            let round = report(&team.robots[0]).round;
+            let round = report(&team, 0).round;
             assert!(round <= Round(rounds), "loss {loss}, seed {seed}: {round:?}");
             let tracks = fly_to_the_end(&mut team, 3);
             assert!(passed(&tracks[0], &[4]) && passed(&tracks[2], &[42]), "loss {loss}, seed {seed}");
@@ -413,7 +419,7 @@ fn a_robot_that_has_arrived_sets_out_again_for_a_way_point() {
     let mission = factory();
     let mut team = team(&mission);
     fly_until(&mut team, "all stop", |team| stopped(team, 3));
-    team.robots[1].robot_mut().navigation_mut().visit(Cell(0)).expect("it is free");
+    team.robot_mut(1).robot_mut().navigation_mut().visit(Cell(0)).expect("it is free");
     let tracks = fly_to_the_end(&mut team, 3);
     assert!(passed(&tracks[1], &[0]));
 }
@@ -429,18 +435,18 @@ fn a_robot_with_a_low_battery_drives_to_its_charger_while_the_others_stand_and_t
     let mission = with_chargers();
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
-    team.robots[0].hardware_mut().charge = 10;
-    fly_until(&mut team, "robot 1 has left", |team| report(&team.robots[0]).cause == Some(Cause::Battery));
-    fly_until(&mut team, "robot 1 moves", |team| team.robots[0].hardware().cell != Cell(28));
-    let (left, standing) = (report(&team.robots[0]).round, cells(&team)[1..].to_vec());
+    team.set_charge(0, 10);
+    fly_until(&mut team, "robot 1 has left", |team| report(&team, 0).cause == Some(Cause::Battery));
+    fly_until(&mut team, "robot 1 moves", |team| team.cells()[0] != Cell(28));
+    let (left, standing) = (report(&team, 0).round, cells(&team)[1..].to_vec());
     fly_until(&mut team, "robot 1 is on its charger", |team| {
         assert_eq!(cells(team)[1..], standing, "the others wait");
         assert_eq!(stages(team)[0], Stage::Away);
-        team.robots[0].hardware().cell == Cell(13)
+        team.cells()[0] == Cell(13)
     });
     fly_until(&mut team, "all decide anew", |team| all(team, Stage::Agreed));
-    assert!(report(&team.robots[0]).round > left);
-    assert_eq!(report(&team.robots[0]).cause, Some(Cause::Charged));
+    assert!(report(&team, 0).round > left);
+    assert_eq!(report(&team, 0).cause, Some(Cause::Charged));
     assert_eq!((cells(&team)[0], cells(&team)[1..].to_vec()), (13, standing));
     fly_until(&mut team, "all stop", |team| stopped(team, 3));
 }
@@ -450,15 +456,13 @@ fn robots_that_are_low_at_once_charge_one_after_another() {
     let mission = with_chargers();
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
-    for robot in &mut team.robots {
-        robot.hardware_mut().charge = 10;
-    }
+    (0..3).for_each(|robot| team.set_charge(robot, 10));
     let mut before = cells(&team);
     for _ in 0..150 {
         team.tick();
         let now = cells(&team);
         let moved = now.iter().zip(&before).filter(|(now, before)| now != before).count();
-        let charged = team.robots.iter().all(|robot| robot.hardware().charge >= 90);
+        let charged = (0..3).all(|robot| team.charge(robot) >= 90);
         assert!(moved <= 1 || charged, "one drives at a time: {before:?} {now:?}");
         before = now;
     }
@@ -471,21 +475,21 @@ fn a_robot_without_a_way_to_its_charger_stands_with_its_leaf_running_and_the_tea
     static CHARGERS: [Option<Cell>; 1] = [Some(Cell(6))];
     let mission = Mission { chargers: &CHARGERS, ..factory() };
     let mut team = team(&mission);
-    assert!([5, 13].iter().all(|&cell| team.map.block(Cell(cell))));
+    [5, 13].into_iter().for_each(|cell| team.cause(Effect::Block(Cell(cell))));
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
-    team.robots[0].hardware_mut().charge = 10;
+    team.set_charge(0, 10);
     for _ in 0..100 {
         team.tick();
     }
-    let (standing, rounds) = (cells(&team), report(&team.robots[0]).round);
+    let (standing, rounds) = (cells(&team), report(&team, 0).round);
     for _ in 0..50 {
         team.tick();
         assert_eq!(cells(&team), standing);
-        assert_eq!(team.robots[0].robot().activity(), Some("Recharge"));
-        assert_eq!(team.last_statuses()[0], iibt_core::tree::Status::Running);
+        assert_eq!(team.robot(0).robot().activity(), Some("Recharge"));
+        assert_eq!(team.statuses()[0], Status::Running);
     }
-    assert_eq!(report(&team.robots[0]).round, rounds, "it does not call round after round");
-    team.robots[0].hardware_mut().charge = 95;
+    assert_eq!(report(&team, 0).round, rounds, "it does not call round after round");
+    team.set_charge(0, 95);
     fly_until(&mut team, "all stop", |team| stopped(team, 3));
 }
 
@@ -500,8 +504,8 @@ fn a_teammate_that_stands_in_the_way_to_a_charger_steps_aside() {
     let mission = Mission { chargers: &CHARGERS, ..Mission::new(map, &STARTS, &GOALS) };
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
-    team.robots[0].hardware_mut().charge = 10;
-    fly_until(&mut team, "robot 2 steps aside", |team| report(&team.robots[1]).cause == Some(Cause::Room));
-    fly_until(&mut team, "robot 1 is on its charger", |team| team.robots[0].hardware().cell == Cell(0));
+    team.set_charge(0, 10);
+    fly_until(&mut team, "robot 2 steps aside", |team| report(&team, 1).cause == Some(Cause::Room));
+    fly_until(&mut team, "robot 1 is on its charger", |team| team.cells()[0] == Cell(0));
     fly_until(&mut team, "all stop", |team| stopped(team, 2));
 }

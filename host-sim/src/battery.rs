@@ -41,6 +41,11 @@ impl Battery {
         falls
     }
 
+    /// Holds this charge from now on.
+    pub(crate) fn set(&mut self, percent: u8) {
+        self.charge = f64::from(percent.min(100));
+    }
+
     /// One tick that brought the robot from one cell to another, or left it where it was.
     pub(crate) fn tick(&mut self, from: Cell, to: Cell) {
         if from != to {

@@ -9,7 +9,7 @@ pub use learned::{Learned, Served};
 pub use mixed::{Mixed, Unlike};
 
 use crate::campaign::Score;
-use crate::flight::{Conditions, fly};
+use crate::fly::{Conditions, fly};
 use crate::scenario::Scenario;
 
 /// What came of one flight.

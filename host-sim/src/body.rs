@@ -25,40 +25,42 @@ pub(crate) fn body() -> Body {
 
 /// The robot's end of the radio.
 #[derive(Debug, Default)]
-pub(crate) struct Antenna {
+pub struct Antenna {
     pub(crate) received: VecDeque<u8>,
     pub(crate) sent: Vec<Vec<u8>>,
+    /// What was sent in the last tick of a flight.
+    pub(crate) last: Vec<Vec<u8>>,
 }
 
 /// The wheels, the move they have been told to make, and whether they are still making one.
 #[derive(Debug, Default)]
-pub(crate) struct Wheels {
+pub struct Wheels {
     pub(crate) command: Option<Move>,
     pub(crate) moving: bool,
 }
 
 /// The positioning, and what it reads in this tick.
 #[derive(Debug, Default)]
-pub(crate) struct Localiser {
+pub struct Localiser {
     pub(crate) reading: Option<Cell>,
 }
 
 /// The obstacle sensor: what comes into view is reported first, what stays in view again and again.
 #[derive(Debug, Default)]
-pub(crate) struct Scanner {
+pub struct Scanner {
     in_view: Vec<Cell>,
     unreported: VecDeque<Cell>,
 }
 
 /// The battery and its charge in percent.
 #[derive(Debug, Default)]
-pub(crate) struct Battery {
+pub struct Battery {
     pub(crate) charge: u8,
 }
 
 /// The clock, which counts the simulator's ticks.
 #[derive(Debug, Default)]
-pub(crate) struct Clock {
+pub struct Clock {
     pub(crate) now: u32,
 }
 

@@ -29,7 +29,7 @@ pub use disturbance::Disturbance;
 pub use score::{Comparison, Score, Summary};
 pub use validator::{Faults, Trace};
 
-use crate::flight::{Conditions, fly};
+use crate::fly::{Conditions, fly};
 use crate::scenario::Scenario;
 use crate::team::Pilot;
 use crate::team::TeamError;

@@ -216,10 +216,9 @@ impl<const S: usize, const W: usize> Leaves<Skill> for Hands<'_, S, W> {
 }
 
 impl<const S: usize, const W: usize> AnyRobot for Controller<Conventional<S, W>, Body> {
-    fn tick(&mut self) {
-        if self.hardware().clock.now.is_multiple_of(self.robot().period) {
-            Controller::tick(self);
-        }
+    fn tick(&mut self) -> tree::Status {
+        let is_due = self.hardware().clock.now.is_multiple_of(self.robot().period);
+        if is_due { Controller::tick(self) } else { tree::Status::Running }
     }
 
     fn report(&self) -> Report {

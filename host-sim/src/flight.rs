@@ -1,247 +1,195 @@
-//! A flight: the loop that lets the world, the robots and the radio take turns, and keeps the record.
+//! A flight: the loop that lets the world, the robots and the radio take turns.
 //!
 //! ```text
 //! one tick   world: events happen ─► sensors and arrived frames into the bodies
 //!            every controller ticks, alone in its body
-//!            frames to the radio ─► commands to the world, all at once ─► referee ─► news
+//!            frames to the radio ─► commands to the world, all at once ─► referee ─► faults
 //! ```
 //! What a robot sends in a tick arrives in a later one and all moves are made at once, so the order in which
 //! the robots tick does not matter.
 
-use crate::chance::{Chance, Purpose};
-use crate::changes;
+use crate::faults::{Faults, Trouble};
 use crate::news::News;
-use crate::phases::{self, Phase};
 use crate::progress::Progress;
-use crate::radio::Radio;
-use crate::record::{self, Activity, Dated, Outcome, Record, RobotRecord};
+use crate::radio::{KEY, Radio, Traffic};
+use crate::random::{Random, Stream};
 use crate::referee::Collisions;
 use crate::robot::AnyRobot;
-use crate::scenario::{self, Floor, Scenario, Wear};
-use crate::team::{Pilot, Team, TeamError, with_team};
+use crate::scenario::{Effect, Floor, Scenario, Wear};
+use crate::team::{Boot, Navigating, TeamError, navigating};
 use crate::world::World;
 use iibt_core::grid::{Cell, Move};
-use iibt_core::navigation::{MAX_GOALS, Report, Stage};
+use iibt_core::navigation::{Mission, Report};
+use iibt_core::team::Key;
+use iibt_core::time::Instant;
+use iibt_core::tree::Status;
 
-/// What a flight depends on besides its scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Conditions {
-    /// The seed of all chance.
-    pub seed: u64,
-    /// The radio's loss, 0 to 1, in place of the scenario's.
-    pub loss: Option<f64>,
-    /// What flies the robots.
-    pub tree: Pilot,
+/// What a localiser reads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reading {
+    /// The true cell, or now and then another one, as often as the scenario or the faults say.
+    #[default]
+    Drawn,
+    /// Always this cell.
+    Cell(Cell),
+    /// Nothing.
+    Nothing,
 }
 
-/// A flight as it stands after a tick, for those who look on.
-#[derive(Clone, Copy, Debug)]
-pub struct Scene<'f> {
-    /// What is flown.
-    pub scenario: &'f Scenario,
-    /// The ticks flown.
-    pub tick: u32,
-    /// Free and blocked cells, in truth.
-    pub floor: &'f Floor,
-    /// Where the robots stand, in truth.
-    pub cells: &'f [Cell],
-    /// What the robots say of themselves.
-    pub reports: &'f [Report],
-    /// The charge of their batteries in percent.
-    pub charges: &'f [u8],
-    /// Whether they have stopped.
-    pub stopped: &'f [bool],
-    /// Whether they are between two cells, of which `cells` has the first.
-    pub moving: &'f [bool],
-    /// The moves that the robots were told to make in the last tick, none before the first.
-    pub commands: &'f [Option<Move>],
-    /// The leaf of each robot's tree that is running.
-    pub activities: &'f [Option<&'static str>],
-    /// What has happened in the last tick.
-    pub news: &'f [Dated],
-}
-
-/// Somebody who looks on.
-pub trait Audience {
-    /// Sees the flight before the first tick and after every one.
-    fn see(&mut self, scene: &Scene<'_>);
-}
-
-/// Nobody.
-impl Audience for () {
-    fn see(&mut self, _: &Scene<'_>) {}
-}
-
-/// Two who look on; the second may be missing.
-impl<A: Audience> Audience for (Box<dyn Audience + '_>, Option<A>) {
-    fn see(&mut self, scene: &Scene<'_>) {
-        self.0.see(scene);
-        if let Some(other) = &mut self.1 {
-            other.see(scene);
-        }
-    }
-}
-
-/// Flies a scenario to its end.
+/// A team in flight that is ticked by hand, interfered with and looked into.
 ///
-/// # Errors
-/// [`TeamError`] when the controllers do not accept the mission or the team.
-pub fn fly(
-    scenario: &Scenario,
-    conditions: Conditions,
-    audience: &mut dyn Audience,
-) -> Result<Record, TeamError> {
-    fly_preferring(scenario, conditions, &[], audience)
-}
-
-/// The same with robots to whom the goals are worth so much; those without an entry know no difference.
-pub(crate) fn fly_preferring(
-    scenario: &Scenario,
-    conditions: Conditions,
-    preferences: &[[f32; MAX_GOALS]],
-    audience: &mut dyn Audience,
-) -> Result<Record, TeamError> {
-    with_team(scenario, conditions.tree, |team| {
-        for (robot, values) in team.iter_mut().zip(preferences) {
-            robot.prefer(values);
-        }
-        let mut flight = Flight::new(scenario, conditions, team);
-        flight.show(audience, 0);
-        while !flight.is_over() {
-            let told = flight.news.len();
-            flight.tick();
-            flight.show(audience, told);
-        }
-        flight.record()
-    })
-}
-
-struct Flight<'f, 'm> {
-    scenario: &'f Scenario,
-    seed: u64,
-    pilot: Pilot,
-    terms: scenario::Radio,
-    team: &'f mut Team<'m>,
+/// The robots are the firmware's controllers, each alone in a simulated body; world, radio and referee are
+/// those of [`fly`](crate::fly). Robots are named by their index, from zero; methods that take one panic when
+/// there is no such robot. The same mission, faults and seed give the same flight.
+///
+/// ```
+/// use host_sim::{Effect, Faults, NavigatorFlight, Radio};
+/// use iibt_core::grid::{Cell, Map};
+/// use iibt_core::navigation::{Mission, Stage};
+///
+/// let map = Map::<1>::drawn("....\n....\n....")?;
+/// let (starts, goals) = ([Cell(0), Cell(8)], [Cell(3), Cell(11)]);
+/// let mission = Mission::new(map, &starts, &goals);
+/// let radio = Radio { loss: 0.2, jitter: 2, ..Radio::default() };
+/// let mut flight = NavigatorFlight::<12, 1, 16>::over(&mission, Faults { radio, ..Faults::default() }, 7)?;
+///
+/// while flight.reports().iter().any(|report| report.stage != Stage::Agreed) {
+///     flight.tick();
+/// }
+/// flight.cause(Effect::Block(Cell(1))); // an obstacle appears
+/// flight.restart(1)?; // a robot has lost what it knew
+/// while !flight.has_arrived() && flight.ticks() < 200 {
+///     flight.tick();
+/// }
+/// assert!(flight.has_arrived() && flight.collisions().total() == 0);
+/// assert!(flight.robot(0).robot().navigation().hazards().contains(&Cell(1)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Flight<'m, R: AnyRobot + ?Sized> {
+    boot: Boot<'m, R>,
+    robots: Vec<Box<R>>,
+    epochs: Vec<u32>,
+    scenario: Scenario,
     world: World,
     radio: Radio,
-    localisers: Chance,
-    wear: Chance,
-    slips: Chance,
-    collisions: Collisions,
+    trouble: Trouble,
+    localisers: Random,
+    wear: Random,
+    slips: Random,
+    readings: Vec<Reading>,
+    began: u32,
     tick: u32,
+    statuses: Vec<Status>,
     reports: Vec<Report>,
-    activities: Vec<Option<&'static str>>,
-    tree: Vec<Vec<Activity>>,
     progress: Progress,
     found: Vec<Cell>,
-    waypoints: Vec<Vec<Cell>>,
-    visited: Vec<Vec<Cell>>,
-    phases: Vec<Phase>,
-    certainty: Vec<Vec<f32>>,
     commands: Vec<Option<Move>>,
-    news: Vec<Dated>,
-    history: Vec<Vec<Cell>>,
+    collisions: Collisions,
 }
 
-impl<'f, 'm> Flight<'f, 'm> {
-    fn new(scenario: &'f Scenario, conditions: Conditions, team: &'f mut Team<'m>) -> Self {
-        let terms =
-            scenario::Radio { loss: conditions.loss.unwrap_or(scenario.radio.loss), ..scenario.radio };
-        let world = World::new(scenario);
-        Self {
-            seed: conditions.seed,
-            pilot: conditions.tree,
-            terms,
-            radio: Radio::new(terms, team.len(), conditions.seed),
-            localisers: Chance::new(conditions.seed, Purpose::Localiser),
-            wear: Chance::new(conditions.seed, Purpose::Wear),
-            slips: Chance::new(conditions.seed, Purpose::Slip),
-            collisions: Collisions::default(),
+/// A flight of navigating robots for maps of up to `S` cells in `W` words, weighing up to `P` candidates.
+pub type NavigatorFlight<'m, const S: usize, const W: usize, const P: usize> =
+    Flight<'m, Navigating<'m, S, W, P>>;
+
+impl<'m, const S: usize, const W: usize, const P: usize> NavigatorFlight<'m, S, W, P> {
+    /// The team of a mission at its start. Robots see the cells around them.
+    ///
+    /// # Errors
+    /// [`TeamError`] when the mission is not sound or does not fit the sizes.
+    pub fn over(mission: &'m Mission<'m, W>, faults: Faults, seed: u64) -> Result<Self, TeamError> {
+        Self::with_key(mission, KEY, faults, seed)
+    }
+
+    /// The same with a key of the team's own.
+    ///
+    /// # Errors
+    /// As [`over`](Self::over).
+    pub fn with_key(
+        mission: &'m Mission<'m, W>,
+        key: Key,
+        faults: Faults,
+        seed: u64,
+    ) -> Result<Self, TeamError> {
+        let boot = move |robot, epoch| navigating(mission, key.clone(), robot, epoch).map(Box::new);
+        Self::new(Scenario::of(mission, &faults)?, faults, seed, Box::new(boot))
+    }
+}
+
+impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
+    pub(crate) fn new(
+        scenario: Scenario,
+        faults: Faults,
+        seed: u64,
+        boot: Boot<'m, R>,
+    ) -> Result<Self, TeamError> {
+        let size = scenario.robots.len();
+        let robots: Vec<_> = (0..size as u8).map(|robot| boot(robot, 1)).collect::<Result<_, _>>()?;
+        Ok(Self {
+            epochs: vec![1; size],
+            world: World::new(&scenario),
+            radio: Radio::new(scenario.radio, size, seed),
+            trouble: Trouble::new(faults, size, seed),
+            localisers: Random::of(seed, Stream::Localiser),
+            wear: Random::of(seed, Stream::Wear),
+            slips: Random::of(seed, Stream::Slip),
+            readings: vec![Reading::Drawn; size],
+            began: 0,
             tick: 0,
-            reports: team.iter().map(|robot| robot.report()).collect(),
-            activities: vec![None; team.len()],
-            tree: vec![Vec::new(); team.len()],
+            statuses: vec![Status::Running; size],
+            reports: robots.iter().map(|robot| robot.report()).collect(),
             progress: Progress::default(),
             found: Vec::new(),
-            waypoints: vec![Vec::new(); team.len()],
-            visited: vec![Vec::new(); team.len()],
-            phases: Vec::new(),
-            certainty: Vec::new(),
-            commands: vec![None; team.len()],
-            news: Vec::new(),
-            history: vec![world.cells().to_vec()],
+            commands: vec![None; size],
+            collisions: Collisions::default(),
+            boot,
+            robots,
             scenario,
-            team,
-            world,
-        }
+        })
     }
 
-    /// Shows how things stand, and the news but for those told already.
-    fn show(&self, audience: &mut dyn Audience, told: usize) {
-        let robots = 0..self.team.len();
-        let charges: Vec<_> = robots.clone().map(|robot| self.world.battery(robot).percent()).collect();
-        let stopped: Vec<_> = robots.clone().map(|robot| self.world.is_stopped(robot)).collect();
-        let moving: Vec<_> = robots.map(|robot| self.world.is_moving(robot)).collect();
-        audience.see(&Scene {
-            scenario: self.scenario,
-            tick: self.tick,
-            floor: self.world.floor(),
-            cells: self.world.cells(),
-            reports: &self.reports,
-            charges: &charges,
-            stopped: &stopped,
-            moving: &moving,
-            commands: &self.commands,
-            activities: &self.activities,
-            news: &self.news[told..],
-        });
+    /// The same with robots whose clocks begin at an instant, as shortly before they wrap.
+    #[must_use]
+    pub const fn beginning_at(mut self, instant: Instant) -> Self {
+        self.began = instant.0;
+        self
     }
 
-    fn is_over(&self) -> bool {
-        let arrived = self.reports.iter().all(|report| report.stage == Stage::Arrived);
-        let accomplished = arrived && record::at_different_goals(&self.scenario.goals, self.world.cells());
-        accomplished || self.tick >= self.scenario.limit
-    }
-
-    fn tick(&mut self) {
+    /// Ticks the world and every robot once; returns what happened, but for what the robots say of themselves.
+    pub fn tick(&mut self) -> Vec<News> {
         let mut news = self.world.begin(self.tick, self.progress);
         self.instruct(&mut news);
         news.extend(self.sense());
-        for (index, robot) in self.team.iter_mut().enumerate() {
+        for (index, robot) in self.robots.iter_mut().enumerate() {
             if !self.world.is_stopped(index) {
-                act_in_turn(robot.as_mut());
+                act_in_turn(&mut || self.statuses[index] = robot.tick());
             }
         }
-        self.certainty.push(self.certainties());
         self.transmit();
         news.extend(self.drive());
-        news.extend(self.compare());
-        self.news.extend(news.into_iter().map(|news| Dated { tick: self.tick, news }));
+        self.reports = self.robots.iter().map(|robot| robot.report()).collect();
+        self.progress.note(&self.reports);
+        for robot in self.trouble.strike(&mut self.world, &self.scenario) {
+            self.restart(robot).unwrap_or_else(|_| unreachable!("it has been built before"));
+        }
         self.tick += 1;
+        news
     }
 
     /// Tells the robots which way-points to visit.
     fn instruct(&mut self, news: &mut [News]) {
         for item in news {
-            if let News::Asked { robot, cell } = *item {
-                if self.team[robot].visit(cell) {
-                    self.waypoints[robot].push(cell);
-                } else {
-                    *item = News::Refused { robot, cell };
-                }
+            if let News::Asked { robot, cell } = *item
+                && !self.robots[robot].visit(cell)
+            {
+                *item = News::Refused { robot, cell };
             }
         }
-    }
-
-    /// How likely each robot takes itself to be where it is.
-    fn certainties(&self) -> Vec<f32> {
-        self.team.iter().zip(self.world.cells()).map(|(robot, &cell)| robot.belief(cell)).collect()
     }
 
     /// Fills the bodies with what the sensors and the radio bring in this tick.
     fn sense(&mut self) -> Vec<News> {
         let mut news = Vec::new();
-        for index in 0..self.team.len() {
+        for index in 0..self.robots.len() {
             if self.world.is_stopped(index) {
                 continue;
             }
@@ -253,46 +201,50 @@ impl<'f, 'm> Flight<'f, 'm> {
                     news.push(News::Found { robot: index, cell });
                 }
             }
-            let body = self.team[index].body();
-            body.clock.now = self.tick;
+            let body = self.robots[index].body();
+            body.clock.now = self.began.wrapping_add(self.tick);
             body.battery.charge = self.world.battery(index).percent();
-            body.localiser.reading = Some(reading);
+            body.localiser.reading = reading;
             body.drive.moving = self.world.is_moving(index);
             body.scanner.look(in_view);
         }
         for (receiver, frame) in self.radio.arrivals(self.tick) {
-            if !self.world.is_stopped(receiver) {
-                self.team[receiver].body().link.received.extend(frame);
-            }
+            self.deliver(receiver, &frame);
         }
         news
     }
 
-    fn locate(&mut self, robot: usize) -> Cell {
-        let (here, cells) = (self.world.cells()[robot], self.world.floor().len() as u16);
-        let is_right = self.localisers.strikes(self.scenario.robots[robot].localiser);
-        let other = self.localisers.below(cells - 1);
-        if is_right { here } else { Cell(other + u16::from(other >= here.0)) }
+    fn locate(&mut self, robot: usize) -> Option<Cell> {
+        let (here, cells) = (self.world.cells()[robot], self.world.floor().len());
+        let is_right = self.localisers.bernoulli(self.scenario.robots[robot].localiser);
+        let other = self.localisers.below(cells - 1) as u16;
+        match self.readings[robot] {
+            Reading::Drawn if is_right => Some(here),
+            Reading::Drawn => Some(Cell(other + u16::from(other >= here.0))),
+            Reading::Cell(cell) => Some(cell),
+            Reading::Nothing => None,
+        }
     }
 
+    /// Hands what the robots send to the radio; a robot that has stopped has sent nothing.
     fn transmit(&mut self) {
-        for (sender, robot) in self.team.iter_mut().enumerate() {
-            for frame in robot.body().link.sent.drain(..) {
-                self.radio.send(self.tick, sender, &frame);
+        for (sender, robot) in self.robots.iter_mut().enumerate() {
+            let link = &mut robot.body().link;
+            link.last = std::mem::take(&mut link.sent);
+            for frame in &link.last {
+                self.radio.send(self.tick, sender, frame);
             }
         }
     }
 
     /// Makes the moves that the robots have commanded, as far as their drives let them.
     fn drive(&mut self) -> Option<News> {
-        let command = |robot: &mut Box<dyn AnyRobot + 'm>| robot.body().drive.command.take();
-        self.commands = self.team.iter_mut().map(command).collect();
-        let commands: Vec<_> = (0..self.team.len()).map(|robot| self.made(robot)).collect();
+        self.commands = self.robots.iter_mut().map(|robot| robot.body().drive.command.take()).collect();
+        let commands: Vec<_> = (0..self.robots.len()).map(|robot| self.made(robot)).collect();
         let (before, faults) = (self.world.cells().to_vec(), self.collisions.total());
         self.world.carry_out(&commands);
         let (cells, entering) = (self.world.cells(), self.world.entering().collect::<Vec<_>>());
         self.collisions.judge(self.world.floor(), (&before, &commands), (cells, &entering));
-        self.history.push(self.world.cells().to_vec());
         let times = self.collisions.total() - faults;
         (times > 0).then_some(News::Collided { times })
     }
@@ -303,114 +255,165 @@ impl<'f, 'm> Flight<'f, 'm> {
         let worn = |wear: &&Wear| wear.robot == robot && wear.step == step && wear.from <= self.tick;
         // Drawn one by one: a drive that is worn twice fails for either reason.
         let fails =
-            self.scenario.wear.iter().filter(worn).filter(|wear| self.wear.strikes(wear.fails)).count() > 0;
-        let slips = step != Move::Wait && self.slips.strikes(self.scenario.robots[robot].slip);
+            self.scenario.wear.iter().filter(worn).filter(|wear| self.wear.bernoulli(wear.fails)).count() > 0;
+        let slips = step != Move::Wait && self.slips.bernoulli(self.scenario.robots[robot].slip);
         if fails || slips || self.world.battery(robot).is_empty() { Move::Wait } else { step }
     }
+}
 
-    fn compare(&mut self) -> Vec<News> {
-        let reports: Vec<_> = self.team.iter().map(|robot| robot.report()).collect();
-        let before = std::mem::replace(&mut self.reports, reports);
-        for (robot, (now, tree)) in self.team.iter().zip(self.activities.iter_mut().zip(&mut self.tree)) {
-            let running = robot.activity();
-            if std::mem::replace(now, running) != running {
-                tree.push(Activity { tick: self.tick, running });
-            }
-        }
-        self.progress.note(&self.reports);
-        let obstacles = || self.world.obstacles().collect();
-        phases::note(&mut self.phases, self.tick, &self.reports, self.world.floor(), obstacles);
-        let mut news = self.ticked_off();
-        news.extend(changes::between(&before, &self.reports, &self.world));
-        news
+/// Interfering with a flight between two ticks.
+impl<R: AnyRobot + ?Sized> Flight<'_, R> {
+    /// Makes an event happen with the next tick.
+    pub fn cause(&mut self, effect: Effect) {
+        self.world.cause(effect);
     }
 
-    /// The way-points that robots have visited in this tick.
-    fn ticked_off(&mut self) -> Vec<News> {
-        let mut news = Vec::new();
-        for (robot, known) in self.waypoints.iter_mut().enumerate() {
-            let mut left = self.team[robot].waypoints().to_vec();
-            // From the end: of a cell that is to be visited twice, the first visit comes off first.
-            for cell in std::mem::take(known).into_iter().rev() {
-                match left.iter().rposition(|&other| other == cell) {
-                    Some(index) => known.push(left.remove(index)),
-                    None => {
-                        self.visited[robot].push(cell);
-                        news.push(News::Visited { robot, cell });
-                    }
-                }
-            }
-            known.reverse();
-        }
-        news
+    /// Restarts a robot where it is; it has lost what it knew.
+    ///
+    /// # Errors
+    /// [`TeamError`], as the robot was built with before.
+    pub fn restart(&mut self, robot: usize) -> Result<(), TeamError> {
+        self.epochs[robot] += 1;
+        self.robots[robot] = (self.boot)(robot as u8, self.epochs[robot])?;
+        Ok(())
     }
 
-    fn record(self) -> Record {
-        let robots: Vec<_> = (0..self.team.len()).map(|index| self.robot(index)).collect();
-        let outcome = self.outcome(&robots);
-        Record {
-            scenario: self.scenario.name.clone(),
-            title: self.scenario.title.clone(),
-            seed: self.seed,
-            pilot: self.pilot,
-            loss: self.terms.loss,
-            ticks: self.tick.saturating_sub(1),
-            outcome,
-            collisions: self.collisions,
-            frames: self.radio.traffic().iter().sum(),
-            width: self.world.floor().width(),
-            height: self.world.floor().height(),
-            goals: self.scenario.goals.clone(),
-            robots,
-            news: self.news,
-            phases: self.phases,
-            history: self.history,
-            certainty: self.certainty,
+    /// Turns a robot's transmitter off or on.
+    pub fn silence(&mut self, robot: usize, silent: bool) {
+        self.radio.silence(robot, silent);
+    }
+
+    /// Hands bytes to a robot's receiver as if they had arrived; one that has stopped does not hear them.
+    pub fn deliver(&mut self, robot: usize, bytes: &[u8]) {
+        if !self.world.is_stopped(robot) {
+            self.robots[robot].body().link.received.extend(bytes);
         }
     }
 
-    fn outcome(&self, robots: &[RobotRecord]) -> Outcome {
-        let is_joint = match self.pilot {
-            Pilot::Inference => record::is_joint(robots.iter().map(|robot| robot.path.as_slice())),
-            Pilot::Conventional | Pilot::Figure5 => {
-                record::is_close(robots.iter().map(|robot| robot.arrived))
-            }
-        };
-        record::outcome(&self.collisions, &self.scenario.goals, self.world.cells(), is_joint)
+    /// Sets what a robot's localiser reads.
+    pub fn set_reading(&mut self, robot: usize, reading: Reading) {
+        self.readings[robot] = reading;
     }
 
-    fn robot(&self, index: usize) -> RobotRecord {
-        let (setup, report) = (&self.scenario.robots[index], &self.reports[index]);
-        let received = self.team[index].link_report().received;
-        let cells: Vec<_> = self.history.iter().map(|cells| cells[index]).collect();
-        let cell = self.world.cells()[index];
-        RobotRecord {
-            name: setup.name.clone(),
-            start: setup.start,
-            cell,
-            goal: report.goal,
-            path: report.path.cells(&self.scenario.map).collect(),
-            probability: report.probability,
-            status: record::status(report),
-            moves: cells.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32,
-            arrived: cells.iter().rposition(|&before| before != cell).map_or(0, |last| last as u32 + 1),
-            frames: self.radio.traffic()[index],
-            battery: self.world.battery(index).percent(),
-            visited: self.visited[index].clone(),
-            charged: record::times_charged(&self.news, index),
-            stopped: self.world.is_stopped(index),
-            tree: self.tree[index].clone(),
-            accepted: received.accepted,
-            rejected: received.refused(),
-        }
+    /// Sets the probability that a move of a robot fails.
+    pub fn set_slip(&mut self, robot: usize, probability: f64) {
+        self.scenario.robots[robot].slip = probability;
+    }
+
+    /// Sets the ticks that a move of a robot takes, one at the least.
+    pub fn set_pace(&mut self, robot: usize, ticks: u32) {
+        self.world.set_pace(robot, ticks);
+    }
+
+    /// Sets the charge of a robot's battery in percent, 100 at the most.
+    pub fn set_charge(&mut self, robot: usize, percent: u8) {
+        self.world.set_charge(robot, percent);
+    }
+
+    /// Puts a robot into another cell.
+    pub fn place(&mut self, robot: usize, cell: Cell) {
+        self.world.place(robot, cell);
+    }
+
+    /// A robot, to change it.
+    pub fn robot_mut(&mut self, robot: usize) -> &mut R {
+        &mut self.robots[robot]
+    }
+}
+
+/// Looking into a flight.
+impl<R: AnyRobot + ?Sized> Flight<'_, R> {
+    /// The ticks flown.
+    #[must_use]
+    pub const fn ticks(&self) -> u32 {
+        self.tick
+    }
+
+    /// The robots in their order.
+    pub fn robots(&self) -> impl Iterator<Item = &R> {
+        self.robots.iter().map(Box::as_ref)
+    }
+
+    /// A robot.
+    #[must_use]
+    pub fn robot(&self, robot: usize) -> &R {
+        &self.robots[robot]
+    }
+
+    /// What each robot's tree returned last.
+    #[must_use]
+    pub fn statuses(&self) -> &[Status] {
+        &self.statuses
+    }
+
+    /// Whether every tree has returned success in the last tick.
+    #[must_use]
+    pub fn has_arrived(&self) -> bool {
+        self.statuses.iter().all(|&status| status == Status::Success)
+    }
+
+    /// What the robots say of themselves after the last tick.
+    #[must_use]
+    pub fn reports(&self) -> &[Report] {
+        &self.reports
+    }
+
+    /// Where the robots stand, in truth.
+    #[must_use]
+    pub fn cells(&self) -> &[Cell] {
+        self.world.cells()
+    }
+
+    /// The cell that each robot is on its way to; until it is there it is in both.
+    pub fn entering(&self) -> impl Iterator<Item = Option<Cell>> + '_ {
+        self.world.entering()
+    }
+
+    /// The moves that the robots commanded in the last tick.
+    #[must_use]
+    pub fn commands(&self) -> &[Option<Move>] {
+        &self.commands
+    }
+
+    /// Free and blocked cells, in truth.
+    #[must_use]
+    pub fn floor(&self) -> &Floor {
+        self.world.floor()
+    }
+
+    /// The charge of a robot's battery in percent.
+    #[must_use]
+    pub fn charge(&self, robot: usize) -> u8 {
+        self.world.battery(robot).percent()
+    }
+
+    /// The frames that a robot has sent in the last tick.
+    pub fn sent(&mut self, robot: usize) -> &[Vec<u8>] {
+        &self.robots[robot].body().link.last
+    }
+
+    /// What the referee has seen.
+    #[must_use]
+    pub const fn collisions(&self) -> Collisions {
+        self.collisions
+    }
+
+    /// What became of each robot's frames.
+    #[must_use]
+    pub fn traffic(&self) -> &[Traffic] {
+        self.radio.traffic()
+    }
+
+    pub(crate) const fn world(&self) -> &World {
+        &self.world
     }
 }
 
 /// One tick of one robot: what [`campaign::cost`](crate::campaign::cost) counts, from the call of this function to that of
 /// [`has_acted`].
 #[inline(never)]
-fn act_in_turn(robot: &mut (dyn AnyRobot + '_)) {
-    robot.tick();
+fn act_in_turn(tick: &mut dyn FnMut()) {
+    tick();
     has_acted();
 }
 

@@ -26,10 +26,11 @@ mod battery;
 pub mod beyond;
 mod body;
 pub mod campaign;
-mod chance;
 mod changes;
 mod conventional;
+mod faults;
 mod flight;
+mod fly;
 mod learn;
 pub mod library;
 mod log;
@@ -39,6 +40,7 @@ pub mod notebook;
 mod phases;
 mod progress;
 mod radio;
+mod random;
 mod record;
 mod referee;
 pub mod reproduce;
@@ -55,20 +57,24 @@ mod words;
 mod workers;
 mod world;
 
-pub use flight::{Audience, Conditions, Scene, fly};
+pub use faults::Faults;
+pub use flight::{Flight, NavigatorFlight, Reading};
+pub use fly::{Audience, Conditions, Scene, fly};
 pub use learn::{Learned, MoveRatio, RobotRatios};
 pub use log::{Attempt, ExecutionLog, LogError, Logbook};
 pub use news::News;
 pub use phases::{Chosen, Phase};
-pub use radio::Traffic;
+pub use radio::{KEY, Traffic};
+pub use random::Random;
 pub use record::{Activity, Dated, Outcome, Record, RobotRecord, TOGETHER};
 pub use referee::Collisions;
+pub use robot::AnyRobot;
 pub use scenario::{
     Effect, Event, Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Radio, Robot, Scenario, ScenarioError,
     Wear, When,
 };
 pub use series::{Mission, Series, fly_series};
-pub use team::{Pilot, TeamError};
+pub use team::{Navigating, Pilot, TeamError};
 pub use testbed::{Simulated, Testbed};
 
 /// The code in the README and in the documents is compiled and run with the tests.

@@ -8,7 +8,7 @@
 //! ```
 //! The first line draws the map, its rows apart by `/`. Waits are not logged.
 
-use crate::flight::{Audience, Scene};
+use crate::fly::{Audience, Scene};
 use crate::scenario::{Floor, MAX_CELLS};
 use crate::words::{move_called, move_name};
 use iibt_core::grid::{Cell, Move};

@@ -1,23 +1,25 @@
 //! The radio: the only way between robots. It carries bytes and knows nothing of what they mean.
 
-use crate::chance::{Chance, Purpose};
+use crate::random::{Random, Stream};
 use crate::scenario;
 use iibt_core::team::Key;
 use serde::Serialize;
-use std::collections::VecDeque;
 use std::iter::Sum;
 
-/// The key of every team. It keeps nothing secret: the radio is simulated.
-pub(crate) const KEY: Key = Key::new(*b"simulated robots");
+/// The key of every simulated team that is given no other. It keeps nothing secret.
+pub const KEY: Key = Key::new(*b"simulated robots");
 
 /// Every frame goes to every teammate, each copy with its own luck.
 #[derive(Debug)]
 pub(crate) struct Radio {
     terms: scenario::Radio,
     team: usize,
-    loss: Chance,
-    duplicate: Chance,
-    flying: VecDeque<Copy>,
+    loss: Random,
+    duplicate: Random,
+    jitter: Random,
+    noise: Random,
+    silent: Vec<bool>,
+    flying: Vec<Copy>,
     traffic: Vec<Traffic>,
 }
 
@@ -55,36 +57,53 @@ impl Radio {
         Self {
             terms,
             team,
-            loss: Chance::new(seed, Purpose::Loss),
-            duplicate: Chance::new(seed, Purpose::Duplicate),
-            flying: VecDeque::new(),
+            loss: Random::of(seed, Stream::Loss),
+            duplicate: Random::of(seed, Stream::Duplicate),
+            jitter: Random::of(seed, Stream::Jitter),
+            noise: Random::of(seed, Stream::Noise),
+            silent: vec![false; team],
+            flying: Vec::new(),
             traffic: vec![Traffic::default(); team],
         }
     }
 
+    /// Turns a robot's transmitter off or on.
+    pub(crate) fn silence(&mut self, robot: usize, silent: bool) {
+        self.silent[robot] = silent;
+    }
+
     /// Takes a frame that `sender` sends in tick `now`.
     pub(crate) fn send(&mut self, now: u32, sender: usize, frame: &[u8]) {
+        if self.silent[sender] {
+            return;
+        }
         self.traffic[sender].sent += 1;
         for receiver in (0..self.team).filter(|&receiver| receiver != sender) {
-            if self.loss.strikes(self.terms.loss) {
+            if self.loss.bernoulli(self.terms.loss) {
                 self.traffic[sender].lost += 1;
                 continue;
             }
-            let copies = 1 + usize::from(self.duplicate.strikes(self.terms.duplicate));
+            let copies = 1 + usize::from(self.duplicate.bernoulli(self.terms.duplicate));
             for _ in 0..copies {
-                let due = now + self.terms.delay;
-                self.flying.push_back(Copy { due, sender, receiver, bytes: frame.to_vec() });
+                let due = now + self.terms.delay + self.jitter.below(self.terms.jitter as usize + 1) as u32;
+                self.flying.push(Copy { due, sender, receiver, bytes: frame.to_vec() });
             }
         }
     }
 
-    /// Hands out what arrives in tick `now`, oldest first, as the receiver and the bytes.
-    pub(crate) fn arrivals(&mut self, now: u32) -> impl Iterator<Item = (usize, Vec<u8>)> + '_ {
-        std::iter::from_fn(move || {
-            let copy = self.flying.pop_front_if(|copy| copy.due <= now)?;
+    /// Returns what arrives in tick `now`, in the order it was sent, then the noise: receiver and bytes.
+    pub(crate) fn arrivals(&mut self, now: u32) -> Vec<(usize, Vec<u8>)> {
+        let due: Vec<Copy> = self.flying.extract_if(.., |copy| copy.due <= now).collect();
+        let mut arrivals = Vec::new();
+        for copy in due {
             self.traffic[copy.sender].delivered += 1;
-            Some((copy.receiver, copy.bytes))
-        })
+            let stray = self.noise.bytes(self.terms.stray).into_iter().map(|byte| byte.max(1));
+            arrivals.push((copy.receiver, stray.chain(copy.bytes).collect()));
+        }
+        if self.terms.garbage > 0 {
+            arrivals.extend((0..self.team).map(|robot| (robot, self.noise.bytes(self.terms.garbage))));
+        }
+        arrivals
     }
 
     /// What became of each robot's frames so far.
@@ -98,20 +117,16 @@ mod tests {
     use super::*;
 
     fn radio(loss: f64, delay: u32, duplicate: f64) -> Radio {
-        Radio::new(scenario::Radio { loss, delay, duplicate }, 3, 1)
-    }
-
-    fn arriving(radio: &mut Radio, now: u32) -> Vec<(usize, Vec<u8>)> {
-        radio.arrivals(now).collect()
+        Radio::new(scenario::Radio { loss, delay, duplicate, ..scenario::Radio::default() }, 3, 1)
     }
 
     #[test]
     fn a_frame_reaches_every_teammate_after_the_delay() {
         let mut radio = radio(0.0, 3, 0.0);
         radio.send(5, 1, b"hello");
-        assert_eq!(arriving(&mut radio, 7), []);
-        assert_eq!(arriving(&mut radio, 8), [(0, b"hello".to_vec()), (2, b"hello".to_vec())]);
-        assert_eq!(arriving(&mut radio, 9), []);
+        assert_eq!(radio.arrivals(7), []);
+        assert_eq!(radio.arrivals(8), [(0, b"hello".to_vec()), (2, b"hello".to_vec())]);
+        assert_eq!(radio.arrivals(9), []);
         assert_eq!(radio.traffic()[1], Traffic { sent: 1, delivered: 2, lost: 0 });
     }
 
@@ -121,7 +136,7 @@ mod tests {
         for tick in 0..1000 {
             radio.send(tick, 0, b"x");
         }
-        let delivered = arriving(&mut radio, 1000).len() as u32;
+        let delivered = radio.arrivals(1000).len() as u32;
         let traffic = radio.traffic()[0];
         assert_eq!(
             (traffic.sent, traffic.delivered, traffic.delivered + traffic.lost),
@@ -134,6 +149,32 @@ mod tests {
     fn duplicates_arrive_twice() {
         let mut radio = radio(0.0, 1, 1.0);
         radio.send(0, 0, b"x");
-        assert_eq!(arriving(&mut radio, 1).len(), 4);
+        assert_eq!(radio.arrivals(1).len(), 4);
+    }
+
+    #[test]
+    fn jitter_delays_every_copy_by_itself_and_a_silent_robot_is_not_heard() {
+        let mut radio = Radio::new(scenario::Radio { jitter: 3, ..scenario::Radio::default() }, 2, 1);
+        (0..100).for_each(|_| radio.send(0, 0, b"x"));
+        let arriving: Vec<_> = (0..6).map(|tick| radio.arrivals(tick).len()).collect();
+        assert!(arriving[1..5].iter().all(|&copies| copies > 10), "{arriving:?}");
+        assert_eq!((arriving[0], arriving[5], arriving.iter().sum::<usize>()), (0, 0, 100));
+        radio.silence(0, true);
+        radio.send(6, 0, b"x");
+        assert!((7..12).all(|tick| radio.arrivals(tick).is_empty()));
+    }
+
+    #[test]
+    fn noise_comes_before_frames_without_a_delimiter_and_in_every_tick_with_any_byte() {
+        let terms = scenario::Radio { stray: 300, garbage: 500, ..scenario::Radio::default() };
+        let mut radio = Radio::new(terms, 2, 1);
+        radio.send(0, 0, b"x");
+        let arrivals = radio.arrivals(1);
+        let (receiver, bytes) = &arrivals[0];
+        assert_eq!((*receiver, bytes.len(), bytes.last()), (1, 301, Some(&b'x')));
+        assert!(!bytes.contains(&0));
+        let noise: Vec<_> = arrivals[1..].iter().map(|(robot, bytes)| (*robot, bytes.len())).collect();
+        assert_eq!(noise, [(0, 500), (1, 500)]);
+        assert!(arrivals[1..].iter().any(|(_, bytes)| bytes.contains(&0)));
     }
 }

@@ -5,11 +5,14 @@ use crate::scenario::Floor;
 use firmware::{Controller, LinkReport, Navigator};
 use iibt_core::grid::{Cell, Map};
 use iibt_core::navigation::{MAX_GOALS, Report};
+use iibt_core::tree::Status;
 
 /// A robot that flies, whatever the size its controller is compiled for.
-pub(crate) trait AnyRobot {
-    /// One tick of its controller.
-    fn tick(&mut self);
+///
+/// Implemented for the firmware's [`Controller`] of a [`Navigator`] in a simulated body.
+pub trait AnyRobot {
+    /// Ticks its controller once; returns what its tree returned.
+    fn tick(&mut self) -> Status;
     /// What it says of itself.
     fn report(&self) -> Report;
     /// What became of its frames.
@@ -28,18 +31,23 @@ pub(crate) trait AnyRobot {
     fn body(&mut self) -> &mut Body;
 }
 
+/// The same map in another number of words, or `None` when it does not fit them.
+pub(crate) fn resized<const A: usize, const B: usize>(map: &Map<A>) -> Option<Map<B>> {
+    let mut resized = Map::new(map.width(), map.height()).ok()?;
+    for cell in (0..map.len() as u16).map(Cell).filter(|&cell| !map.is_free(cell)) {
+        resized.block(cell);
+    }
+    Some(resized)
+}
+
 /// The same map in fewer words.
 pub(crate) fn shrunk<const W: usize>(floor: &Floor) -> Map<W> {
-    let mut map = Map::new(floor.width(), floor.height()).unwrap_or_else(|_| unreachable!("W fits the map"));
-    for cell in (0..floor.len() as u16).map(Cell).filter(|&cell| !floor.is_free(cell)) {
-        map.block(cell);
-    }
-    map
+    resized(floor).unwrap_or_else(|| unreachable!("W fits the map"))
 }
 
 impl<const S: usize, const W: usize, const P: usize> AnyRobot for Controller<Navigator<'_, S, W, P>, Body> {
-    fn tick(&mut self) {
-        Controller::tick(self);
+    fn tick(&mut self) -> Status {
+        Controller::tick(self)
     }
 
     fn report(&self) -> Report {

@@ -140,8 +140,14 @@ pub struct Radio {
     pub loss: f64,
     /// The ticks a frame travels, at least one.
     pub delay: u32,
+    /// The most ticks that a copy travels beyond them, drawn for each copy.
+    pub jitter: u32,
     /// The probability that a frame reaches a teammate twice.
     pub duplicate: f64,
+    /// The bytes of noise before each copy, none of them a delimiter.
+    pub stray: usize,
+    /// The bytes of noise that each robot receives in each tick, of any value.
+    pub garbage: usize,
 }
 
 /// The parameters of the robots' inference; `None` leaves the core's own.
@@ -173,7 +179,7 @@ impl Robot {
 
 impl Default for Radio {
     fn default() -> Self {
-        Self { loss: 0.0, delay: 1, duplicate: 0.0 }
+        Self { loss: 0.0, delay: 1, jitter: 0, duplicate: 0.0, stray: 0, garbage: 0 }
     }
 }
 

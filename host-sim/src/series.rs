@@ -1,7 +1,7 @@
 //! A series: the same mission flown several times in a row, by robots that keep what they have learned of the goals.
 
-use crate::chance::{Chance, Purpose};
-use crate::flight::{Audience, Conditions, fly_preferring};
+use crate::fly::{Audience, Conditions, fly_preferring};
+use crate::random::{Random, Stream};
 use crate::record::Record;
 use crate::scenario::Scenario;
 use crate::team::TeamError;
@@ -48,7 +48,7 @@ pub fn fly_series(
     audience: &mut dyn Audience,
 ) -> Result<Series, TeamError> {
     let mut experience = vec![Experience::default(); scenario.robots.len()];
-    let mut chance = Chance::new(conditions.seed, Purpose::Service);
+    let mut random = Random::of(conditions.seed, Stream::Service);
     let mut missions = Vec::new();
     for number in 0..u64::from(scenario.missions) {
         let values: Vec<_> = experience.iter().map(Experience::values).collect();
@@ -56,7 +56,7 @@ pub fn fly_series(
         let seed = conditions.seed.wrapping_add(number << 32);
         let record = fly_preferring(scenario, Conditions { seed, ..conditions }, preferences, audience)?;
         // One draw for every goal, so that it does not matter who stands where.
-        let serves: Vec<bool> = scenario.serves.iter().map(|&chances| chance.strikes(chances)).collect();
+        let serves: Vec<bool> = scenario.serves.iter().map(|&serves| random.bernoulli(serves)).collect();
         let goal_of = |cell: Cell| scenario.goals.iter().position(|&goal| goal == cell);
         let stands: Vec<Option<usize>> = record.robots.iter().map(|robot| goal_of(robot.cell)).collect();
         for (experience, goal) in experience.iter_mut().zip(&stands) {

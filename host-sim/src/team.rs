@@ -11,17 +11,20 @@ use firmware::{Controller, Navigator, Settings};
 use iibt_core::grid::{Cell, Path, words};
 use iibt_core::inference::learning::Rates;
 use iibt_core::navigation::{Mission, MissionError};
-use iibt_core::team::{Member, MemberError, RobotId};
+use iibt_core::team::{Key, Member, MemberError, RobotId};
 use serde::Serialize;
 use std::fmt;
 use std::num::NonZero;
 
-/// The robots in the order of their numbers.
-pub(crate) type Team<'m> = Vec<Box<dyn AnyRobot + 'm>>;
+/// A navigating robot with the firmware's controller in a simulated body.
+pub type Navigating<'m, const S: usize, const W: usize, const P: usize> =
+    Controller<Navigator<'m, S, W, P>, Body>;
+
+/// Builds the controller of a robot by its number and the epoch of its start.
+pub(crate) type Boot<'m, R> = Box<dyn Fn(u8, u32) -> Result<Box<R>, TeamError> + 'm>;
 
 const SMALL: usize = 49;
 const MEDIUM: usize = 256;
-const EPOCH: u32 = 1;
 
 /// Why a scenario has no team.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,35 +93,34 @@ impl Pilot {
     }
 }
 
-/// Builds the team of a scenario for as long as `fly` lasts.
-pub(crate) fn with_team<R>(
+/// Prepares the controllers of a scenario's robots for as long as `fly` lasts.
+pub(crate) fn with_team<T>(
     scenario: &Scenario,
     pilot: Pilot,
-    fly: impl FnOnce(&mut Team<'_>) -> R,
-) -> Result<R, TeamError> {
+    fly: impl for<'m> FnOnce(Boot<'m, dyn AnyRobot + 'm>) -> Result<T, TeamError>,
+) -> Result<T, TeamError> {
     let cells = scenario.map.len();
     if cells <= SMALL {
-        sized::<SMALL, { words(SMALL, 1) }, R>(scenario, pilot, fly)
+        sized::<SMALL, { words(SMALL, 1) }, T>(scenario, pilot, fly)
     } else if cells <= MEDIUM {
-        sized::<MEDIUM, { words(MEDIUM, 1) }, R>(scenario, pilot, fly)
+        sized::<MEDIUM, { words(MEDIUM, 1) }, T>(scenario, pilot, fly)
     } else {
-        sized::<MAX_CELLS, { words(MAX_CELLS, 1) }, R>(scenario, pilot, fly)
+        sized::<MAX_CELLS, { words(MAX_CELLS, 1) }, T>(scenario, pilot, fly)
     }
 }
 
-fn sized<const S: usize, const W: usize, R>(
+fn sized<const S: usize, const W: usize, T>(
     scenario: &Scenario,
     pilot: Pilot,
-    fly: impl FnOnce(&mut Team<'_>) -> R,
-) -> Result<R, TeamError> {
+    fly: impl for<'m> FnOnce(Boot<'m, dyn AnyRobot + 'm>) -> Result<T, TeamError>,
+) -> Result<T, TeamError> {
+    let team = scenario.robots.len();
     if let Some(figure) = pilot.figure() {
-        let mut team: Team<'_> = Vec::new();
-        for robot in 0..scenario.robots.len() as u8 {
-            let settings = settings(scenario, robot, period(scenario))?;
+        return fly(Box::new(|robot, epoch| {
+            let settings = settings(robot, team, KEY, epoch, period(scenario))?;
             let robot = Conventional::<S, W>::new(scenario, figure, &settings)?;
-            team.push(Box::new(Controller::new(robot, settings, body())));
-        }
-        return Ok(fly(&mut team));
+            Ok(Box::new(Controller::new(robot, settings, body())))
+        }));
     }
     let starts: Vec<Cell> = scenario.robots.iter().map(|robot| robot.start).collect();
     let paths: Vec<&[Path]> = scenario.robots.iter().map(|robot| robot.paths.as_slice()).collect();
@@ -135,17 +137,22 @@ fn sized<const S: usize, const W: usize, R>(
     if !scenario.inference.alike {
         (mission.paces, mission.sensors) = (&paces, &sensors);
     }
-    let mut team: Team<'_> = Vec::new();
-    for robot in 0..starts.len() as u8 {
-        let settings = settings(scenario, robot, NonZero::<u16>::MIN)?;
-        let robot = Navigator::<S, W, MAX_PATHS>::new(&mission, &settings)?;
-        team.push(Box::new(Controller::<_, Body>::new(robot, settings, body())));
-    }
-    Ok(fly(&mut team))
+    fly(Box::new(|robot, epoch| Ok(Box::new(navigating::<S, W, MAX_PATHS>(&mission, KEY, robot, epoch)?))))
 }
 
-fn settings(scenario: &Scenario, robot: u8, tick: NonZero<u16>) -> Result<Settings, TeamError> {
-    Ok(Settings::new(Member::new(RobotId(robot), scenario.robots.len())?, KEY, EPOCH, tick))
+/// A robot of the team of a mission, by its number.
+pub(crate) fn navigating<'m, const S: usize, const W: usize, const P: usize>(
+    mission: &'m Mission<'m, W>,
+    key: Key,
+    robot: u8,
+    epoch: u32,
+) -> Result<Navigating<'m, S, W, P>, TeamError> {
+    let settings = settings(robot, mission.starts.len(), key, epoch, NonZero::<u16>::MIN)?;
+    Ok(Controller::new(Navigator::new(mission, &settings)?, settings, body()))
+}
+
+fn settings(robot: u8, team: usize, key: Key, epoch: u32, tick: NonZero<u16>) -> Result<Settings, TeamError> {
+    Ok(Settings::new(Member::new(RobotId(robot), team)?, key, epoch, tick))
 }
 
 fn tune<const W: usize>(mission: &mut Mission<'_, W>, scenario: &Scenario) {

@@ -72,6 +72,26 @@ impl World {
         &self.batteries[robot]
     }
 
+    /// Sets the charge of a robot's battery, in percent.
+    pub(crate) fn set_charge(&mut self, robot: usize, percent: u8) {
+        self.batteries[robot].set(percent);
+    }
+
+    /// Sets the ticks that a robot's moves take, one at the least.
+    pub(crate) fn set_pace(&mut self, robot: usize, ticks: u32) {
+        self.paces[robot] = ticks.max(1);
+    }
+
+    /// Puts a robot into another cell, whatever it was doing.
+    pub(crate) fn place(&mut self, robot: usize, cell: Cell) {
+        (self.cells[robot], self.under_way[robot]) = (cell, None);
+    }
+
+    /// Has something happen with the next tick.
+    pub(crate) fn cause(&mut self, effect: Effect) {
+        self.to_come.push(Event { when: When::Tick(0), effect });
+    }
+
     /// Whether a robot has stopped.
     pub(crate) fn is_stopped(&self, robot: usize) -> bool {
         self.stopped[robot].is_some()

@@ -1,6 +1,7 @@
 //! Nothing that is read can make the reader panic.
 
 use super::*;
+use host_sim::Random;
 
 /// How many files are tried; `TREE_FILES_EXECUTIONS` asks for more.
 const EXECUTIONS: u64 = 5_000;
@@ -82,17 +83,8 @@ const WORDS: [&str; 40] = [
     "name=\"\"",
 ];
 
-struct Lcg(u64);
-
-impl Lcg {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % bound.max(1)
-    }
-}
-
 /// Puts other words in the place of values; one time in three also cuts and doubles pieces of the text.
-fn mutated(random: &mut Lcg) -> String {
+fn mutated(random: &mut Random) -> String {
     let mut text: Vec<char> = SEEDS[random.below(SEEDS.len())].chars().collect();
     for _ in 0..random.below(4) {
         replace_value(random, &mut text);
@@ -105,7 +97,7 @@ fn mutated(random: &mut Lcg) -> String {
     text.into_iter().collect()
 }
 
-fn replace_value(random: &mut Lcg, text: &mut Vec<char>) {
+fn replace_value(random: &mut Random, text: &mut Vec<char>) {
     let quotes: Vec<usize> = (0..text.len()).filter(|&at| text[at] == '"').collect();
     let at = 2 * random.below(quotes.len() / 2);
     if let Some(&[from, to]) = quotes.get(at..at + 2) {
@@ -119,7 +111,7 @@ fn replace_value(random: &mut Lcg, text: &mut Vec<char>) {
     }
 }
 
-fn tear(random: &mut Lcg, text: &mut Vec<char>) {
+fn tear(random: &mut Random, text: &mut Vec<char>) {
     let from = random.below(text.len());
     let to = (from + random.below(24)).min(text.len());
     match random.below(4) {
@@ -161,7 +153,7 @@ fn try_out(text: &str) -> usize {
 fn mutated_files_are_refused_or_run_and_never_panic() {
     let executions = std::env::var("TREE_FILES_EXECUTIONS").ok().and_then(|text| text.parse().ok());
     let executions = executions.unwrap_or(EXECUTIONS);
-    let mut random = Lcg(2026);
+    let mut random = Random::new(2026);
     let mut reached = [0_u64; 4];
     for _ in 0..executions {
         reached[try_out(&mutated(&mut random))] += 1;

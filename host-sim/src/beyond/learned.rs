@@ -1,6 +1,6 @@
 //! Preferences learned from one mission to the next: what they are worth.
 
-use crate::flight::Conditions;
+use crate::fly::Conditions;
 use crate::scenario::Scenario;
 use crate::series::{Series, fly_series};
 use crate::statistics::{Difference, Distribution};

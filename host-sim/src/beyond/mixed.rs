@@ -2,7 +2,7 @@
 
 use super::score;
 use crate::campaign::Score;
-use crate::chance::{Chance, Purpose};
+use crate::random::{Random, Stream};
 use crate::scenario::Scenario;
 use crate::statistics::{Difference, Distribution, Share};
 use crate::workers::share_out;
@@ -93,10 +93,10 @@ impl Mixed {
 
 /// The scenario with other starts and other goals, as many as it has.
 fn drawn(scenario: &Scenario, seed: u64) -> Scenario {
-    let mut chance = Chance::new(seed, Purpose::Place);
+    let mut random = Random::of(seed, Stream::Place);
     let mut free: Vec<Cell> =
         (0..scenario.map.len() as u16).map(Cell).filter(|&cell| scenario.map.is_free(cell)).collect();
-    let mut draw = || free.swap_remove(usize::from(chance.below(free.len() as u16)));
+    let mut draw = || free.swap_remove(random.below(free.len()));
     let mut drawn = scenario.clone();
     drawn.robots.iter_mut().for_each(|robot| robot.start = draw());
     drawn.goals.iter_mut().for_each(|goal| *goal = draw());

@@ -1,6 +1,6 @@
 //! What can go wrong on a mission, drawn from the flight's seed: the same for whoever flies it.
 
-use crate::chance::{Chance, Purpose};
+use crate::random::{Random, Stream};
 use crate::scenario::{Effect, Event, Floor, Scenario, When};
 use iibt_core::grid::{Cell, Move};
 use serde::Serialize;
@@ -85,13 +85,13 @@ impl Disturbance {
     #[must_use]
     pub fn applied(self, scenario: &Scenario, seed: u64) -> Scenario {
         let mut disturbed = scenario.clone();
-        let mut chance = Chance::new(seed, Purpose::Disturbance);
+        let mut random = Random::of(seed, Stream::Disturbance);
         let parts: &[Self] = match self {
             Self::All => &[Self::Noise, Self::Slips, Self::Loss, Self::Obstacles, Self::Battery, Self::Pause],
             ref one => std::slice::from_ref(one),
         };
         for part in parts {
-            part.apply(&mut disturbed, &mut chance);
+            part.apply(&mut disturbed, &mut random);
         }
         if self == Self::All {
             disturbed.limit *= 3;
@@ -99,7 +99,7 @@ impl Disturbance {
         disturbed
     }
 
-    fn apply(self, scenario: &mut Scenario, chance: &mut Chance) {
+    fn apply(self, scenario: &mut Scenario, random: &mut Random) {
         match self {
             Self::None | Self::All => {}
             Self::Noise => {
@@ -108,43 +108,43 @@ impl Disturbance {
             }
             Self::Slips => scenario.robots.iter_mut().for_each(|robot| robot.slip = robot.slip.max(SLIP)),
             Self::Loss => scenario.radio.loss = scenario.radio.loss.max(LOSS),
-            Self::Obstacles => block(scenario, chance),
+            Self::Obstacles => block(scenario, random),
             Self::Battery => {
                 for robot in &mut scenario.robots {
                     robot.charger.get_or_insert(robot.start);
                 }
-                happen(scenario, chance, |robot, _| Effect::Charge(robot, LOW));
+                happen(scenario, random, |robot, _| Effect::Charge(robot, LOW));
             }
             Self::Pause => {
-                happen(scenario, chance, |robot, chance| {
-                    Effect::Stop(robot, Some(20 + u32::from(chance.below(20))))
+                happen(scenario, random, |robot, random| {
+                    Effect::Stop(robot, Some(20 + random.below(20) as u32))
                 });
             }
-            Self::Stop => happen(scenario, chance, |robot, _| Effect::Stop(robot, None)),
+            Self::Stop => happen(scenario, random, |robot, _| Effect::Stop(robot, None)),
         }
     }
 }
 
 /// Lets something happen to one robot at a time when the fastest team would be on its way.
-fn happen(scenario: &mut Scenario, chance: &mut Chance, effect: impl Fn(usize, &mut Chance) -> Effect) {
-    let tick = some_tick(scenario, chance);
-    let robot = usize::from(chance.below(scenario.robots.len() as u16));
-    let effect = effect(robot, chance);
+fn happen(scenario: &mut Scenario, random: &mut Random, effect: impl Fn(usize, &mut Random) -> Effect) {
+    let tick = some_tick(scenario, random);
+    let robot = random.below(scenario.robots.len());
+    let effect = effect(robot, random);
     scenario.events.push(Event { when: When::Tick(tick), effect });
 }
 
 /// A tick at which the fastest team would be on its way.
-fn some_tick(scenario: &Scenario, chance: &mut Chance) -> u32 {
+fn some_tick(scenario: &Scenario, random: &mut Random) -> u32 {
     let (map, goals) = (&scenario.map, &scenario.goals);
     let nearest = scenario
         .robots
         .iter()
         .filter_map(|robot| goals.iter().map(|&goal| map.manhattan(robot.start, goal)).min());
-    1 + u32::from(chance.below(nearest.max().unwrap_or(1).max(1)))
+    1 + random.below(usize::from(nearest.max().unwrap_or(1).max(1))) as u32
 }
 
 /// Lets obstacles appear in cells that nobody needs and without which the rest of the floor still hangs together.
-fn block(scenario: &mut Scenario, chance: &mut Chance) {
+fn block(scenario: &mut Scenario, random: &mut Random) {
     scenario.robots.iter_mut().for_each(|robot| robot.paths.clear());
     let mut floor = scenario.map;
     let blocks = |event: &Event| if let Effect::Block(cell) = event.effect { Some(cell) } else { None };
@@ -152,13 +152,13 @@ fn block(scenario: &mut Scenario, chance: &mut Chance) {
     let mut left = OBSTACLES;
     // A floor on which no cell can be spared keeps fewer obstacles.
     for _ in 0..64 * OBSTACLES {
-        let cell = Cell(chance.below(floor.len() as u16));
+        let cell = Cell(random.below(floor.len()) as u16);
         if left == 0 || !floor.is_free(cell) || is_needed(scenario, cell) {
             continue;
         }
         let blocked = floor.avoiding([cell]);
         if parts(&blocked) <= parts(&floor) {
-            let tick = some_tick(scenario, chance);
+            let tick = some_tick(scenario, random);
             scenario.events.push(Event { when: When::Tick(tick), effect: Effect::Block(cell) });
             (floor, left) = (blocked, left - 1);
         }

@@ -53,7 +53,7 @@ pub fn run(terms: &Terms, detail: Detail) -> Result<Run, RunError> {
     let truth = truth(&tables, terms.disturbances);
     let [left, right] = terms.trees.bind().map_err(RunError::Tree)?;
     let robots = vec![Hand::new(terms, &tables, 0, left)?, Hand::new(terms, &tables, 1, right)?];
-    let radio = scenario::Radio { loss: terms.disturbances.loss, delay: 1, duplicate: 0.0 };
+    let radio = scenario::Radio { loss: terms.disturbances.loss, ..scenario::Radio::default() };
     let mut history = Vec::new();
     let flight = Flight::new(&tables, &truth, radio, terms.seed, robots).map_err(RunError::Team)?;
     let flown = flight.fly(terms.max_ticks, |statuses| statuses[0] == Status::Success, &mut |flight| {

@@ -142,6 +142,7 @@ fn radio(written: &file::Radio) -> Result<Radio, Fault> {
         loss: share("loss", written.loss.as_ref(), usual.loss)?,
         delay: whole("delay", written.delay.as_ref(), 1..=1000, usual.delay)?,
         duplicate: share("duplicate", written.duplicate.as_ref(), usual.duplicate)?,
+        ..usual
     })
 }
 

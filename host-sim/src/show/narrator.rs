@@ -1,6 +1,6 @@
 //! The news, line by line.
 
-use crate::flight::{Audience, Scene};
+use crate::fly::{Audience, Scene};
 use std::io::Write;
 
 /// Writes one line for everything that happens, and one when another leaf of a robot's tree is running.

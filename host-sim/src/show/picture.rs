@@ -1,6 +1,6 @@
 //! A flight drawn as text: the map with everything on it, and a line for every robot.
 
-use crate::flight::Scene;
+use crate::fly::Scene;
 use anstyle::{AnsiColor, Style};
 use iibt_core::grid::Cell;
 use iibt_core::navigation::Report;

@@ -1,7 +1,7 @@
 //! A flight on a terminal, redrawn in place.
 
 use super::picture::{Palette, picture};
-use crate::flight::{Audience, Scene};
+use crate::fly::{Audience, Scene};
 use std::io::{self, Write};
 use std::thread::sleep;
 use std::time::Duration;

@@ -80,6 +80,7 @@ impl<'a> Reader<'a, '_> {
                 loss: share("loss", file.radio.loss.as_ref(), radio.loss)?,
                 delay: whole("delay", file.radio.delay.as_ref(), 1..=1000, radio.delay)?,
                 duplicate: share("duplicate", file.radio.duplicate.as_ref(), radio.duplicate)?,
+                ..radio
             },
         })
     }

@@ -1,7 +1,7 @@
 //! The truth: the hidden states of all robots, what their sensors read of them, and which actions
 //! fail.
 
-use crate::chance::{Chance, Purpose};
+use crate::random::{Random, Stream};
 use iibt_core::iibt::table::{Accuracy, Command, MAX_SENSORS, Reads, Role, Tables};
 
 /// What is true of the world beyond the tables, by robot, and then by factor or operator.
@@ -56,8 +56,8 @@ pub(crate) struct World<'t> {
     states: Vec<Vec<usize>>,
     /// What each robot is doing, and for how many ticks more.
     doing: Vec<Option<(Command, u32)>>,
-    readings: Vec<Chance>,
-    failures: Vec<Chance>,
+    readings: Vec<Random>,
+    failures: Vec<Random>,
 }
 
 impl<'t> World<'t> {
@@ -65,10 +65,10 @@ impl<'t> World<'t> {
         let team = tables.robots();
         // A stream for each robot, so that one robot's actions leave the other's luck as it was.
         let streams = |purpose| {
-            let stream = |robot| Chance::new(seed.wrapping_mul(team as u64).wrapping_add(robot), purpose);
+            let stream = |robot| Random::of(seed.wrapping_mul(team as u64).wrapping_add(robot), purpose);
             (0..team as u64).map(stream).collect::<Vec<_>>()
         };
-        let mut starts = streams(Purpose::Start);
+        let mut starts = streams(Stream::Start);
         let start = |(robot, role): (usize, &Role<'_>)| {
             let factors = role.factors.iter().zip(&truth.start[robot]);
             let draw = |(factor, start): (&iibt_core::iibt::table::HiddenFactor<'_>, &Option<u8>)| match start
@@ -83,8 +83,8 @@ impl<'t> World<'t> {
             truth,
             states: tables.roles().iter().enumerate().map(start).collect(),
             doing: vec![None; team],
-            readings: streams(Purpose::Reading),
-            failures: streams(Purpose::Deed),
+            readings: streams(Stream::Reading),
+            failures: streams(Stream::Deed),
         }
     }
 
@@ -125,8 +125,8 @@ impl<'t> World<'t> {
                 Reads::Labels(labels) => (labels.of(role.factors, state), labels.names.len()),
             };
             let chance = &mut self.readings[robot];
-            let even = |chance: &mut Chance, wrong: f64| {
-                let (errs, by) = (chance.strikes(wrong), usize::from(chance.below(outcomes as u16 - 1)));
+            let even = |chance: &mut Random, wrong: f64| {
+                let (errs, by) = (chance.bernoulli(wrong), chance.below(outcomes - 1));
                 if errs { (is + 1 + by) % outcomes } else { is }
             };
             let read = match (self.truth.wrong, sensor.accuracy) {
@@ -161,7 +161,7 @@ impl<'t> World<'t> {
     /// Changes what an operator changes when it succeeds.
     fn carry_out(&mut self, robot: usize, command: Command) {
         let number = usize::from(command.operator);
-        if self.failures[robot].strikes(self.truth.fails[robot][number]) {
+        if self.failures[robot].bernoulli(self.truth.fails[robot][number]) {
             return;
         }
         let operator = &self.role(robot).operators[number];
@@ -183,13 +183,13 @@ impl<'t> World<'t> {
 }
 
 /// One of several outcomes, drawn by their probabilities.
-fn drawn(chance: &mut Chance, probabilities: impl Iterator<Item = f32>) -> usize {
+fn drawn(chance: &mut Random, probabilities: impl Iterator<Item = f32>) -> usize {
     let mut left = 1.0;
     let mut last = 0;
     for (outcome, p) in probabilities.map(f64::from).enumerate() {
         if p > 0.0 {
             last = outcome;
-            if chance.strikes(p / left) {
+            if chance.bernoulli(p / left) {
                 return outcome;
             }
             left -= p;
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn outcomes_are_drawn_as_often_as_their_probabilities_say() {
-        let mut chance = Chance::new(3, Purpose::Reading);
+        let mut chance = Random::of(3, Stream::Reading);
         let mut counts = [0; 4];
         (0..10_000).for_each(|_| counts[drawn(&mut chance, [0.5, 0.0, 0.2, 0.3].into_iter())] += 1);
         assert_eq!(counts[1], 0);

@@ -1,28 +1,28 @@
-//! Seeded random numbers.
+//! What random models are drawn from.
+//!
+//! The numbers come from the simulator's generator, which shares nothing with what is tested.
 
-/// A generator (splitmix64): one seed, one sequence.
+use host_sim::Random;
+
+/// Draws of a seed.
 #[derive(Clone, Debug)]
-pub struct Chance(u64);
+pub struct Chance(Random);
 
 impl Chance {
-    /// The sequence of a seed.
+    /// The draws of a seed.
     #[must_use]
-    pub const fn new(seed: u64) -> Self {
-        Self(seed)
+    pub fn new(seed: u64) -> Self {
+        Self(Random::new(seed))
     }
 
-    /// The next 64 bits.
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+    /// The next 32 bits.
+    pub fn bits(&mut self) -> u32 {
+        self.0.bits()
     }
 
     /// A number below `count`.
     pub fn below(&mut self, count: usize) -> usize {
-        (self.bits() % count as u64) as usize
+        self.0.below(count)
     }
 
     /// A number from `from` to `to`, both included.
@@ -32,7 +32,7 @@ impl Chance {
 
     /// A number from 0 to 1, 1 excluded.
     pub fn unit(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1_u32 << 24) as f32
+        (self.bits() >> 8) as f32 / (1_u32 << 24) as f32
     }
 
     /// A number between two others.

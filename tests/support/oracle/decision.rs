@@ -1,6 +1,7 @@
 //! A decision described by its numbers, for the core and for the oracle.
 
 use super::description::Description;
+use host_sim::Random;
 use iibt_core::actions::Action;
 use iibt_core::inference::{
     Beliefs, Candidates, Combinations, Habits, Model, PairPreference, Policy, Problem, Scoring,
@@ -55,9 +56,8 @@ impl Meeting {
     pub fn worth(&self, states: [usize; 2], actions: Option<[Option<Action>; 2]>) -> f32 {
         let code = |action: Option<Action>| action.map_or(17, u64::from);
         let moves = actions.map_or(999, |[one, other]| code(one) * 20 + code(other));
-        let mixed = (self.seed ^ (states[0] as u64 * 7919 + states[1] as u64 * 104_729 + moves))
-            .wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        (mixed >> 40) as f32 / (1_u32 << 22) as f32 - 2.0
+        let place = states[0] as u64 * 7919 + states[1] as u64 * 104_729 + moves;
+        Random::new(self.seed ^ place).bits() as f32 / (1_u32 << 30) as f32 - 2.0
     }
 
     fn expected(&self, [one, other]: [&[f32]; 2], actions: Option<[Option<Action>; 2]>) -> f32 {

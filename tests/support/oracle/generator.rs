@@ -206,7 +206,7 @@ pub fn decision(chance: &mut Chance, description: &Description) -> Decision {
 
 fn meeting(chance: &mut Chance, description: &Description) -> Meeting {
     let factors = description.factors.len();
-    Meeting { pair: [chance.below(factors), chance.below(factors)], seed: chance.bits() }
+    Meeting { pair: [chance.below(factors), chance.below(factors)], seed: chance.bits().into() }
 }
 
 /// A way to score.

@@ -1,0 +1,143 @@
+//! Faults: what goes wrong at random while a mission is flown.
+
+use crate::random::{Random, Stream};
+use crate::robot::resized;
+use crate::scenario::{Effect, Inference, Radio, Robot, Scenario};
+use crate::team::TeamError;
+use crate::world::World;
+use iibt_core::grid::Cell;
+use iibt_core::navigation::{Mission, MissionError};
+
+/// The most obstacles that appear in one flight.
+const OBSTACLES: u32 = 3;
+
+/// How often at most one robot's battery falls, and how many errands it is given.
+const TIMES: u32 = 2;
+
+/// The charge in percent to which a battery falls: below what a robot leaves its team with.
+const LOW: u8 = 10;
+
+/// What a tick gives a battery, in percent: on its charger, and anywhere to a robot that has none.
+const CHARGING: [u8; 2] = [20, 4];
+
+/// What goes wrong at random, as probabilities and amounts; none of it by default.
+///
+/// ```
+/// use host_sim::{Faults, Radio};
+///
+/// let radio = Radio { loss: 0.3, jitter: 3, duplicate: 0.2, ..Radio::default() };
+/// let faults = Faults { radio, slip: 0.1, restart: 0.005, ..Faults::default() };
+/// assert_eq!((faults.radio.delay, faults.errand), (1, 0.0));
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Faults {
+    /// What happens to frames.
+    pub radio: Radio,
+    /// The probability that a move fails, and the robot stays.
+    pub slip: f64,
+    /// The probability that a localiser names another cell than the true one.
+    pub misreading: f64,
+    /// The probability per robot and tick that it restarts and has lost what it knew.
+    pub restart: f64,
+    /// The probability per tick that a cell without a goal becomes an obstacle, up to three times.
+    pub obstacle: f64,
+    /// The probability per robot and tick that its battery falls to a tenth, up to twice a robot.
+    /// A robot without a charger is then charged where it stands, by 4 % a tick.
+    pub low_battery: f64,
+    /// The probability per robot and tick that it is told to visit a cell, up to twice a robot.
+    pub errand: f64,
+}
+
+/// The faults of one flight as they are drawn.
+#[derive(Debug)]
+pub(crate) struct Trouble {
+    faults: Faults,
+    random: Random,
+    obstacles: u32,
+    low_batteries: Vec<u32>,
+    errands: Vec<u32>,
+}
+
+impl Trouble {
+    pub(crate) fn new(faults: Faults, team: usize, seed: u64) -> Self {
+        let random = Random::of(seed, Stream::Fault);
+        Self { faults, random, obstacles: 0, low_batteries: vec![0; team], errands: vec![0; team] }
+    }
+
+    /// Draws what happens to the world with the next tick; returns the robots that restart.
+    pub(crate) fn strike(&mut self, world: &mut World, scenario: &Scenario) -> Vec<usize> {
+        self.obstruct(world, &scenario.goals);
+        let mut restarting = Vec::new();
+        for (index, robot) in scenario.robots.iter().enumerate() {
+            self.trouble(world, index, robot);
+            if self.random.bernoulli(self.faults.restart) {
+                restarting.push(index);
+            }
+        }
+        restarting
+    }
+
+    fn obstruct(&mut self, world: &mut World, goals: &[Cell]) {
+        if self.obstacles < OBSTACLES && self.random.bernoulli(self.faults.obstacle) {
+            let cell = self.cell(world);
+            if !goals.contains(&cell) {
+                world.cause(Effect::Block(cell));
+                self.obstacles += 1;
+            }
+        }
+    }
+
+    fn trouble(&mut self, world: &mut World, index: usize, robot: &Robot) {
+        if self.faults.low_battery > 0.0 && robot.charger.is_none() {
+            world.set_charge(index, world.battery(index).percent() + CHARGING[1]);
+        }
+        if self.low_batteries[index] < TIMES && self.random.bernoulli(self.faults.low_battery) {
+            self.low_batteries[index] += 1;
+            world.cause(Effect::Charge(index, LOW));
+        }
+        if self.errands[index] < TIMES && self.random.bernoulli(self.faults.errand) {
+            self.errands[index] += 1;
+            let cell = self.cell(world);
+            world.cause(Effect::Visit(index, cell));
+        }
+    }
+
+    fn cell(&mut self, world: &World) -> Cell {
+        Cell(self.random.below(world.floor().len()) as u16)
+    }
+}
+
+impl Scenario {
+    /// A mission as a scenario with these faults: robots that see the cells around them, and move
+    /// at the paces of the mission.
+    pub(crate) fn of<const W: usize>(mission: &Mission<'_, W>, faults: &Faults) -> Result<Self, TeamError> {
+        let robot = |(index, &start): (usize, &Cell)| Robot {
+            name: format!("R{}", index + 1),
+            start,
+            battery: 100,
+            charger: mission.chargers.get(index).copied().flatten(),
+            drain: 0.0,
+            charging: f64::from(CHARGING[0]),
+            slip: faults.slip,
+            localiser: 1.0 - faults.misreading,
+            sensor: None,
+            view: 1,
+            pace: mission.paces.get(index).copied().unwrap_or(1).into(),
+            paths: Vec::new(),
+        };
+        Ok(Self {
+            name: "mission".to_owned(),
+            title: String::new(),
+            limit: u32::MAX,
+            map: resized(&mission.map).ok_or(MissionError::MapTooLarge)?,
+            goals: mission.goals.to_vec(),
+            serves: vec![1.0; mission.goals.len()],
+            missions: 1,
+            robots: mission.starts.iter().enumerate().map(robot).collect(),
+            events: Vec::new(),
+            wear: Vec::new(),
+            radio: faults.radio,
+            inference: Inference::default(),
+        })
+    }
+}

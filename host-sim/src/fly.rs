@@ -1,0 +1,281 @@
+//! A scenario flown to its end, with those who look on and the record that is kept.
+
+use crate::changes;
+use crate::faults::Faults;
+use crate::flight::Flight;
+use crate::news::News;
+use crate::phases::{self, Phase};
+use crate::record::{self, Activity, Dated, Outcome, Record, RobotRecord};
+use crate::robot::AnyRobot;
+use crate::scenario::{Floor, Scenario};
+use crate::team::{Pilot, TeamError, with_team};
+use iibt_core::grid::{Cell, Move};
+use iibt_core::navigation::{MAX_GOALS, Report, Stage};
+
+/// What a flight depends on besides its scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Conditions {
+    /// The seed of all chance.
+    pub seed: u64,
+    /// The radio's loss, 0 to 1, in place of the scenario's.
+    pub loss: Option<f64>,
+    /// What flies the robots.
+    pub tree: Pilot,
+}
+
+/// A flight as it stands after a tick, for those who look on.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'f> {
+    /// What is flown.
+    pub scenario: &'f Scenario,
+    /// The ticks flown.
+    pub tick: u32,
+    /// Free and blocked cells, in truth.
+    pub floor: &'f Floor,
+    /// Where the robots stand, in truth.
+    pub cells: &'f [Cell],
+    /// What the robots say of themselves.
+    pub reports: &'f [Report],
+    /// The charge of their batteries in percent.
+    pub charges: &'f [u8],
+    /// Whether they have stopped.
+    pub stopped: &'f [bool],
+    /// Whether they are between two cells, of which `cells` has the first.
+    pub moving: &'f [bool],
+    /// The moves that the robots were told to make in the last tick, none before the first.
+    pub commands: &'f [Option<Move>],
+    /// The leaf of each robot's tree that is running.
+    pub activities: &'f [Option<&'static str>],
+    /// What has happened in the last tick.
+    pub news: &'f [Dated],
+}
+
+/// Somebody who looks on.
+pub trait Audience {
+    /// Sees the flight before the first tick and after every one.
+    fn see(&mut self, scene: &Scene<'_>);
+}
+
+/// Nobody.
+impl Audience for () {
+    fn see(&mut self, _: &Scene<'_>) {}
+}
+
+/// Two who look on; the second may be missing.
+impl<A: Audience> Audience for (Box<dyn Audience + '_>, Option<A>) {
+    fn see(&mut self, scene: &Scene<'_>) {
+        self.0.see(scene);
+        if let Some(other) = &mut self.1 {
+            other.see(scene);
+        }
+    }
+}
+
+/// Flies a scenario to its end.
+///
+/// # Errors
+/// [`TeamError`] when the controllers do not accept the mission or the team.
+pub fn fly(
+    scenario: &Scenario,
+    conditions: Conditions,
+    audience: &mut dyn Audience,
+) -> Result<Record, TeamError> {
+    fly_preferring(scenario, conditions, &[], audience)
+}
+
+/// The same with robots to whom the goals are worth so much; those without an entry know no difference.
+pub(crate) fn fly_preferring(
+    scenario: &Scenario,
+    conditions: Conditions,
+    preferences: &[[f32; MAX_GOALS]],
+    audience: &mut dyn Audience,
+) -> Result<Record, TeamError> {
+    with_team(scenario, conditions.tree, |boot| {
+        let mut flown = scenario.clone();
+        flown.radio.loss = conditions.loss.unwrap_or(scenario.radio.loss);
+        let mut flight = Flight::new(flown, Faults::default(), conditions.seed, boot)?;
+        for (robot, values) in preferences.iter().enumerate().take(scenario.robots.len()) {
+            flight.robot_mut(robot).prefer(values);
+        }
+        let mut recorder = Recorder::new(scenario, conditions, flight);
+        recorder.show(audience, 0);
+        while !recorder.is_over() {
+            let told = recorder.news.len();
+            recorder.tick();
+            recorder.show(audience, told);
+        }
+        Ok(recorder.record())
+    })
+}
+
+/// A flight and what is kept of it.
+struct Recorder<'f, 'm> {
+    scenario: &'f Scenario,
+    conditions: Conditions,
+    flight: Flight<'m, dyn AnyRobot + 'm>,
+    activities: Vec<Option<&'static str>>,
+    tree: Vec<Vec<Activity>>,
+    waypoints: Vec<Vec<Cell>>,
+    visited: Vec<Vec<Cell>>,
+    phases: Vec<Phase>,
+    certainty: Vec<Vec<f32>>,
+    news: Vec<Dated>,
+    history: Vec<Vec<Cell>>,
+}
+
+impl<'f, 'm> Recorder<'f, 'm> {
+    fn new(scenario: &'f Scenario, conditions: Conditions, flight: Flight<'m, dyn AnyRobot + 'm>) -> Self {
+        let size = scenario.robots.len();
+        Self {
+            scenario,
+            conditions,
+            activities: vec![None; size],
+            tree: vec![Vec::new(); size],
+            waypoints: vec![Vec::new(); size],
+            visited: vec![Vec::new(); size],
+            phases: Vec::new(),
+            certainty: Vec::new(),
+            news: Vec::new(),
+            history: vec![flight.cells().to_vec()],
+            flight,
+        }
+    }
+
+    /// Shows how things stand, and the news but for those told already.
+    fn show(&self, audience: &mut dyn Audience, told: usize) {
+        let (robots, world) = (0..self.scenario.robots.len(), self.flight.world());
+        let charges: Vec<_> = robots.clone().map(|robot| world.battery(robot).percent()).collect();
+        let stopped: Vec<_> = robots.clone().map(|robot| world.is_stopped(robot)).collect();
+        let moving: Vec<_> = robots.map(|robot| world.is_moving(robot)).collect();
+        audience.see(&Scene {
+            scenario: self.scenario,
+            tick: self.flight.ticks(),
+            floor: world.floor(),
+            cells: world.cells(),
+            reports: self.flight.reports(),
+            charges: &charges,
+            stopped: &stopped,
+            moving: &moving,
+            commands: self.flight.commands(),
+            activities: &self.activities,
+            news: &self.news[told..],
+        });
+    }
+
+    fn is_over(&self) -> bool {
+        let arrived = self.flight.reports().iter().all(|report| report.stage == Stage::Arrived);
+        let accomplished = arrived && record::at_different_goals(&self.scenario.goals, self.flight.cells());
+        accomplished || self.flight.ticks() >= self.scenario.limit
+    }
+
+    fn tick(&mut self) {
+        let (tick, stood) = (self.flight.ticks(), self.flight.cells().to_vec());
+        let before = self.flight.reports().to_vec();
+        let mut news = self.flight.tick();
+        for item in &news {
+            if let News::Asked { robot, cell } = *item {
+                self.waypoints[robot].push(cell);
+            }
+        }
+        self.certainty
+            .push(self.flight.robots().zip(stood).map(|(robot, cell)| robot.belief(cell)).collect());
+        self.history.push(self.flight.cells().to_vec());
+        news.extend(self.compare(tick, &before));
+        self.news.extend(news.into_iter().map(|news| Dated { tick, news }));
+    }
+
+    fn compare(&mut self, tick: u32, before: &[Report]) -> Vec<News> {
+        let activities = self.activities.iter_mut().zip(&mut self.tree);
+        for (robot, (now, tree)) in self.flight.robots().zip(activities) {
+            let running = robot.activity();
+            if std::mem::replace(now, running) != running {
+                tree.push(Activity { tick, running });
+            }
+        }
+        let (reports, world) = (self.flight.reports(), self.flight.world());
+        phases::note(&mut self.phases, tick, reports, world.floor(), || world.obstacles().collect());
+        let mut news = changes::between(before, reports, world);
+        news.splice(0..0, self.ticked_off());
+        news
+    }
+
+    /// The way-points that robots have visited in this tick.
+    fn ticked_off(&mut self) -> Vec<News> {
+        let mut news = Vec::new();
+        for (robot, known) in self.waypoints.iter_mut().enumerate() {
+            let mut left = self.flight.robot(robot).waypoints().to_vec();
+            // From the end: of a cell that is to be visited twice, the first visit comes off first.
+            for cell in std::mem::take(known).into_iter().rev() {
+                match left.iter().rposition(|&other| other == cell) {
+                    Some(index) => known.push(left.remove(index)),
+                    None => {
+                        self.visited[robot].push(cell);
+                        news.push(News::Visited { robot, cell });
+                    }
+                }
+            }
+            known.reverse();
+        }
+        news
+    }
+
+    fn record(self) -> Record {
+        let robots: Vec<_> = (0..self.scenario.robots.len()).map(|index| self.robot(index)).collect();
+        let outcome = self.outcome(&robots);
+        Record {
+            scenario: self.scenario.name.clone(),
+            title: self.scenario.title.clone(),
+            seed: self.conditions.seed,
+            pilot: self.conditions.tree,
+            loss: self.conditions.loss.unwrap_or(self.scenario.radio.loss),
+            ticks: self.flight.ticks().saturating_sub(1),
+            outcome,
+            collisions: self.flight.collisions(),
+            frames: self.flight.traffic().iter().sum(),
+            width: self.flight.floor().width(),
+            height: self.flight.floor().height(),
+            goals: self.scenario.goals.clone(),
+            robots,
+            news: self.news,
+            phases: self.phases,
+            history: self.history,
+            certainty: self.certainty,
+        }
+    }
+
+    fn outcome(&self, robots: &[RobotRecord]) -> Outcome {
+        let is_joint = match self.conditions.tree {
+            Pilot::Inference => record::is_joint(robots.iter().map(|robot| robot.path.as_slice())),
+            Pilot::Conventional | Pilot::Figure5 => {
+                record::is_close(robots.iter().map(|robot| robot.arrived))
+            }
+        };
+        record::outcome(&self.flight.collisions(), &self.scenario.goals, self.flight.cells(), is_joint)
+    }
+
+    fn robot(&self, index: usize) -> RobotRecord {
+        let (setup, report) = (&self.scenario.robots[index], &self.flight.reports()[index]);
+        let received = self.flight.robot(index).link_report().received;
+        let cells: Vec<_> = self.history.iter().map(|cells| cells[index]).collect();
+        let (cell, world) = (self.flight.cells()[index], self.flight.world());
+        RobotRecord {
+            name: setup.name.clone(),
+            start: setup.start,
+            cell,
+            goal: report.goal,
+            path: report.path.cells(&self.scenario.map).collect(),
+            probability: report.probability,
+            status: record::status(report),
+            moves: cells.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32,
+            arrived: cells.iter().rposition(|&before| before != cell).map_or(0, |last| last as u32 + 1),
+            frames: self.flight.traffic()[index],
+            battery: world.battery(index).percent(),
+            visited: self.visited[index].clone(),
+            charged: record::times_charged(&self.news, index),
+            stopped: world.is_stopped(index),
+            tree: self.tree[index].clone(),
+            accepted: received.accepted,
+            rejected: received.refused(),
+        }
+    }
+}
