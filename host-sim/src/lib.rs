@@ -75,7 +75,7 @@ pub use scenario::{
 };
 pub use series::{Mission, Series, fly_series};
 pub use team::{Navigating, Pilot, TeamError};
-pub use testbed::{Simulated, Testbed};
+pub use testbed::Testbed;
 
 /// The code in the README and in the documents is compiled and run with the tests.
 #[cfg(doctest)]

@@ -4,20 +4,15 @@ use crate::body::{Antenna, Clock};
 use crate::radio::{KEY, Radio, Traffic};
 use crate::scenario;
 use firmware::{Controller, Robot, Settings, hardware};
-use iibt_core::grid::{Cell, Move};
-use iibt_core::team::{Member, MemberError, RobotId};
+use iibt_core::team::{Invalid, Member, MemberError, Peers, RobotId};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 use std::num::NonZero;
 
 /// The hardware of one simulated robot: an end of the radio, a clock, and parts of any kind.
-///
-/// The parts are sensors and actuators as the world fills and reads them. Implement the firmware's hardware
-/// traits that a robot asks for on the parts, and traits of your own on `Simulated` with parts of that kind.
 #[derive(Debug, Default)]
-pub struct Simulated<T> {
-    /// Sensors and actuators.
-    pub parts: T,
+struct Simulated<T> {
+    parts: T,
     link: Antenna,
     clock: Clock,
 }
@@ -37,45 +32,42 @@ impl<T> hardware::Clock for Simulated<T> {
     }
 }
 
-impl<T: hardware::Drive> hardware::Drive for Simulated<T> {
-    fn go(&mut self, step: Move) {
-        self.parts.go(step);
-    }
-    fn is_moving(&mut self) -> bool {
-        self.parts.is_moving()
-    }
-    fn stop(&mut self) {
-        self.parts.stop();
-    }
-}
+/// A robot on the parts of simulated hardware: it sees neither the radio nor the clock.
+struct OnParts<R>(R);
 
-impl<T: hardware::Localiser> hardware::Localiser for Simulated<T> {
-    fn locate(&mut self) -> Option<Cell> {
-        self.parts.locate()
-    }
-}
+impl<R: Robot<T>, T> Robot<Simulated<T>> for OnParts<R> {
+    type Message = R::Message;
 
-impl<T: hardware::Scanner> hardware::Scanner for Simulated<T> {
-    fn scan(&mut self) -> Option<Cell> {
-        self.parts.scan()
+    fn mission(&self) -> u64 {
+        self.0.mission()
     }
-}
-
-impl<T: hardware::Battery> hardware::Battery for Simulated<T> {
-    fn charge(&mut self) -> u8 {
-        self.parts.charge()
+    fn accepts(&self, message: &R::Message) -> Result<(), Invalid> {
+        self.0.accepts(message)
+    }
+    fn sense(&mut self, hardware: &mut Simulated<T>, now: Instant) {
+        self.0.sense(&mut hardware.parts, now);
+    }
+    fn tick(&mut self, peers: Peers<'_, R::Message>, now: Instant) -> Status {
+        self.0.tick(peers, now)
+    }
+    fn act(&mut self, hardware: &mut Simulated<T>) {
+        self.0.act(&mut hardware.parts);
+    }
+    fn message(&self) -> R::Message {
+        self.0.message()
     }
 }
 
 /// A team of robots of one kind, each run by the firmware's controller, joined by the simulated radio.
 ///
-/// The world is the caller's: before a tick it puts into the [`parts`](Self::parts_mut) what the sensors read,
+/// Each robot runs on parts of its own, a type on which the hardware traits that it asks for are implemented;
+/// the testbed adds link and clock. The world is the caller's: before a tick it puts into the [`parts`](Self::parts_mut) what the sensors read,
 /// and afterwards carries out what the actuators were told. What a robot sends in a tick arrives in a later
 /// one, so the order of the robots does not matter; the same seed gives the same flight.
 ///
 /// ```
 /// use firmware::Robot;
-/// use host_sim::{Radio, Simulated, Testbed};
+/// use host_sim::{Radio, Testbed};
 /// use iibt_core::team::{Message, Peers};
 /// use iibt_core::time::Instant;
 /// use iibt_core::tree::Status;
@@ -94,17 +86,17 @@ impl<T: hardware::Battery> hardware::Battery for Simulated<T> {
 /// #[derive(Default)]
 /// struct Counter(Counted);
 ///
-/// impl Robot<Simulated<bool>> for Counter {
+/// impl Robot<bool> for Counter {
 ///     type Message = Counted;
 ///
-///     fn sense(&mut self, hardware: &mut Simulated<bool>, _: Instant) {
-///         self.0.0 += u8::from(hardware.parts); // whether something has come by
+///     fn sense(&mut self, came_by: &mut bool, _: Instant) {
+///         self.0.0 += u8::from(*came_by);
 ///     }
 ///     fn tick(&mut self, peers: Peers<'_, Counted>, _: Instant) -> Status {
 ///         let counted: u8 = peers.iter().map(|peer| peer.message().0).sum();
 ///         if self.0.0 + counted >= 10 { Status::Success } else { Status::Running }
 ///     }
-///     fn act(&mut self, _: &mut Simulated<bool>) {}
+///     fn act(&mut self, _: &mut bool) {}
 ///     fn message(&self) -> Counted {
 ///         self.0
 ///     }
@@ -122,13 +114,13 @@ impl<T: hardware::Battery> hardware::Battery for Simulated<T> {
 /// assert_eq!(statuses, [Status::Success; 3]);
 /// # Ok::<(), iibt_core::team::MemberError>(())
 /// ```
-pub struct Testbed<R: Robot<Simulated<T>>, T> {
-    robots: Vec<Controller<R, Simulated<T>>>,
+pub struct Testbed<R: Robot<T>, T> {
+    robots: Vec<Controller<OnParts<R>, Simulated<T>>>,
     radio: Radio,
     tick: u32,
 }
 
-impl<R: Robot<Simulated<T>>, T> Testbed<R, T> {
+impl<R: Robot<T>, T> Testbed<R, T> {
     /// A team of these robots with their parts, numbered in their order.
     ///
     /// # Errors
@@ -143,7 +135,7 @@ impl<R: Robot<Simulated<T>>, T> Testbed<R, T> {
         let controller = |(robot, (mind, parts)): (u8, (R, T))| {
             let settings = Settings::new(Member::new(RobotId(robot), size)?, KEY, 1, NonZero::<u16>::MIN);
             let hardware = Simulated { parts, link: Antenna::default(), clock: Clock::default() };
-            Ok(Controller::new(mind, settings, hardware))
+            Ok(Controller::new(OnParts(mind), settings, hardware))
         };
         let robots = (0..).zip(team).map(controller).collect::<Result<_, _>>()?;
         Ok(Self { robots, radio: Radio::new(radio, size, seed), tick: 0 })
@@ -177,7 +169,7 @@ impl<R: Robot<Simulated<T>>, T> Testbed<R, T> {
 
     /// The robots in their order.
     pub fn robots(&self) -> impl Iterator<Item = &R> {
-        self.robots.iter().map(Controller::robot)
+        self.robots.iter().map(|robot| &robot.robot().0)
     }
 
     /// The sensors and actuators of a robot.

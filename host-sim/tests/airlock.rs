@@ -6,7 +6,7 @@ mod airlock;
 
 use airlock::{Door, DoorHardware};
 use firmware::hardware::Battery;
-use host_sim::{Radio, Simulated, Testbed};
+use host_sim::{Radio, Testbed};
 use iibt_core::team::RobotId;
 use iibt_core::tree::Status;
 use std::error::Error;
@@ -21,15 +21,15 @@ struct Parts {
     moving: u8,
 }
 
-impl DoorHardware for Simulated<Parts> {
+impl DoorHardware for Parts {
     fn switch(&mut self) -> u8 {
-        self.parts.switch
+        self.switch
     }
     fn is_moving(&mut self) -> bool {
-        self.parts.moving > 0
+        self.moving > 0
     }
     fn start(&mut self) {
-        self.parts.moving = 3;
+        self.moving = 3;
     }
 }
 

@@ -57,7 +57,7 @@ impl Robot<Station> for Conventional<'_> {
     type Message = Announcement;
 
     fn sense(&mut self, station: &mut Station, _: Instant) {
-        self.skills.percept = station.parts.percept;
+        self.skills.percept = station.percept;
     }
 
     fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
@@ -72,7 +72,7 @@ impl Robot<Station> for Conventional<'_> {
     }
 
     fn act(&mut self, station: &mut Station) {
-        station.parts.command = self.skills.command;
+        station.command = self.skills.command;
     }
 
     fn message(&self) -> Announcement {

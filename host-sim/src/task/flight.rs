@@ -1,7 +1,7 @@
 //! A flight: the loop in which the world, the robots and the radio take turns.
 
 use super::HostTask;
-use super::station::{Parts, Station};
+use super::station::Station;
 use super::world::{Truth, World};
 use crate::radio::Traffic;
 use crate::scenario;
@@ -55,7 +55,7 @@ pub(crate) struct Flight<'t, R: Worker<'t>> {
     pub(crate) statuses: Vec<Status>,
     /// The tick that is flown.
     pub(crate) tick: u32,
-    testbed: Testbed<R, Parts>,
+    testbed: Testbed<R, Station>,
     operated: Vec<Operated>,
 }
 
@@ -68,7 +68,7 @@ impl<'t, R: Worker<'t>> Flight<'t, R> {
         robots: Vec<R>,
     ) -> Result<Self, MemberError> {
         let statuses = vec![Status::Running; robots.len()];
-        let team = robots.into_iter().map(|robot| (robot, Parts::default()));
+        let team = robots.into_iter().map(|robot| (robot, Station::default()));
         let testbed = Testbed::new(team, radio, seed)?;
         let world = World::new(tables, truth, seed);
         Ok(Self { world, statuses, tick: 0, testbed, operated: Vec::new() })
@@ -112,7 +112,7 @@ impl<'t, R: Worker<'t>> Flight<'t, R> {
     }
 
     /// What a robot sensed and began in this tick.
-    pub(crate) fn parts(&self, robot: usize) -> &Parts {
+    pub(crate) fn parts(&self, robot: usize) -> &Station {
         self.testbed.parts(robot)
     }
 

@@ -126,7 +126,7 @@ impl Robot<Station> for Sequence<'_> {
     }
 
     fn sense(&mut self, station: &mut Station, _: Instant) {
-        self.percept = station.parts.percept;
+        self.percept = station.percept;
     }
 
     fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
@@ -146,7 +146,7 @@ impl Robot<Station> for Sequence<'_> {
     }
 
     fn act(&mut self, station: &mut Station) {
-        station.parts.command = self.task.command();
+        station.command = self.task.command();
     }
 
     fn message(&self) -> Announcement {

@@ -1,22 +1,18 @@
 //! The hardware of a robot that works on a table task.
 
-use crate::testbed::Simulated;
 use iibt_core::iibt::table::{Command, MAX_SENSORS, Percept};
 use iibt_core::time::Instant;
 
-/// A robot's end of the radio and its clock, with its sensors and its actuators.
-pub(crate) type Station = Simulated<Parts>;
-
-/// What the world fills and reads.
+/// A robot's sensors and its actuators, as the world fills and reads them.
 #[derive(Debug, Default)]
-pub(crate) struct Parts {
+pub(crate) struct Station {
     /// What is sensed in this tick.
     pub(crate) percept: Percept,
     /// What is to be begun.
     pub(crate) command: Option<Command>,
 }
 
-impl Parts {
+impl Station {
     /// What is sensed in a tick; a robot at work reads nothing.
     pub(super) fn sense(&mut self, tick: u32, busy: bool, readings: [Option<u8>; MAX_SENSORS]) {
         let readings = if busy { [None; MAX_SENSORS] } else { readings };
