@@ -31,6 +31,9 @@ pub(super) struct Fault {
     reason: String,
 }
 
+/// What is read, or the first thing that is wrong with it.
+pub(super) type Read<T> = Result<T, Fault>;
+
 impl Fault {
     pub(super) fn new(span: Range<usize>, reason: impl Into<String>) -> Self {
         Self { at: span.start, reason: reason.into() }

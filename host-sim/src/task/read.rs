@@ -1,6 +1,6 @@
 //! From a task file as written to tables and truth, or the first thing that is wrong with it.
 
-use super::error::{Fault, TaskFileError};
+use super::error::{Fault, Read, TaskFileError};
 use super::file::{self, File, Real, Text};
 use super::values::{
     action_names, fact_names, factor_names, index, is_idle, real, share, state_names, states_of, target,
@@ -52,9 +52,6 @@ struct Reader<'a, 'f> {
     arena: &'a Bump,
     file: &'f File,
 }
-
-/// What is read, or the first thing that is wrong with it.
-pub(super) type Read<T> = Result<T, Fault>;
 
 impl<'a> Reader<'a, '_> {
     fn mission(&self, name: &str) -> Read<TableMission<'a>> {

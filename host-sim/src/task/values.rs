@@ -1,8 +1,7 @@
 //! Names and numbers of a task file: which there are, and their ranges.
 
-use super::error::Fault;
+use super::error::{Fault, Read};
 use super::file::{self, Number, Real, Text};
-use super::read::Read;
 use std::ops::RangeInclusive;
 
 pub(super) fn is_idle(action: &file::Action) -> bool {

@@ -170,13 +170,14 @@ mod check;
 mod definition;
 mod error;
 mod model;
+mod tables;
 mod task;
 
 pub use announcement::Announcement;
 pub use definition::{
     Accuracy, Aim, Effect, Fact, Given, HiddenFactor, Holds, JointOutcome, Labels, MAX_FACTORS, MAX_FACTS,
-    MAX_OPERATORS, MAX_SENSORS, MAX_STATES, Operator, Postcondition, Reads, Remedy, Role, Sensor, Tables, To,
-    Wish,
+    MAX_OPERATORS, MAX_SENSORS, MAX_STATES, Operator, Postcondition, Reads, Remedy, Role, Sensor, To, Wish,
 };
 pub use error::TablesError;
+pub use tables::Tables;
 pub use task::{Command, JointDecision, Percept, Plan, TableTask, Wanted};

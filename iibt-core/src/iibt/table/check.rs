@@ -435,7 +435,8 @@ const fn same(one: &str, other: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::definition::{Aim, Fact, HiddenFactor, JointOutcome, Operator, Sensor, Tables};
+    use super::super::definition::{Aim, Fact, HiddenFactor, JointOutcome, Operator, Sensor};
+    use super::super::tables::Tables;
     use super::*;
     use crate::iibt::Literal;
     use std::string::{String, ToString};

@@ -1,9 +1,7 @@
-//! What a task is written as: tables of states, operators, sensors, facts and aims.
+//! What a role is written as: tables of states, operators, sensors, facts and aims.
 
-use super::error::TablesError;
 use crate::iibt::Literal;
 use crate::iibt::rules::Raise;
-use crate::team::Fnv1a;
 
 /// The most hidden factors of one role.
 pub const MAX_FACTORS: usize = 8;
@@ -15,18 +13,6 @@ pub const MAX_SENSORS: usize = 8;
 pub const MAX_OPERATORS: usize = 16;
 /// The most facts of one role.
 pub const MAX_FACTS: usize = 16;
-
-/// A team's task, written as tables and checked as a whole.
-///
-/// In a `const` or `static` a mismatch fails the build with a message that names the table and the
-/// index. See the [module](super) for a worked example.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tables<'a> {
-    roles: &'a [Role<'a>],
-    precision: f32,
-    confidence: f32,
-    mission: u64,
-}
 
 /// One robot's part of the task. References to facts, states and operators are indices into this
 /// role's tables.
@@ -263,151 +249,6 @@ pub struct JointOutcome<'a> {
     pub table: &'a [u8],
     /// The outcome counts only while the preconditions of this own operator hold.
     pub possible: Option<u8>,
-}
-
-impl<'a> Tables<'a> {
-    /// The precision γ of [`new`](Self::new): joint policies are compared as the paper's section
-    /// 6.2 does.
-    pub const PRECISION: f32 = 1.0;
-
-    /// The confidence of [`new`](Self::new).
-    pub const CONFIDENCE: f32 = 0.999;
-
-    /// The tables of a team, a role for each robot in the order of their numbers.
-    ///
-    /// # Panics
-    /// When something does not fit, with the text of the [`TablesError`]; in a `const` or `static`
-    /// this fails the build.
-    #[must_use]
-    pub const fn new(roles: &'a [Role<'a>]) -> Self {
-        match Self::try_new(roles) {
-            Ok(tables) => tables,
-            Err(error) => error.fail(),
-        }
-    }
-
-    /// The same for tables that are only known at run time.
-    ///
-    /// # Errors
-    /// The first [`TablesError`] found.
-    pub const fn try_new(roles: &'a [Role<'a>]) -> Result<Self, TablesError> {
-        match super::check::check(roles) {
-            Ok(()) => {
-                let (precision, confidence) = (Self::PRECISION, Self::CONFIDENCE);
-                Ok(Self { roles, precision, confidence, mission: mission(roles) })
-            }
-            Err(error) => Err(error),
-        }
-    }
-
-    /// The same tables with another precision γ of the choice among joint policies.
-    ///
-    /// # Errors
-    /// [`TablesError`] when it is negative or not finite.
-    pub const fn with_precision(self, precision: f32) -> Result<Self, TablesError> {
-        if precision >= 0.0 && precision.is_finite() {
-            Ok(Self { precision, ..self })
-        } else {
-            Err(TablesError::of_team("precision", "it is negative or not finite"))
-        }
-    }
-
-    /// The same tables with another least probability at which a robot is sure of a state and acts
-    /// on it.
-    ///
-    /// # Errors
-    /// [`TablesError`] when it is no probability above one half.
-    pub const fn with_confidence(self, confidence: f32) -> Result<Self, TablesError> {
-        if confidence > 0.5 && confidence < 1.0 {
-            Ok(Self { confidence, ..self })
-        } else {
-            Err(TablesError::of_team("confidence", "it is not between 0.5 and 1, both excluded"))
-        }
-    }
-
-    /// The roles, in the order of the robots' numbers.
-    #[must_use]
-    pub const fn roles(&self) -> &'a [Role<'a>] {
-        self.roles
-    }
-
-    /// One robot's role.
-    #[must_use]
-    pub fn role(&self, robot: usize) -> Option<&'a Role<'a>> {
-        self.roles.get(robot)
-    }
-
-    /// γ, the precision of the choice among joint policies.
-    #[must_use]
-    pub const fn precision(&self) -> f32 {
-        self.precision
-    }
-
-    /// The least probability at which a robot is sure of a state.
-    #[must_use]
-    pub const fn confidence(&self) -> f32 {
-        self.confidence
-    }
-
-    /// A number for these tables, from the names in them: for the firmware's `Robot::mission`.
-    #[must_use]
-    pub const fn mission(&self) -> u64 {
-        self.mission
-    }
-
-    /// How many robots there are: the `N` of a [`TableTask`](super::TableTask).
-    #[must_use]
-    pub const fn robots(&self) -> usize {
-        self.roles.len()
-    }
-
-    /// How many states a belief has room for: the `S` of a [`TableTask`](super::TableTask).
-    #[must_use]
-    pub const fn states(&self) -> usize {
-        let (mut most, mut role) = (0, 0);
-        while role < self.roles.len() {
-            let (semantic, tracked) = (self.roles[role].states.names.len(), self.roles[role].tracked());
-            most = if semantic > most { semantic } else { most };
-            most = if tracked > most { tracked } else { most };
-            role += 1;
-        }
-        most
-    }
-
-    /// How many joint policies there are: the `P` of a [`TableTask`](super::TableTask).
-    #[must_use]
-    pub const fn policies(&self) -> usize {
-        let (mut product, mut role) = (1, 0);
-        while role < self.roles.len() {
-            product *= self.roles[role].operators.len();
-            role += 1;
-        }
-        product
-    }
-}
-
-/// The hash of what announcements refer to.
-const fn mission(roles: &[Role]) -> u64 {
-    let (mut hash, mut at) = (Fnv1a::EMPTY, 0);
-    while at < roles.len() {
-        let (role, mut row) = (&roles[at], 0);
-        hash = hash.write(role.name.as_bytes()).write(&[0]);
-        while row < role.factors.len() {
-            let (states, mut state) = (role.factors[row].states, 0);
-            while state < states.len() {
-                hash = hash.write(states[state].as_bytes()).write(&[1]);
-                state += 1;
-            }
-            row += 1;
-        }
-        let mut row = 0;
-        while row < role.operators.len() {
-            hash = hash.write(role.operators[row].name.as_bytes()).write(&[2]);
-            row += 1;
-        }
-        at += 1;
-    }
-    hash.finish()
 }
 
 impl Role<'_> {

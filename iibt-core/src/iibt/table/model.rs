@@ -3,8 +3,9 @@
 use super::Command;
 use super::definition::{
     Accuracy, HiddenFactor, JointOutcome, Labels, MAX_FACTORS, MAX_OPERATORS, MAX_SENSORS, MAX_STATES,
-    Postcondition, Reads, Role, Tables,
+    Postcondition, Reads, Role,
 };
+use super::tables::Tables;
 use crate::actions::Action;
 use crate::inference::likelihood::Dense;
 use crate::inference::{

@@ -1,11 +1,10 @@
 //! The task that tables describe: the lines of Algorithm 1.
 
 use super::announcement::Announcement;
-use super::definition::{
-    Aim, Fact, HiddenFactor, Holds, MAX_SENSORS, Operator, Postcondition, Role, Tables, Wish,
-};
+use super::definition::{Aim, Fact, HiddenFactor, Holds, MAX_SENSORS, Operator, Postcondition, Role, Wish};
 use super::error::TablesError;
 use super::model::{Question, prior, track};
+use super::tables::Tables;
 use crate::iibt::{Condition, Literal, Logic, Task};
 use crate::inference::{Beliefs, ObservationError, Preference};
 use crate::math;
