@@ -1,6 +1,6 @@
 //! What goes beyond the paper: unlike robots that know it, and robots that learn where they are served.
 
-use host_sim::beyond::{Learned, Mixed, Unlike};
+use host_sim::beyond::{LearnedPreferences, Mixed, Unlike};
 use host_sim::campaign::Score;
 use host_sim::{Conditions, Scenario, Series, fly_series, library};
 use iibt_core::grid::{Cell, Map};
@@ -35,7 +35,7 @@ fn robots_that_know_their_sensors_do_not_collide() {
 
 #[test]
 fn robots_that_learn_are_served_more_often_and_nobody_collides() {
-    let learned = Learned::fly(&built_in("deliveries"), 12);
+    let learned = LearnedPreferences::fly(&built_in("deliveries"), 12);
     assert!(learned.gain().is_significant() && learned.gain().mean > 0.0, "{:?}", learned.gain());
     assert!(learned.learning.iter().chain(&learned.not).all(|series| series.collided == 0));
     assert!(learned.learning.iter().all(|series| series.together == series.shares.len()));
@@ -66,7 +66,7 @@ fn what_goals_are_worth_is_the_base_of_the_preference() {
     let mut robot = Navigation::<49, 2, 8>::new(&mission, member, 1).expect("it fits");
     let mut values = [1.0; 8];
     (values[1], values[2]) = (0.25, f32::NAN);
-    robot.prefer(&values);
+    robot.set_goal_preferences(&values);
     let worth = |robot: &Navigation<'_, 49, 2, 8>| [24, 26, 48, 25].map(|cell| robot.preference().get(cell));
     assert_eq!(worth(&robot), [1.0, 0.25, 1.0, 0.0], "what is no worth counts as one");
 }
@@ -82,5 +82,8 @@ fn paces_and_sensors_out_of_range_are_refused() {
         assert_eq!(mission.check::<49>().is_ok(), sound, "{paces:?} {sensors:?}");
     }
     let mission = Mission { sensors: &[0.4976], ..mission };
-    assert!((mission.word_of(RobotId(0)) - 0.452).abs() < 1e-6 && mission.word_of(RobotId(1)) == 0.904);
+    assert!(
+        (mission.peer_sensor_of(RobotId(0)) - 0.452).abs() < 1e-6
+            && mission.peer_sensor_of(RobotId(1)) == 0.904
+    );
 }

@@ -1,6 +1,6 @@
 //! Campaigns: conventional trees that fly every mission, and what holds for every flight of the inference node.
 
-use host_sim::campaign::{Campaign, Disturbance, Faults, Score, Trace};
+use host_sim::campaign::{Campaign, Disturbance, Score, Trace, Violations};
 use host_sim::{Conditions, Outcome, Pilot, Record, Scenario, fly, library};
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -161,9 +161,9 @@ mod report {
 /// What docs/paper.md says about the two trees.
 mod comparison {
     use super::*;
-    use host_sim::campaign::Row;
+    use host_sim::campaign::CampaignRow;
 
-    fn rows(name: &str, disturbances: &[Disturbance], seeds: u32) -> Vec<Row> {
+    fn rows(name: &str, disturbances: &[Disturbance], seeds: u32) -> Vec<CampaignRow> {
         let mission = scenario(name);
         let campaign = Campaign { scenario: &mission, disturbances, pilots: &BOTH, seeds };
         campaign.fly(None, &|_, _| ()).expect("the mission fits").rows
@@ -203,7 +203,7 @@ mod validator {
     fn sound() -> Trace {
         let scenario = Disturbance::Loss.applied(&scenario("factory"), 1);
         let trace = Trace::of(&scenario, &flown(&scenario, Pilot::Inference, 1));
-        assert_eq!(trace.validate(), Faults::default());
+        assert_eq!(trace.validate(), Violations::default());
         trace
     }
 

@@ -23,11 +23,11 @@ fn flown(scenario: &Scenario, seed: u64) -> (Record, Vec<u8>) {
 
 /// The goals that the robot has chosen, one after another.
 fn choices(record: &Record) -> Vec<u16> {
-    let goal = |dated: &host_sim::Dated| match dated.news {
-        host_sim::News::Chose { goal, .. } => Some(goal.0),
+    let goal = |timed: &host_sim::TimedEvent| match timed.event {
+        host_sim::FlightEvent::Chose { goal, .. } => Some(goal.0),
         _ => None,
     };
-    record.news.iter().filter_map(goal).collect()
+    record.events.iter().filter_map(goal).collect()
 }
 
 mod in_flight {
@@ -61,7 +61,7 @@ mod in_flight {
     #[test]
     fn a_robot_whose_drive_is_sound_keeps_its_choice() {
         let mut scenario = worn();
-        scenario.wear.clear();
+        scenario.drive_faults.clear();
         let mut without = scenario.clone();
         without.inference.learning = Some(0.0);
         let (learns, does_not) = (flown(&scenario, 0).0, flown(&without, 0).0);
@@ -128,7 +128,7 @@ mod from_logs {
     fn the_ratios_are_within_three_standard_errors_of_the_true_probabilities() {
         let mut scenario = worn();
         scenario.inference.learning = Some(0.0);
-        scenario.wear.push(host_sim::Wear { robot: 0, step: Move::Down, from: 0, fails: 0.3 });
+        scenario.drive_faults.push(host_sim::DriveFault { robot: 0, step: Move::Down, from: 0, fails: 0.3 });
         let [up, down, left, right] = totals(&scenario);
         for (of, truth) in [(&up, 1.0), (&down, 0.7), (&right, 0.2)] {
             let tries = f64::from(of.successes + of.failures);
@@ -146,7 +146,7 @@ mod from_logs {
     #[test]
     fn wear_begins_at_its_tick() {
         let mut scenario = worn();
-        scenario.wear[0].from = 8;
+        scenario.drive_faults[0].from = 8;
         let log = ExecutionLog::read("flight.csv", &flown(&scenario, 0).1).expect("sound");
         let failures = || log.attempts.iter().filter(|attempt| !attempt.succeeded);
         assert!(failures().count() > 0 && failures().all(|attempt| attempt.tick >= 8));

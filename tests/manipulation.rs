@@ -235,7 +235,8 @@ mod decisions {
 
 mod missions {
     use host_sim::manipulation::{
-        Campaign, Compared, Detail, Disturbances, Findings, Run, Terms, Trees, Trust, compare, narrate, run,
+        CampaignRuns, Compared, Detail, Disturbances, Findings, Run, Terms, Trees, Trust, compare, narrate,
+        run,
     };
     use host_sim::manipulation::{Order, Preset};
     use std::num::NonZeroUsize;
@@ -249,7 +250,7 @@ mod missions {
     }
 
     fn findings(terms: Terms, seeds: u32) -> Findings {
-        Campaign { terms, seeds }.run(None).expect("the terms are sound")
+        CampaignRuns { terms, seeds }.run(None).expect("the terms are sound")
     }
 
     #[test]
@@ -367,7 +368,7 @@ mod missions {
     fn the_same_seed_gives_the_same_run_and_threads_change_nothing() {
         let twice = [0, 1].map(|_| watched(Terms::new(11)).to_json().expect("it is text"));
         assert_eq!(twice[0], twice[1]);
-        let campaign = Campaign { terms: Terms::new(5), seeds: 31 };
+        let campaign = CampaignRuns { terms: Terms::new(5), seeds: 31 };
         let found = [1, 2, 7].map(|threads| campaign.run(NonZeroUsize::new(threads)).expect("sound"));
         assert!(found.iter().all(|one| *one == found[0]));
     }

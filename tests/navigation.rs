@@ -1,6 +1,6 @@
 //! The lines of Algorithm 1 on real robots: what makes a team decide, wait, decide again, stop and fail.
 
-use host_sim::{Effect, Faults, NavigatorFlight, Radio, Reading, reproduce};
+use host_sim::{EventEffect, Faults, NavigatorFlight, Radio, Reading, reproduce};
 use iibt_core::grid::{Cell, Map};
 use iibt_core::navigation::{Cause, Mission, OBSTACLE, Plan, Report, Round, Said, Stage};
 use iibt_core::team::{RobotId, Stamp};
@@ -83,7 +83,7 @@ fn line_2_a_controller_is_running_until_it_has_arrived() {
 fn line_5_observes_obstacles_and_passes_them_on() {
     let mission = factory();
     let mut team = team(&mission);
-    team.cause(Effect::Block(Cell(21))); // next to robot 1 only
+    team.cause(EventEffect::Block(Cell(21))); // next to robot 1 only
     for _ in 0..3 {
         team.tick();
     }
@@ -97,7 +97,7 @@ fn lines_17_to_30_an_obstacle_on_the_way_is_avoided_by_another_joint_plan() {
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     let second = report(&team, 1);
     let blocked = second.path.cell_at(&mission.map, second.path.len() - 2);
-    team.cause(Effect::Block(blocked));
+    team.cause(EventEffect::Block(blocked));
     fly_until(&mut team, "a new round", |team| team.reports().iter().all(|report| report.round > Round(0)));
     fly_until(&mut team, "all agree again", |team| all(team, Stage::Agreed));
     for (robot, report) in team.robots().zip(team.reports()) {
@@ -114,7 +114,7 @@ fn lines_18_and_33_the_raise_avoids_the_obstacle_and_leaves_no_trace() {
     let mut team = team(&mission);
     let before: Vec<u32> = preference(&team);
     let shortest = [Cell(29), Cell(21)]; // both ways out of the corner but one
-    shortest.into_iter().for_each(|cell| team.cause(Effect::Block(cell)));
+    shortest.into_iter().for_each(|cell| team.cause(EventEffect::Block(cell)));
     fly_until(&mut team, "robot 1 chooses", |team| stages(team)[0] == Stage::Announced);
     let path = report(&team, 0).path;
     assert!(path.cells(&mission.map).all(|cell| !shortest.contains(&cell)), "{path:?}");
@@ -475,7 +475,7 @@ fn a_robot_without_a_way_to_its_charger_stands_with_its_leaf_running_and_the_tea
     static CHARGERS: [Option<Cell>; 1] = [Some(Cell(6))];
     let mission = Mission { chargers: &CHARGERS, ..factory() };
     let mut team = team(&mission);
-    [5, 13].into_iter().for_each(|cell| team.cause(Effect::Block(Cell(cell))));
+    [5, 13].into_iter().for_each(|cell| team.cause(EventEffect::Block(Cell(cell))));
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     team.set_charge(0, 10);
     for _ in 0..100 {

@@ -3,7 +3,7 @@
 
 #![allow(clippy::excessive_precision, reason = "the figures of other tools, as they give them")]
 
-use host_sim::notebook::{Beliefs, Convention, Forms, Notebook, Report, Run, StepReport};
+use host_sim::notebook::{Beliefs, Convention, Forms, InferenceReport, InferenceRun, Notebook, StepReport};
 use iibt_core::inference::{Evidence, Update};
 use std::path::Path;
 use std::process::Command;
@@ -108,11 +108,11 @@ fn notebook(text: &str) -> Notebook {
     Notebook::read("model.json", text.as_bytes()).expect("a model")
 }
 
-fn run(notebook: &Notebook, run: Run) -> Report {
+fn run(notebook: &Notebook, run: InferenceRun) -> InferenceReport {
     notebook.infer(run, &mut |_| ()).expect("a report")
 }
 
-fn only(report: &Report) -> &StepReport {
+fn only(report: &InferenceReport) -> &StepReport {
     assert_eq!(report.result.steps().len(), 1);
     &report.result.steps()[0]
 }
@@ -132,7 +132,7 @@ fn the_tools_of_the_field_give_the_same_numbers() {
     for expected in &EXPECTED {
         let convention = expected.convention;
         let model = notebook(expected.model);
-        let report = run(&model, Run { convention, ..Run::default() });
+        let report = run(&model, InferenceRun { convention, ..InferenceRun::default() });
         let step = only(&report);
         assert!(step.converged && step.beliefs == "parallel sweeps");
         for (q, (state, probability)) in step.qs.iter().zip(expected.peaks) {
@@ -149,8 +149,10 @@ fn the_tools_of_the_field_give_the_same_numbers() {
             assert_eq!(*free_energy, -value);
         }
         if convention == Convention::PerModality || report.name == "benchmark-1" {
-            let broad =
-                run(&model.with_precision(1.0).expect("a precision"), Run { convention, ..Run::default() });
+            let broad = run(
+                &model.with_precision(1.0).expect("a precision"),
+                InferenceRun { convention, ..InferenceRun::default() },
+            );
             assert!(farthest(&only(&broad).q_pi, &expected.broad) < 1e-4);
         }
     }
@@ -160,10 +162,10 @@ fn the_tools_of_the_field_give_the_same_numbers() {
 fn exact_beliefs_have_the_surprise_for_their_free_energy() {
     for text in [BENCHMARK_1, BENCHMARK_2] {
         let model = notebook(text);
-        let default = run(&model, Run::default());
+        let default = run(&model, InferenceRun::default());
         let step = only(&default);
         assert_eq!((step.beliefs, step.F), ("exact", step.surprise));
-        let ascent = run(&model, Run { beliefs: Some(Beliefs::Ascent), ..Run::default() });
+        let ascent = run(&model, InferenceRun { beliefs: Some(Beliefs::Ascent), ..InferenceRun::default() });
         assert_eq!(only(&ascent).beliefs, "coordinate ascent");
         assert_eq!(only(&ascent).surprise, step.surprise);
         assert!(only(&ascent).F >= step.F);
@@ -174,7 +176,7 @@ fn exact_beliefs_have_the_surprise_for_their_free_energy() {
 fn sweeps_that_do_not_come_to_rest_give_way_to_exact_beliefs() {
     // Both robots see themselves beside the goals and hear of a failure: factors swept in parallel oscillate.
     let model = notebook(BENCHMARK_2).observing("24,25,2").expect("an observation");
-    let report = run(&model, Run { convention: Convention::PerModality, ..Run::default() });
+    let report = run(&model, InferenceRun { convention: Convention::PerModality, ..InferenceRun::default() });
     let step = only(&report);
     assert_eq!(step.beliefs, "exact");
     assert!(step.note.as_ref().is_some_and(|note| note.contains("did not come to rest")));
@@ -185,8 +187,8 @@ fn sweeps_that_do_not_come_to_rest_give_way_to_exact_beliefs() {
 fn structure_changes_no_result() {
     for text in [BENCHMARK_1, BENCHMARK_2, SWITCH] {
         let model = notebook(text);
-        let structured = run(&model, Run::default());
-        let dense = run(&model, Run { forms: Forms::Dense, ..Run::default() });
+        let structured = run(&model, InferenceRun::default());
+        let dense = run(&model, InferenceRun { forms: Forms::Dense, ..InferenceRun::default() });
         assert!(dense.structure.A.iter().chain(&dense.structure.B).all(|form| *form == "dense"));
         assert!(structured.structure.bytes < dense.structure.bytes);
         for (a, b) in structured.result.steps().iter().zip(dense.result.steps()) {
@@ -199,7 +201,7 @@ fn structure_changes_no_result() {
 
 #[test]
 fn a_team_on_a_grid_takes_three_kilobytes() {
-    let report = run(&notebook(BENCHMARK_2), Run::default());
+    let report = run(&notebook(BENCHMARK_2), InferenceRun::default());
     assert_eq!(report.structure.A, ["identity with noise", "identity with noise", "outcome table"]);
     assert_eq!(report.structure.B, ["next state"; 2]);
     assert!(report.structure.bytes <= 3072 && report.structure.dense_bytes > 1_000_000);
@@ -208,7 +210,7 @@ fn a_team_on_a_grid_takes_three_kilobytes() {
 #[test]
 fn terms_add_up_and_the_choice_is_explained() {
     for convention in [Convention::Default, Convention::Joint, Convention::AsPrinted] {
-        let report = run(&notebook(BENCHMARK_1), Run { convention, ..Run::default() });
+        let report = run(&notebook(BENCHMARK_1), InferenceRun { convention, ..InferenceRun::default() });
         let step = only(&report);
         for (terms, free_energy) in step.terms.iter().zip(&step.expected_free_energy) {
             let total = terms.total;
@@ -228,7 +230,7 @@ fn terms_add_up_and_the_choice_is_explained() {
 
 #[test]
 fn a_record_of_steps_goes_on_from_step_to_step() {
-    let report = run(&notebook(SWITCH), Run::default());
+    let report = run(&notebook(SWITCH), InferenceRun::default());
     let steps = report.result.steps();
     assert_eq!(steps.len(), 3);
     assert_eq!(steps[0].qs, [vec![1.0, 0.0, 0.0], vec![0.5, 0.5]]);
@@ -248,7 +250,7 @@ fn a_record_of_steps_goes_on_from_step_to_step() {
 fn an_impossible_observation_is_told_and_changes_nothing() {
     let off = SWITCH.replace("[0.5, 0.5]],\n \"E\"", "[1, 0]],\n \"E\"");
     let model = notebook(&off).observing("null, 1").expect("an observation");
-    let report = run(&model, Run::default());
+    let report = run(&model, InferenceRun::default());
     let step = only(&report);
     assert_eq!((step.F, step.surprise, step.converged), (None, None, false));
     assert!(step.impossible.as_ref().is_some_and(|reason| reason.contains("modality 1")));
@@ -349,7 +351,7 @@ fn models_beyond_the_limits_are_refused_with_the_limit() {
     model["policy_len"] = 4.into();
     assert!(refusal(&model.to_string()).contains("more than the 4096 policies"));
     model["policy_len"] = 3.into();
-    assert_eq!(only(&run(&notebook(&model.to_string()), Run::default())).q_pi.len(), 4096);
+    assert_eq!(only(&run(&notebook(&model.to_string()), InferenceRun::default())).q_pi.len(), 4096);
 }
 
 #[rustfmt::skip]
@@ -367,7 +369,8 @@ mod exported {
 macro_rules! same_bits {
     ($model:ident, $text:expr, $observation:expr, $listed:expr) => {{
         use exported::$model as model;
-        let report = run(&notebook($text).observing($listed).expect("an observation"), Run::default());
+        let report =
+            run(&notebook($text).observing($listed).expect("an observation"), InferenceRun::default());
         let step = only(&report);
         let mut agent = model::AGENT;
         let update: Update = agent.observe(&$observation).expect("a possible observation");

@@ -2,14 +2,16 @@
 
 use firmware::missions::SECTION_5_1;
 use host_sim::reproduce::{
-    self, CHAPTERS, Effort, Item, Judged, Mode, Run, Section, Verdict, choice, detour,
+    self, CHAPTERS, DecisionMode, Effort, Item, Judged, Reproduction, Section, Verdict, choice, detour,
 };
-use host_sim::{Conditions, News, Outcome, fly, library};
+use host_sim::{Conditions, FlightEvent, Outcome, fly, library};
 use iibt_core::grid::{Cell, Path, first_conflict};
 
 /// A chapter as the report has it.
 fn section(id: &str) -> Section {
-    reproduce::chapter(id).expect("there is such a section").run(&Run::new(Effort::Quick, &|_, _| {}))
+    reproduce::chapter(id)
+        .expect("there is such a section")
+        .run(&Reproduction::new(Effort::Quick, &|_, _| {}))
 }
 
 /// The items whose description begins so.
@@ -42,7 +44,7 @@ fn section_5_2_as_published_gives_the_nine_probabilities() {
 
 #[test]
 fn section_5_1_as_published_gives_the_initial_beliefs() {
-    let [first, second] = choice().judge(Mode::AsPublished).beliefs;
+    let [first, second] = choice().judge(DecisionMode::AsPublished).beliefs;
     let close = |ours: f32, published: f32| (ours / published - 1.0).abs() < 1e-4;
     assert!(close(first[28], 0.993_314_8) && close(first[0], 1.453_304e-4));
     assert!(close(second[2], 0.884_474_5) && close(second[0], 2.511_423e-3));
@@ -52,7 +54,7 @@ fn section_5_1_as_published_gives_the_initial_beliefs() {
 #[test]
 fn section_5_1_by_default_arrives_together_at_different_goals() {
     let decision = choice();
-    let judged = decision.judge(Mode::Default);
+    let judged = decision.judge(DecisionMode::Default);
     // B with c, B with d, C with a.
     assert_eq!(decision.simultaneous(), [6, 7, 9]);
     assert!(total(&judged, &[6, 7, 9]) > 0.999, "{:?}", judged.posterior);
@@ -62,7 +64,7 @@ fn section_5_1_by_default_arrives_together_at_different_goals() {
 #[test]
 fn section_5_2_by_default_takes_the_detour_together() {
     let decision = detour();
-    let judged = decision.judge(Mode::Default);
+    let judged = decision.judge(DecisionMode::Default);
     assert_eq!(decision.simultaneous(), [3]);
     assert!(judged.posterior[3] > 0.999, "{:?}", judged.posterior);
 }
@@ -105,15 +107,15 @@ fn section_5_2_as_a_run_the_obstacle_appears_on_the_way_and_both_choose_again() 
     )
     .expect("it can be flown");
     let appeared = record
-        .news
+        .events
         .iter()
-        .find(|dated| dated.news == News::Appeared { cell: Cell(30) })
+        .find(|timed| timed.event == FlightEvent::Appeared { cell: Cell(30) })
         .expect("it appears")
         .tick;
     let moved = record.history[appeared as usize] != record.history[0];
-    let chosen = |dated: &&host_sim::Dated| matches!(dated.news, News::Chose { .. });
-    let after = record.news.iter().filter(chosen).filter(|dated| dated.tick > appeared).count();
-    assert!(moved && after == 2, "{:?}", record.news);
+    let chosen = |timed: &&host_sim::TimedEvent| matches!(timed.event, FlightEvent::Chose { .. });
+    let after = record.events.iter().filter(chosen).filter(|timed| timed.tick > appeared).count();
+    assert!(moved && after == 2, "{:?}", record.events);
     assert_eq!(record.outcome, Outcome::Together);
 }
 

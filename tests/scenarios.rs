@@ -46,7 +46,7 @@ mod missions {
     #[test]
     fn the_obstacle_of_the_factory_makes_the_team_choose_again() {
         let record = flown(&built_in("factory"), 0, 0.0);
-        let kinds: Vec<_> = record.news.iter().map(|dated| kind(&dated.news)).collect();
+        let kinds: Vec<_> = record.events.iter().map(|timed| kind(&timed.event)).collect();
         let appeared = kinds.iter().position(|&kind| kind == "appeared").expect("there is an obstacle");
         let agreements = |kinds: &[&str]| kinds.iter().filter(|&&kind| kind == "agreed").count();
         assert_eq!((agreements(&kinds[..appeared]), agreements(&kinds[appeared..])), (1, 1), "{kinds:?}");
@@ -109,27 +109,27 @@ block = 7
         for (name, loss) in [("factory", 0.0), ("factory", 0.3), ("detour", 0.1), ("two-goals", 1.0)] {
             let record = flown(&built_in(name), 2, loss);
             assert_eq!(record.history.len(), record.ticks as usize + 2, "{name}");
-            assert!(record.news.iter().all(|dated| dated.tick <= record.ticks), "{name}");
+            assert!(record.events.iter().all(|timed| timed.tick <= record.ticks), "{name}");
             assert!(record.last_arrival() <= record.ticks || !record.outcome.is_success(), "{name}");
         }
     }
 
-    fn kind(news: &host_sim::News) -> &'static str {
-        match news {
-            host_sim::News::Appeared { .. } => "appeared",
-            host_sim::News::Found { .. } => "found",
-            host_sim::News::Chose { .. } => "chose",
-            host_sim::News::Agreed { .. } => "agreed",
-            host_sim::News::Arrived { .. } => "arrived",
-            host_sim::News::Collided { .. } => "collided",
-            host_sim::News::Asked { .. } => "asked",
-            host_sim::News::Refused { .. } => "refused",
-            host_sim::News::Visited { .. } => "visited",
-            host_sim::News::Drained { .. } => "drained",
-            host_sim::News::Left { .. } => "left",
-            host_sim::News::Returned { .. } => "returned",
-            host_sim::News::Stopped { .. } => "stopped",
-            host_sim::News::Resumed { .. } => "resumed",
+    fn kind(event: &host_sim::FlightEvent) -> &'static str {
+        match event {
+            host_sim::FlightEvent::Appeared { .. } => "appeared",
+            host_sim::FlightEvent::Found { .. } => "found",
+            host_sim::FlightEvent::Chose { .. } => "chose",
+            host_sim::FlightEvent::Agreed { .. } => "agreed",
+            host_sim::FlightEvent::Arrived { .. } => "arrived",
+            host_sim::FlightEvent::Collided { .. } => "collided",
+            host_sim::FlightEvent::Asked { .. } => "asked",
+            host_sim::FlightEvent::Refused { .. } => "refused",
+            host_sim::FlightEvent::Visited { .. } => "visited",
+            host_sim::FlightEvent::Drained { .. } => "drained",
+            host_sim::FlightEvent::Left { .. } => "left",
+            host_sim::FlightEvent::Returned { .. } => "returned",
+            host_sim::FlightEvent::Stopped { .. } => "stopped",
+            host_sim::FlightEvent::Resumed { .. } => "resumed",
         }
     }
 }
@@ -137,7 +137,7 @@ block = 7
 /// Section 6.1 of the paper, phase by phase.
 mod shift {
     use super::*;
-    use host_sim::{News, Phase};
+    use host_sim::{FlightEvent, Phase};
     use iibt_core::navigation::Cause;
 
     /// The rounds to which all agreed.
@@ -145,9 +145,9 @@ mod shift {
         record.phases.iter().filter(|phase| phase.agreed.is_some()).collect()
     }
 
-    /// The tick of the first news of this kind.
-    fn tick_of(record: &Record, is_it: impl Fn(&News) -> bool) -> u32 {
-        record.news.iter().find(|dated| is_it(&dated.news)).expect("it happens").tick
+    /// The tick of the first events of this kind.
+    fn tick_of(record: &Record, is_it: impl Fn(&FlightEvent) -> bool) -> u32 {
+        record.events.iter().find(|timed| is_it(&timed.event)).expect("it happens").tick
     }
 
     /// The ways of all robots in a plan, on the map without obstacles.
@@ -214,17 +214,17 @@ mod shift {
         assert!(paths(plans[3])[0].contains(&4), "{:?}", paths(plans[3]));
         let order = [
             plans[0].agreed.expect("agreed"),
-            tick_of(record, |news| matches!(news, News::Appeared { cell: Cell(23) })),
+            tick_of(record, |event| matches!(event, FlightEvent::Appeared { cell: Cell(23) })),
             plans[1].agreed.expect("agreed"),
-            tick_of(record, |news| matches!(news, News::Appeared { cell: Cell(31) })),
+            tick_of(record, |event| matches!(event, FlightEvent::Appeared { cell: Cell(31) })),
             plans[2].agreed.expect("agreed"),
-            tick_of(record, |news| matches!(news, News::Asked { robot: 0, cell: Cell(4) })),
+            tick_of(record, |event| matches!(event, FlightEvent::Asked { robot: 0, cell: Cell(4) })),
             plans[3].agreed.expect("agreed"),
-            tick_of(record, |news| matches!(news, News::Left { robot: 0, .. })),
-            tick_of(record, |news| matches!(news, News::Returned { robot: 0, .. })),
+            tick_of(record, |event| matches!(event, FlightEvent::Left { robot: 0, .. })),
+            tick_of(record, |event| matches!(event, FlightEvent::Returned { robot: 0, .. })),
             plans[4].agreed.expect("agreed"),
-            tick_of(record, |news| matches!(news, News::Left { robot: 2, .. })),
-            tick_of(record, |news| matches!(news, News::Returned { robot: 2, .. })),
+            tick_of(record, |event| matches!(event, FlightEvent::Left { robot: 2, .. })),
+            tick_of(record, |event| matches!(event, FlightEvent::Returned { robot: 2, .. })),
             plans[5].agreed.expect("agreed"),
         ];
         assert!(order.is_sorted(), "{order:?}");
@@ -268,15 +268,17 @@ mod shift {
         for seed in 0..10 {
             let record = flown(&built_in("shift"), seed, 0.3);
             for (robot, charger) in [(0, Cell(13)), (2, Cell(41))] {
-                let away =
-                    tick_of(&record, |news| matches!(news, News::Left { robot: who, .. } if *who == robot));
+                let away = tick_of(
+                    &record,
+                    |event| matches!(event, FlightEvent::Left { robot: who, .. } if *who == robot),
+                );
                 let back = tick_of(
                     &record,
-                    |news| matches!(news, News::Returned { robot: who, .. } if *who == robot),
+                    |event| matches!(event, FlightEvent::Returned { robot: who, .. } if *who == robot),
                 );
                 let ticks = &record.history[away as usize + 2..=back as usize];
                 let others: BTreeSet<Vec<Cell>> = ticks.iter().map(|cells| without(cells, robot)).collect();
-                // A move that was agreed on before may still be made while the news travels.
+                // A move that was agreed on before may still be made while the events travels.
                 assert!(others.len() <= 3, "seed {seed}: {others:?}");
                 assert!(ticks.iter().any(|cells| cells[robot] == charger), "seed {seed}");
             }
@@ -300,7 +302,7 @@ mod shift {
 /// What events and drives do to a team.
 mod events {
     use super::*;
-    use host_sim::News;
+    use host_sim::FlightEvent;
 
     fn factory_with(more: &str) -> Scenario {
         let text = include_str!("../host-sim/scenarios/factory.toml");
@@ -308,8 +310,9 @@ mod events {
     }
 
     fn kinds(record: &Record) -> Vec<u32> {
-        let is_it = |news: &News| matches!(news, News::Stopped { .. } | News::Resumed { .. });
-        record.news.iter().filter(|dated| is_it(&dated.news)).map(|dated| dated.tick).collect()
+        let is_it =
+            |event: &FlightEvent| matches!(event, FlightEvent::Stopped { .. } | FlightEvent::Resumed { .. });
+        record.events.iter().filter(|timed| is_it(&timed.event)).map(|timed| timed.tick).collect()
     }
 
     #[test]
@@ -336,7 +339,7 @@ mod events {
         assert_eq!(own.robots[0].slip, all.robots[2].slip);
         let record = flown(&own, 1, 0.0);
         assert_eq!((record.outcome, record.collisions.total()), (Outcome::Together, 0));
-        assert_eq!(record.news, flown(&all, 1, 0.0).news);
+        assert_eq!(record.events, flown(&all, 1, 0.0).events);
         let sure = Scenario::parse("sure", &drawn.replace(&slippery, "")).expect("sound");
         assert!(record.ticks > flown(&sure, 1, 0.0).ticks);
     }
@@ -364,7 +367,7 @@ mod events {
         let more = "[[event]]\nrobot = 'R1'\nat = 29\nwho = 'R1'\nvisit = 22\n";
         let blocked = format!("[[event]]\ntick = 0\nblock = 22\n{more}");
         let refused = |record: &Record| {
-            record.news.iter().any(|dated| matches!(dated.news, News::Refused { robot: 0, .. }))
+            record.events.iter().any(|timed| matches!(timed.event, FlightEvent::Refused { robot: 0, .. }))
         };
         let record = flown(&factory_with(&blocked), 0, 0.0);
         assert!(refused(&record) && record.outcome == Outcome::Together);
@@ -456,7 +459,7 @@ mod json {
 
 mod readme {
     use super::*;
-    use host_sim::News;
+    use host_sim::FlightEvent;
     use serde_json::Value;
 
     const README: &str = include_str!("../host-sim/scenarios/README.md");
@@ -476,7 +479,7 @@ mod readme {
     fn every_member_of_the_record_is_explained() {
         let record = flown(&built_in("factory"), 0, 0.0);
         let mut names = keys(&serde_json::to_value(&record).unwrap());
-        names.extend(keys(&serde_json::to_value(News::Collided { times: 1 }).unwrap()));
+        names.extend(keys(&serde_json::to_value(FlightEvent::Collided { times: 1 }).unwrap()));
         names.extend(["appeared", "found", "chose", "agreed", "arrived", "collided"].map(String::from));
         names.extend(
             ["asked", "refused", "visited", "drained", "left", "returned", "stopped", "resumed"]

@@ -15,7 +15,8 @@ use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::{Halt, Leaves, Memory, Status, Tree};
 use serde::{Deserialize, Serialize};
 
-/// What both doors have in common: a leaf that is open or shut, and a switch that is right nine times in ten.
+/// What both doors have in common: a leaf that is open or shut, and a switch that is right nine
+/// times in ten.
 const DOOR: Role = Role {
     name: "door",
     factors: &[HiddenFactor { name: "leaf", states: &["open", "shut"], prior: &[0.5, 0.5] }],

@@ -1,9 +1,9 @@
 //! The hardware traits over common drivers, so that a new board seldom needs code of its own.
 //!
-//! [`IoLink`] makes a link of two `embedded-io` streams, [`DifferentialDrive`] a drive of two motors behind
-//! `embedded-hal` outputs, and [`DeadReckoning`] a localiser of nothing but the moves that were made.
-//! [`Body`] puts a robot's parts together; [`Absent`] stands for a sensor that it does not have.
-//! [`FrameQueue`] is the buffer between a sender that must not wait and a slow port.
+//! [`IoLink`] makes a link of two `embedded-io` streams, [`DifferentialDrive`] a drive of two
+//! motors behind `embedded-hal` outputs, and [`DeadReckoning`] a localiser of nothing but the moves
+//! that were made. [`Body`] puts a robot's parts together; [`Absent`] stands for a sensor that it
+//! does not have. [`FrameQueue`] is the buffer between a sender that must not wait and a slow port.
 
 mod absent;
 mod body;

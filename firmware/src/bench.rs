@@ -1,7 +1,7 @@
-//! Models that the engine is measured and compared with, the same on the host and on the target.
+//! Models for measurements and comparisons of the engine, the same on the host and on the target.
 //!
-//! T1 and T2 are the field's: other tools take 154 thousand and 195 million instructions for one belief update and policy
-//! posterior of them (cpp-AIF, x86-64).
+//! T1 and T2 are the field's: other tools take 154 thousand and 195 million instructions for one
+//! belief update and policy posterior of them (cpp-AIF, x86-64).
 
 mod benchmark;
 mod digest;

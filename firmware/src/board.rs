@@ -1,4 +1,5 @@
-//! The STM32F405 on its 16 MHz internal oscillator, in QEMU's `netduinoplus2` and on hardware alike.
+//! The STM32F405 on its 16 MHz internal oscillator, in QEMU's `netduinoplus2` and on hardware
+//! alike.
 //!
 //! | pins | what |
 //! |---|---|
@@ -8,7 +9,8 @@
 //! | PA7, PB1 | right motor: speed at 20 kHz (TIM3), direction |
 //! | PA5 | status LED |
 //!
-//! A panic or a fault is logged and restarts the robot. The stack is guarded by its place; see `memory.x`.
+//! A panic or a fault is logged and restarts the robot. The stack is guarded by its place; see
+//! `memory.x`.
 
 mod clock;
 mod fault;
@@ -38,7 +40,7 @@ pub type Motors = DifferentialDrive<
     Milliseconds,
 >;
 
-/// What the board offers to a controller.
+/// The parts of the board that a controller uses.
 pub struct Board {
     /// The link to the teammates.
     pub link: TeamLink,

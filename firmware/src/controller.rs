@@ -1,4 +1,4 @@
-//! One robot's loop: listens, senses, ticks its behavior tree, acts, and tells its teammates.
+//! The control loop of one robot: listen, sense, tick the behavior tree, act, announce.
 
 use crate::hardware::{Clock, Link};
 use crate::{LinkReport, Robot, Settings};
@@ -8,15 +8,20 @@ use iibt_core::team::{
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
 
-/// The most bytes that one tick takes from the link: two frames of every robot. A flood of bytes delays
-/// frames, but no tick.
+/// The most bytes that one tick takes from the link: two frames of every robot. A flood of bytes
+/// delays frames, but no tick.
 const BYTES_PER_TICK: usize = 2 * MAX_TEAM * MAX_FRAME;
 
-/// The one loop that runs every robot: any [`Robot`] on any hardware with a [`Link`] and a [`Clock`].
+/// The one loop that runs every robot: any [`Robot`] on any hardware with a [`Link`] and a
+/// [`Clock`].
 ///
-/// Call [`tick`](Self::tick) at the period of its [`Settings`], on the real time of the robot's clock.
-/// The work of a tick is that of the robot's own methods, at most `BYTES_PER_TICK` (2,032) bytes
-/// received, and one frame sent. [`Robot`] has an example.
+/// Call [`tick`](Self::tick) at the period of its [`Settings`], on the real time of the robot's
+/// clock. The work of a tick is that of the robot's own methods, at most `BYTES_PER_TICK` (2,032)
+/// bytes received, and one frame sent. [`Robot`] has an example.
+#[doc(alias = "control loop")]
+#[doc(alias = "executor")]
+#[doc(alias = "heartbeat")]
+#[doc(alias = "beacon")]
 #[derive(Clone, Debug)]
 pub struct Controller<R: Robot<H>, H> {
     hardware: H,
@@ -33,7 +38,7 @@ pub struct Controller<R: Robot<H>, H> {
 }
 
 impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
-    /// A robot that has heard nobody yet.
+    /// Creates a controller that has received nothing.
     #[must_use]
     pub fn new(robot: R, settings: Settings, hardware: H) -> Self {
         Self {
@@ -51,9 +56,12 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
         }
     }
 
-    /// Listens, senses, decides, acts and sends, once; returns what the tree returned. Bounded work, never
-    /// waits.
+    /// Runs one tick: listens, senses, ticks the tree, acts and sends. Returns the status of the
+    /// tree.
+    ///
+    /// The work is bounded and never waits.
     pub fn tick(&mut self) -> Status {
+        // One instant for the whole tick, so that ages, deadlines and the frame agree on it.
         let now = self.hardware.now();
         self.listen(now);
         self.robot.sense(&mut self.hardware, now);
@@ -63,35 +71,35 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
         status
     }
 
-    /// The robot.
+    /// Returns the robot.
     #[must_use]
     pub const fn robot(&self) -> &R {
         &self.robot
     }
 
-    /// The robot, to be told what it is to do.
+    /// Returns the robot for instructions, a way-point for example.
     pub const fn robot_mut(&mut self) -> &mut R {
         &mut self.robot
     }
 
-    /// The hardware.
+    /// Returns the hardware.
     #[must_use]
     pub const fn hardware(&self) -> &H {
         &self.hardware
     }
 
-    /// The hardware, to be changed from outside.
+    /// Returns the hardware for changes from outside.
     pub const fn hardware_mut(&mut self) -> &mut H {
         &mut self.hardware
     }
 
-    /// The teammates at an instant.
+    /// Returns the teammates at an instant.
     #[must_use]
     pub const fn peers(&self, now: Instant) -> Peers<'_, R::Message> {
         self.roster.at(now)
     }
 
-    /// What became of the frames sent and received.
+    /// Returns the counts of frames sent and received.
     #[must_use]
     pub const fn link_report(&self) -> LinkReport {
         LinkReport {
@@ -120,6 +128,7 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
         if self.last_sent.is_some_and(|sent| now.since(sent) < self.period) {
             return;
         }
+        // Taken even if the link then refuses the frame: a number that is used twice reads as a replay.
         let Some(stamp) = self.numbering.next_stamp() else { return };
         let envelope = Envelope { sender: self.roster.own(), stamp, message: self.robot.message() };
         let mut buffer = [0; MAX_FRAME];
@@ -127,6 +136,7 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
             .is_ok_and(|frame| self.hardware.send(frame));
         let counter = if taken { &mut self.sent } else { &mut self.unsent };
         *counter = counter.saturating_add(1);
+        // A refused frame is not repeated: the next one is complete and newer.
         self.last_sent = Some(now);
     }
 }

@@ -1,20 +1,22 @@
-//! What robots ask of their hardware: a handful of small traits.
+//! The hardware of a robot, as a handful of small traits.
 //!
-//! A [`Controller`](crate::Controller) needs a [`Link`] and a [`Clock`]. The other traits are asked for by the
-//! robots that use them, so a robot without wheels names none. None of the calls waits. A board implements the
-//! traits on a type of its own, or puts [`adapters`](crate::adapters) together in a
-//! [`Body`](crate::adapters::Body); the simulator implements them on its world.
+//! A [`Controller`](crate::Controller) needs a [`Link`] and a [`Clock`]. The other traits are asked
+//! for by the robots that use them, so a robot without wheels names none. None of the calls waits.
+//! A board implements the traits on a type of its own, or puts [`adapters`](crate::adapters)
+//! together in a [`Body`](crate::adapters::Body); the simulator implements them on its world.
 
 use iibt_core::grid::{Cell, Move};
 use iibt_core::time::Instant;
 
-/// Bytes to and from all teammates at once; framing is the controller's business.
+/// A broadcast link of bytes to and from all teammates; the controller does the framing.
 ///
-/// What a robot sends may come back to it: it knows its own frames. On a shared wire or channel it is the
-/// link that waits for its turn, and it may drop frames: every frame is complete, so one that is lost costs
-/// time only.
+/// An echo of the robot's own frames is allowed: the controller recognises them. On a shared wire
+/// or channel the link waits for its turn, and it may drop frames. Every frame is complete, so a
+/// lost one costs time only.
+#[doc(alias = "radio")]
+#[doc(alias = "transport")]
 pub trait Link {
-    /// The next byte that has arrived, if there is one.
+    /// Returns the next received byte, if there is one.
     fn receive(&mut self) -> Option<u8>;
 
     /// Takes one whole encoded frame, delimiters included, of at most
@@ -24,43 +26,55 @@ pub trait Link {
 
 /// Wheels, one cell at a time.
 ///
-/// A move is made whole or not at all, and a robot that has begun one counts as in both cells until it is
-/// done. [`Move::Up`] leads to the row before, towards cell zero.
+/// A move is made whole or not at all, and a robot that has begun one counts as in both cells until
+/// it is done. [`Move::Up`] leads to the row before, towards cell zero.
+#[doc(alias = "actuator")]
+#[doc(alias = "motor")]
 pub trait Drive {
     /// Begins one move. [`Move::Wait`] holds the robot where it is.
     fn go(&mut self, step: Move);
 
-    /// Whether the last move is still going on: true from [`go`](Self::go) until the robot stands in the next
-    /// cell. Asked once a tick; what is sensed meanwhile is not used.
+    /// Returns whether the last move is still going on: true from [`go`](Self::go) until the robot
+    /// stands in the next cell. Asked once a tick; readings of the sensors during a move are not
+    /// used.
     fn is_moving(&mut self) -> bool;
 
-    /// Stops where it is, for whoever watches over the robot: the controller itself finishes its moves.
+    /// Stops where it is, for an emergency stop from outside: the controller itself finishes its
+    /// moves.
     fn stop(&mut self);
 }
 
-/// Where the robot stands.
+/// A sensor of the robot's own cell.
+#[doc(alias = "odometry")]
+#[doc(alias = "positioning")]
+#[doc(alias = "localizer")]
 pub trait Localiser {
-    /// A reading of the robot's own cell, which may be missing or wrong; asked once a tick.
+    /// Returns a reading of the robot's own cell, which may be missing or wrong; asked once a tick.
     fn locate(&mut self) -> Option<Cell>;
 }
 
-/// What stands in the way.
+/// A sensor of obstacles.
+#[doc(alias = "lidar")]
+#[doc(alias = "obstacle sensor")]
 pub trait Scanner {
-    /// A cell in view that no robot can enter, one at a time; `None` when there is no more. Asked up to
-    /// [`MAX_HAZARDS`](iibt_core::navigation::MAX_HAZARDS) times a tick; to name one again does no harm.
+    /// Returns a cell in view that no robot can enter, one at a time; `None` when there is no more.
     ///
-    /// For what stays: the team keeps off such a cell from then on. A teammate is no obstacle.
+    /// Asked up to [`MAX_HAZARDS`](iibt_core::navigation::MAX_HAZARDS) times a tick. A cell may be
+    /// named again.
+    ///
+    /// Report only obstacles that stay: the team avoids such a cell from then on. A teammate is no
+    /// obstacle.
     fn scan(&mut self) -> Option<Cell>;
 }
 
-/// How much energy is left.
+/// A battery gauge.
 pub trait Battery {
-    /// The charge in percent, 0 to 100.
+    /// Returns the charge in percent, 0 to 100.
     fn charge(&mut self) -> u8;
 }
 
-/// A clock that never goes back, but may wrap.
+/// A monotonic clock, which may wrap.
 pub trait Clock {
-    /// The present, in the ticks that the controller's [`Settings`](crate::Settings) are given in.
+    /// Returns the time in the ticks of the controller's [`Settings`](crate::Settings).
     fn now(&mut self) -> Instant;
 }

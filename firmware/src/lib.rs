@@ -6,8 +6,9 @@
 //! Clock ─────────────────────────────┘   (one leaf may infer)     └─► message ─► frame ─► Link
 //! ```
 //!
-//! [`Controller`] runs any [`Robot`] on any hardware: a board, the simulator or a test stands behind it, and
-//! what is simulated is what is flashed. [`Navigator`] is the robot that goes to goals on a grid with its team.
+//! [`Controller`] runs any [`Robot`] on any hardware: a board, the simulator or a test stands
+//! behind it, and what is simulated is what is flashed. [`Navigator`] is the robot that goes to
+//! goals on a grid with its team.
 #![no_std]
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What became of a robot's frames.
+//! Counts of a robot's frames.
 
 use iibt_core::team::Counters;
 
@@ -12,6 +12,6 @@ pub struct LinkReport {
     pub unsent: u32,
     /// Stretches of bytes that were too long for a frame.
     pub dropped: u32,
-    /// What became of the frames received.
+    /// The counts of received frames, accepted and refused.
     pub received: Counters,
 }

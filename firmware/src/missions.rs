@@ -14,11 +14,11 @@ pub const CANDIDATES: usize = 4;
 
 /// The paper's section 5.1: two robots, goals 24 and 26, and four candidate paths each.
 ///
-/// Robot 1 (index 0) starts on 28 with paths A to D, robot 2 on 2 with paths b, a, c, d: the short one first,
-/// which is the order of the paper's numbers, not of its text.
+/// Robot 1 (index 0) starts on 28 with paths A to D, robot 2 on 2 with paths b, a, c, d: the short
+/// one first, which is the order of the paper's numbers, not of its text.
 pub static SECTION_5_1: Mission<'static, WORDS> = Mission {
     candidates: Some(&[&FIRST, &SECOND]),
-    haste: 0.0,
+    lateness_cost: 0.0,
     ..Mission::new(MAP, &[Cell(28), Cell(2)], &[Cell(24), Cell(26)])
 };
 

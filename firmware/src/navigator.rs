@@ -1,4 +1,4 @@
-//! The robot that goes to goals on a grid together with its team.
+//! The robot of a navigating team.
 
 use crate::Robot;
 use crate::Settings;
@@ -11,7 +11,7 @@ use iibt_core::time::{Duration, Instant};
 use iibt_core::tree;
 use iibt_core::tree::{Halt, Leaves, Memory, Status, Tree};
 
-/// What the leaves of the tree stand for.
+/// The leaves of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Skill {
     BatteryEnough,
@@ -29,7 +29,7 @@ impl Skill {
     }
 }
 
-/// How many nodes the tree has.
+/// The number of nodes of the tree.
 const NODES: usize = 5;
 
 /// The tree of the paper's table 3: one inference node in the place of sixteen ordinary ones.
@@ -44,11 +44,12 @@ static TREE: Tree<Skill, NODES> = tree! {
     }
 };
 
-/// A robot of a navigating team, for maps of up to `S` cells in `W` words, weighing up to `P` candidates.
+/// A robot of a navigating team, for maps of up to `S` cells in `W` words, weighing up to `P`
+/// candidates.
 ///
-/// `W` is [`words`](iibt_core::grid::words) of the map's width and height. A decision takes memory for `P * S`
-/// predicted probabilities twice over and time for `P * P` pairs with each teammate; 16 candidates serve three or
-/// four goals. Robots with the same `P` choose alike, whatever their `S`.
+/// `W` is [`words`](iibt_core::grid::words) of the map's width and height. A decision takes memory
+/// for `P * S` predicted probabilities twice over and time for `P * P` pairs with each teammate; 16
+/// candidates serve three or four goals. Robots with the same `P` choose alike, whatever their `S`.
 #[derive(Clone, Debug)]
 pub struct Navigator<'m, const S: usize, const W: usize, const P: usize> {
     memory: Memory<NODES>,
@@ -56,7 +57,7 @@ pub struct Navigator<'m, const S: usize, const W: usize, const P: usize> {
     percept: Percept,
 }
 
-/// What the leaves share.
+/// The state that the leaves share.
 #[derive(Clone, Debug)]
 struct Skills<'m, const S: usize, const W: usize, const P: usize> {
     navigation: Navigation<'m, S, W, P>,
@@ -80,10 +81,11 @@ impl Thresholds {
 }
 
 impl<'m, const S: usize, const W: usize, const P: usize> Navigator<'m, S, W, P> {
-    /// The ticks for which the inference node looks for a policy whose precondition holds before it fails.
+    /// The timeout of the inference node in ticks: how long a precondition may stay unmet before
+    /// the node fails.
     pub const TIMEOUT_TICKS: u32 = 100;
 
-    /// A robot at the start of its mission.
+    /// Creates a robot at the start of its mission.
     ///
     /// # Errors
     /// [`MissionError`] when the mission does not fit the sizes or the robot is not in its team.
@@ -101,32 +103,32 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigator<'m, S, W, P> 
         })
     }
 
-    /// The same robot with other thresholds.
+    /// Sets the battery thresholds.
     #[must_use]
     pub fn with_thresholds(mut self, thresholds: Thresholds) -> Self {
         self.skills.thresholds = thresholds;
         self
     }
 
-    /// The task behind the inference node, with its last decision.
+    /// Returns the task of the inference node, with its last decision.
     #[must_use]
     pub const fn navigation(&self) -> &Navigation<'m, S, W, P> {
         &self.skills.navigation
     }
 
-    /// The task, to be told what to visit and which goals to prefer.
+    /// Returns the task for instructions: way-points and preferences for goals.
     pub const fn navigation_mut(&mut self) -> &mut Navigation<'m, S, W, P> {
         &mut self.skills.navigation
     }
 
-    /// C as it is now, temporary raises included.
+    /// Returns the current preference C, temporary raises included.
     #[must_use]
     pub fn preference(&self) -> Preference<S> {
         let Skills { navigation, node, .. } = &self.skills;
         node.raised().copied().unwrap_or_else(|| navigation.preference())
     }
 
-    /// The leaf of the tree that is running since the last tick.
+    /// Returns the name of the running leaf.
     #[must_use]
     pub fn activity(&self) -> Option<&'static str> {
         TREE.running(&self.memory).map(|skill| skill.name())
@@ -183,7 +185,8 @@ struct Ticking<'t, 'm, const S: usize, const W: usize, const P: usize> {
 }
 
 impl<const S: usize, const W: usize, const P: usize> Ticking<'_, '_, S, W, P> {
-    /// The robot takes no part until its battery is charged, and drives to its charger if it has one.
+    /// Takes no part in decisions until the battery is charged, and drives to the charger if there
+    /// is one.
     fn recharge(&mut self) -> Status {
         if self.skills.charge >= self.skills.thresholds.charged {
             return Status::Success;

@@ -1,14 +1,14 @@
-//! What a robot is, apart from its hardware and from how it talks.
+//! The contract between a robot's own code and the control loop.
 
 use iibt_core::team::{Invalid, Message, Peers};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 
-/// A robot that a [`Controller`](crate::Controller) runs on hardware `H`: what it senses, its behavior tree,
-/// what it does and what it tells its teammates.
+/// A robot that a [`Controller`](crate::Controller) runs on hardware `H`: what it senses, its
+/// behavior tree, what it does and what it tells its teammates.
 ///
-/// The controller calls the methods once a tick, in the order in which they stand here. None of them waits.
-/// A robot asks of its hardware what it needs, as bounds on `H`, and nothing else.
+/// The controller calls the methods once a tick, in the order in which they stand here. None of
+/// them waits. A robot asks of its hardware what it needs, as bounds on `H`, and nothing else.
 ///
 /// A lamp on each of two robots, lit only while both buttons are held:
 ///
@@ -141,11 +141,14 @@ use iibt_core::tree::Status;
 /// second.tick();
 /// assert!(second.hardware().lit);
 /// ```
+#[doc(alias = "agent")]
+#[doc(alias = "blackboard")]
 pub trait Robot<H> {
-    /// What it tells its teammates.
+    /// The message that the robot announces.
     type Message: Message;
 
-    /// A number for what the team is to do. Robots with different numbers reject each other's frames.
+    /// Returns a hash or number of the mission. Robots with different numbers reject each other's
+    /// frames.
     fn mission(&self) -> u64 {
         0
     }
@@ -168,6 +171,6 @@ pub trait Robot<H> {
     /// Carries out what the tick decided.
     fn act(&mut self, hardware: &mut H);
 
-    /// What the teammates are told now.
+    /// Returns the message to announce now.
     fn message(&self) -> Self::Message;
 }

@@ -1,4 +1,4 @@
-//! What differs from robot to robot and from team to team, apart from the task.
+//! The settings of a robot: its place in the team, the key, and the rhythm of its ticks.
 
 use core::num::NonZero;
 use iibt_core::team::{Key, Limits, Member};
@@ -30,43 +30,44 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The settings of a member of a team.
+    /// Creates the settings of a member of a team.
     ///
-    /// `key` is shared by the team. `epoch` counts this robot's starts, in memory that outlives a restart;
-    /// with a number used before, teammates take its frames for replayed ones. `tick` is the period of
-    /// [`Controller::tick`](crate::Controller::tick) in ticks of the robot's clock. The robot sends a frame
-    /// in each of them; a teammate is fresh for eight, and lost after sixteen.
+    /// `key` is shared by the team. `epoch` counts this robot's starts, in memory that outlives a
+    /// restart; with a number used before, teammates take its frames for replayed ones. `tick` is
+    /// the period of [`Controller::tick`](crate::Controller::tick) in ticks of the robot's clock.
+    /// The robot sends a frame in each of them; a teammate is fresh for eight, and lost after
+    /// sixteen.
     #[must_use]
     pub const fn new(member: Member, key: Key, epoch: u32, tick: NonZero<u16>) -> Self {
         Self { member, key, epoch, tick, channel: 0 }
     }
 
-    /// The same for one of several teams that share a key: frames of other channels are refused.
+    /// Sets the channel, for several teams that share a key: frames of other channels are refused.
     #[must_use]
     pub const fn on_channel(mut self, channel: u32) -> Self {
         self.channel = channel;
         self
     }
 
-    /// The robot and its team.
+    /// Returns the robot and its team.
     #[must_use]
     pub const fn member(&self) -> Member {
         self.member
     }
 
-    /// The number of this start.
+    /// Returns the epoch, the number of this start.
     #[must_use]
     pub const fn epoch(&self) -> u32 {
         self.epoch
     }
 
-    /// The period of the controller's ticks.
+    /// Returns the period of the controller's ticks.
     #[must_use]
     pub const fn tick(&self) -> Duration {
         Duration(self.tick.get() as u32)
     }
 
-    /// When a teammate stops being fresh, and when it is lost.
+    /// Returns the ages at which a teammate stops being fresh and is lost.
     #[must_use]
     pub const fn limits(&self) -> Limits {
         Limits::every(self.tick)

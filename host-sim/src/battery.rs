@@ -1,19 +1,19 @@
 //! A robot's battery: what moves take from it, and what its charger gives.
 
-use crate::scenario::Robot;
+use crate::scenario::RobotSpec;
 use iibt_core::grid::Cell;
 
 /// The battery of one robot, in percent of what it can hold.
 #[derive(Clone, Debug)]
-pub(crate) struct Battery {
+pub(crate) struct BatteryState {
     charge: f64,
     drain: f64,
     charging: f64,
     charger: Option<Cell>,
 }
 
-impl Battery {
-    pub(crate) fn of(robot: &Robot) -> Self {
+impl BatteryState {
+    pub(crate) fn of(robot: &RobotSpec) -> Self {
         Self {
             charge: f64::from(robot.battery),
             drain: robot.drain,
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn moves_drain_it_and_standing_on_the_charger_fills_it() {
-        let mut battery = Battery { charge: 1.0, drain: 0.75, charging: 60.0, charger: Some(Cell(2)) };
+        let mut battery = BatteryState { charge: 1.0, drain: 0.75, charging: 60.0, charger: Some(Cell(2)) };
         battery.tick(Cell(0), Cell(1));
         assert_eq!((battery.percent(), battery.is_empty()), (0, false));
         battery.tick(Cell(1), Cell(1));

@@ -1,10 +1,11 @@
-//! Campaigns: a mission flown many times, under trouble of many kinds, by several pilots on the same seeds.
+//! Campaigns: a mission flown many times under each disturbance, by several pilots on the same
+//! seeds.
 //!
 //! ```text
-//! Campaign ─► Disturbance: the scenario as a seed draws it ─► fly ─► Score: validated ─► Summary, Comparison ─► Report
+//! Campaign ─► Disturbance: the scenario as a seed draws it ─► fly ─► Score: validated ─► Summary, Comparison ─► CampaignReport
 //! ```
 //!
-//! The flights are shared out among threads; the report does not depend on how many there are.
+//! The flights run in parallel; the report does not depend on the number of threads.
 //!
 //! ```
 //! use host_sim::campaign::{Campaign, Disturbance};
@@ -27,44 +28,46 @@ mod validator;
 pub use cost::{Cost, NotMeasured, cost};
 pub use disturbance::Disturbance;
 pub use score::{Comparison, Score, Summary};
-pub use validator::{Faults, Trace};
+pub use validator::{Trace, Violations};
 
 use crate::fly::{Conditions, fly};
+use crate::parallel::parallel_map;
 use crate::scenario::Scenario;
 use crate::team::Pilot;
 use crate::team::TeamError;
-use crate::workers::share_out;
 use serde::Serialize;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What is to be flown.
+/// A campaign to fly.
+#[doc(alias = "Monte Carlo")]
+#[doc(alias = "experiment")]
 #[derive(Clone, Copy, Debug)]
 pub struct Campaign<'c> {
     /// The mission.
     pub scenario: &'c Scenario,
-    /// The trouble, one after the other.
+    /// The disturbances, in the order of the report.
     pub disturbances: &'c [Disturbance],
-    /// Who flies; the first two are compared.
+    /// The pilots; the first two are compared.
     pub pilots: &'c [Pilot],
-    /// How many seeds, from zero on.
+    /// The number of seeds, from zero on.
     pub seeds: u32,
 }
 
-/// What came of it.
+/// The result of a campaign.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
+pub struct CampaignReport {
     /// The scenario's name.
     pub scenario: String,
     /// The number of seeds.
     pub seeds: u32,
     /// A row for each disturbance.
-    pub rows: Vec<Row>,
+    pub rows: Vec<CampaignRow>,
 }
 
 /// All flights under one disturbance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct CampaignRow {
     /// The disturbance.
     pub disturbance: Disturbance,
     /// A summary for each pilot.
@@ -73,8 +76,8 @@ pub struct Row {
     pub comparison: Option<Comparison>,
 }
 
-impl Report {
-    /// The flights of a pilot that had a collision.
+impl CampaignReport {
+    /// Returns the number of flights of a pilot with a collision.
     #[must_use]
     pub fn collided(&self, pilot: Pilot) -> u32 {
         let summaries = self.rows.iter().flat_map(|row| &row.summaries);
@@ -83,14 +86,15 @@ impl Report {
 }
 
 impl Campaign<'_> {
-    /// How many flights it has.
+    /// Returns the number of flights.
     #[must_use]
     pub const fn flights(&self) -> usize {
         self.disturbances.len() * self.pilots.len() * self.seeds as usize
     }
 
-    /// Flies it with so many threads, as many as there are cores if that is left open. `progress` is told the flights that are
-    /// done and how many there are, from any thread.
+    /// Flies the campaign on `threads` threads; `None` takes one per core.
+    ///
+    /// `progress` receives the number of flights done and of all flights, from any thread.
     ///
     /// # Errors
     /// [`TeamError`] when a pilot does not accept the mission.
@@ -98,7 +102,7 @@ impl Campaign<'_> {
         &self,
         threads: Option<NonZeroUsize>,
         progress: &(dyn Fn(usize, usize) + Sync),
-    ) -> Result<Report, TeamError> {
+    ) -> Result<CampaignReport, TeamError> {
         let scores = self.scores(threads, progress)?;
         let mut batches = scores.chunks_exact(self.seeds.max(1) as usize);
         let rows = self.disturbances.iter().map(|&disturbance| {
@@ -106,20 +110,20 @@ impl Campaign<'_> {
             self.row(disturbance, &batches)
         });
         let rows = rows.collect();
-        Ok(Report { scenario: self.scenario.name.clone(), seeds: self.seeds, rows })
+        Ok(CampaignReport { scenario: self.scenario.name.clone(), seeds: self.seeds, rows })
     }
 
-    fn row(&self, disturbance: Disturbance, batches: &[&[Score]]) -> Row {
+    fn row(&self, disturbance: Disturbance, batches: &[&[Score]]) -> CampaignRow {
         let summaries =
             self.pilots.iter().zip(batches).map(|(&pilot, scores)| Summary::of(pilot, scores)).collect();
         let comparison = match (self.pilots, batches) {
             (&[one, other, ..], [first, second, ..]) => Some(Comparison::of([one, other], first, second)),
             _ => None,
         };
-        Row { disturbance, summaries, comparison }
+        CampaignRow { disturbance, summaries, comparison }
     }
 
-    /// Every flight: disturbance by disturbance, pilot by pilot, seed by seed.
+    /// Returns the score of every flight: disturbance by disturbance, pilot by pilot, seed by seed.
     ///
     /// # Errors
     /// As [`Campaign::fly`].
@@ -129,7 +133,7 @@ impl Campaign<'_> {
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Vec<Score>, TeamError> {
         let (done, flights) = (AtomicUsize::new(0), self.flights());
-        let scores = share_out(flights, threads, |flight| {
+        let scores = parallel_map(flights, threads, |flight| {
             let score = self.score(flight);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, flights);
             score
@@ -137,7 +141,7 @@ impl Campaign<'_> {
         scores.into_iter().collect()
     }
 
-    /// Flies one of them.
+    /// Flies one flight.
     fn score(&self, flight: usize) -> Result<Score, TeamError> {
         let (batch, seed) = (flight / self.seeds as usize, (flight % self.seeds as usize) as u64);
         let disturbance = self.disturbances[batch / self.pilots.len()];

@@ -1,41 +1,41 @@
-//! What is new from one tick to the next.
+//! The events between two ticks.
 
-use crate::news::News;
+use crate::flight_event::FlightEvent;
 use crate::progress::agreed_round;
 use crate::scenario::Floor;
 use crate::world::World;
 use iibt_core::navigation::{Report, Stage};
 
-/// What the reports of two ticks in a row tell together.
-pub(crate) fn between(before: &[Report], after: &[Report], world: &World) -> Vec<News> {
-    let mut news = Vec::new();
+/// Returns the events that follow from the reports of two ticks in a row.
+pub(crate) fn between(before: &[Report], after: &[Report], world: &World) -> Vec<FlightEvent> {
+    let mut events = Vec::new();
     for (robot, (old, new)) in before.iter().zip(after).enumerate() {
-        news.extend(leave(robot, old, new, world.battery(robot).percent()));
-        news.extend(choice(robot, old, new, world.floor()));
+        events.extend(leave(robot, old, new, world.battery(robot).percent()));
+        events.extend(choice(robot, old, new, world.floor()));
         if new.stage == Stage::Arrived && old.stage != Stage::Arrived {
-            news.push(News::Arrived { robot, cell: world.cells()[robot] });
+            events.push(FlightEvent::Arrived { robot, cell: world.cells()[robot] });
         }
     }
     let round = agreed_round(after).filter(|&round| agreed_round(before) != Some(round));
-    news.extend(round.map(|round| News::Agreed { round }));
-    news
+    events.extend(round.map(|round| FlightEvent::Agreed { round }));
+    events
 }
 
-/// A choice is news when it is another one, or belongs to another round.
-fn choice(robot: usize, old: &Report, new: &Report, floor: &Floor) -> Option<News> {
+/// A choice is an event when it is another one, or belongs to another round.
+fn choice(robot: usize, old: &Report, new: &Report, floor: &Floor) -> Option<FlightEvent> {
     let goal = new.goal.filter(|_| !matches!(new.stage, Stage::Deciding | Stage::Away))?;
     if old.round == new.round && old.path == new.path && old.goal == new.goal {
         return None;
     }
     let path = new.path.cells(floor).collect();
-    Some(News::Chose { robot, round: new.round.0, goal, path, probability: new.probability })
+    Some(FlightEvent::Chose { robot, round: new.round.0, goal, path, probability: new.probability })
 }
 
-/// Leaving the team to charge, and coming back.
-fn leave(robot: usize, old: &Report, new: &Report, charge: u8) -> Option<News> {
+/// Returns the event of a robot that leaves the team or comes back.
+fn leave(robot: usize, old: &Report, new: &Report, charge: u8) -> Option<FlightEvent> {
     match (old.stage == Stage::Away, new.stage == Stage::Away) {
-        (false, true) => Some(News::Left { robot, charge }),
-        (true, false) => Some(News::Returned { robot, charge }),
+        (false, true) => Some(FlightEvent::Left { robot, charge }),
+        (true, false) => Some(FlightEvent::Returned { robot, charge }),
         _ => None,
     }
 }

@@ -14,7 +14,7 @@ use self::reproduce::Reproduce;
 use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, series_lines, summary};
-use host_sim::{Audience, Conditions, Logbook, Pilot, Record, Scenario, fly, fly_series, library};
+use host_sim::{Conditions, Logbook, Observer, Pilot, Record, Scenario, fly, fly_series, library};
 use std::error::Error;
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Read, Write};
@@ -74,15 +74,15 @@ Exit status:
 
 /// Fly teams of robots that decide together, in simulation.
 ///
-/// The robots run the firmware's own controller and talk through a radio that may lose frames. Without a
-/// verb, a scenario is flown: `run` may be left out.
+/// The robots run the firmware's own controller and talk through a radio that may lose frames.
+/// Without a verb, a scenario is flown: `run` may be left out.
 #[derive(Parser)]
 #[command(name = "host-sim", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
 struct Cli {
     #[command(subcommand)]
     verb: Option<Verb>,
     #[command(flatten)]
-    run: Run,
+    run: RunArgs,
 }
 
 #[derive(Subcommand)]
@@ -92,7 +92,7 @@ enum Verb {
     List,
     /// Fly a scenario
     #[command(after_help = RUN_EXAMPLES)]
-    Run(Run),
+    Run(RunArgs),
     /// Put the paper's results beside ours: a table, and a page to look at
     #[command(after_help = reproduce::EXAMPLES)]
     Reproduce(Reproduce),
@@ -116,7 +116,7 @@ enum Verb {
 }
 
 #[derive(Args, Debug, PartialEq)]
-struct Run {
+struct RunArgs {
     /// A built-in scenario, or a scenario file
     #[arg(value_name = "NAME|FILE.toml", default_value = library::DEFAULT)]
     scenario: String,
@@ -208,7 +208,7 @@ fn list() -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-impl Run {
+impl RunArgs {
     fn run(&self) -> Result<ExitCode, Failure> {
         if let Some(text) = task::text_of(&self.scenario)? {
             return task::run(self, &text);
@@ -224,10 +224,10 @@ impl Run {
         if scenario.missions > 1 {
             return self.run_series(&scenario, conditions);
         }
-        let mut audience = (self.audience(&scenario), self.logbook()?);
-        let record = fly(&scenario, conditions, &mut audience)
+        let mut observer = (self.observer(&scenario), self.logbook()?);
+        let record = fly(&scenario, conditions, &mut observer)
             .map_err(|error| format!("{}: {error}", scenario.name))?;
-        if let Some(logbook) = audience.1 {
+        if let Some(logbook) = observer.1 {
             logbook.finish()?;
         }
         print(&self.report(&record)?)?;
@@ -238,10 +238,10 @@ impl Run {
     /// Flies the missions of a scenario that has several, a line each.
     fn run_series(&self, scenario: &Scenario, conditions: Conditions) -> Result<ExitCode, Failure> {
         let mut logbook = self.logbook()?;
-        let mut audience: (Box<dyn Audience>, _) = (Box::new(()), logbook.take());
-        let series = fly_series(scenario, conditions, true, &mut audience)
+        let mut observer: (Box<dyn Observer>, _) = (Box::new(()), logbook.take());
+        let series = fly_series(scenario, conditions, true, &mut observer)
             .map_err(|error| format!("{}: {error}", scenario.name))?;
-        if let Some(logbook) = audience.1 {
+        if let Some(logbook) = observer.1 {
             logbook.finish()?;
         }
         let text =
@@ -251,7 +251,7 @@ impl Run {
         Ok(if success { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
     }
 
-    fn audience(&self, scenario: &Scenario) -> Box<dyn Audience> {
+    fn observer(&self, scenario: &Scenario) -> Box<dyn Observer> {
         if self.json || self.quiet {
             return Box::new(());
         }
@@ -339,7 +339,7 @@ fn probability(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "a probability is a number from 0 to 1".to_owned())
 }
 
-/// Prints to standard output; that nobody reads on is no error.
+/// Prints to standard output. A closed pipe is no error.
 fn print(text: &str) -> io::Result<()> {
     match io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),

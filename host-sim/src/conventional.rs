@@ -1,28 +1,29 @@
-//! Conventional robots: the same body, the same frames, but behavior trees of conditions and actions written by hand.
+//! Robots with conventional trees: the same body, the same frames, but behavior trees of conditions
+//! and actions written by hand.
 //!
-//! They tick the trees of the paper's figures 8 and 5(a) as they stand in `trees/`: loaded, lowered to the core's table, each
-//! leaf bound by its name to a skill. They are what inference is compared with, so they are made as an engineer would make
-//! them who has the same sensors, radio and maps, and no probabilities:
+//! They tick the trees of the paper's figures 8 and 5(a) from `trees/`: loaded, lowered to the
+//! core's table, each leaf bound by its name. They are the baseline for inference, written as an
+//! engineer would with the same sensors, radio and maps, and no probabilities:
 //!
 //! | question | answer |
 //! |---|---|
 //! | where am I | where the last move should have led, if the reading says so; any other reading counts when it comes twice in a row |
 //! | whose goal is which | least sum of ways from the announced cells; the lower number keeps the goal it has announced |
-//! | which way | a path in space and time past those with the right of way and those that stand, constructed anew when an obstacle or a teammate is on it |
+//! | which way | a path in space and time past those with the right of way and those that stand, constructed again when an obstacle or a teammate is on it |
 //! | when to arrive | not before the slowest teammate: waits before the last move, and the last move only when all are one move away |
 //! | may I move | into a cell that was announced a tick before, where no teammate can be, and that none with the right of way goes to |
 //! | who has the right of way | robots on their way to a charger, then the lower number |
 //! | who was not heard | may be anywhere it can have come to; one not heard for sixteen frames stands where it was |
 //! | battery low | drive to the charger, stay until charged, come back |
 //!
-//! There is no round and no agreement: every robot decides by itself from what it heard last, and announces in the same
-//! frames as all others, `Agreed` when it makes the next step of its path now and `Announced` when it will
-//! later. A frame takes one period to arrive; where the radio is slower, the robots act as much more seldom.
+//! There is no round and no agreement: every robot decides by itself from the last messages. It
+//! announces `Agreed` when it makes the next step of its path in this tick, and `Announced` when it
+//! will later. A frame takes one period to arrive; with a slower radio, the robots act less often.
 //!
 //! ```text
 //! frames ─► roster ─► teammates ─┐
 //! localiser ─► position ─────────┼─► tree: conditions ask, actions propose ─► released if safe ─► drive
-//! scanner ─► obstacles in mind ──┘                     └─► intention ─► frame
+//! scanner ─► known obstacles ────┘                     └─► intention ─► frame
 //! ```
 
 mod assignment;
@@ -32,9 +33,9 @@ mod position;
 mod route;
 mod teammate;
 
-pub(crate) use leaves::Figure;
+pub(crate) use leaves::ConventionalTree;
 
-use self::leaves::Skill;
+use self::leaves::ConventionalLeaf;
 use self::navigator::{Navigator, Orders};
 use self::teammate::Teammate;
 use crate::body::Body;
@@ -52,17 +53,17 @@ use iibt_core::tree::{self, Full, Halt, Leaves};
 use std::num::NonZero;
 
 /// A robot that ticks a conventional tree.
-pub(crate) struct Conventional<const S: usize, const W: usize> {
-    tree: &'static BoundTree<Skill>,
+pub(crate) struct ConventionalRobot<const S: usize, const W: usize> {
+    tree: &'static BoundTree<ConventionalLeaf>,
     memory: Vec<tree::NodeMemory<Full>>,
     navigator: Navigator<S, W>,
-    /// The ticks from one control cycle to the next: what a frame takes.
+    /// The ticks from one control cycle to the next: the delay of a frame.
     period: u32,
-    /// When it acted last.
+    /// The time of the last action.
     acted: Option<Instant>,
-    /// The cell that each teammate was last heard to be in, and since when.
+    /// The last announced cell of each teammate, and the time since which it is there.
     seen: [(Cell, Instant); MAX_TEAM],
-    /// What its tree returned in this tick.
+    /// The status of the tree in this tick.
     status: tree::Status,
 }
 
@@ -72,18 +73,18 @@ pub(crate) fn period(scenario: &Scenario) -> NonZero<u16> {
     u16::try_from(scenario.radio.delay).ok().and_then(NonZero::new).unwrap_or(NonZero::<u16>::MIN)
 }
 
-impl<const S: usize, const W: usize> Conventional<S, W> {
+impl<const S: usize, const W: usize> ConventionalRobot<S, W> {
     /// A robot of a scenario's team.
     ///
     /// # Errors
     /// [`MissionError`] when the goals do not fit, or the tree is for two goals only.
     pub(crate) fn new(
         scenario: &Scenario,
-        figure: Figure,
+        figure: ConventionalTree,
         settings: &Settings,
     ) -> Result<Self, MissionError> {
         let robot = settings.member().robot().index();
-        let is_for_two = figure == Figure::Five;
+        let is_for_two = figure == ConventionalTree::Five;
         if (is_for_two && scenario.goals.len() != 2) || scenario.goals.len() > MAX_GOALS {
             return Err(MissionError::GoalCount);
         }
@@ -109,7 +110,7 @@ impl<const S: usize, const W: usize> Conventional<S, W> {
         })
     }
 
-    /// Every teammate as it stands by its newest frame.
+    /// Returns the state of every teammate from its newest frame.
     fn teammates(&mut self, map: &Map<W>, peers: Peers<'_, Intention>) -> Bounded<Teammate, MAX_TEAM> {
         let (orders, now) = (self.navigator.orders(), peers.now());
         let mut team: Bounded<Teammate, MAX_TEAM> = Bounded::new();
@@ -131,7 +132,7 @@ impl<const S: usize, const W: usize> Conventional<S, W> {
     }
 }
 
-impl<H, const S: usize, const W: usize> Robot<H> for Conventional<S, W>
+impl<H, const S: usize, const W: usize> Robot<H> for ConventionalRobot<S, W>
 where
     H: Drive + Localiser + Scanner + Battery,
 {
@@ -197,25 +198,25 @@ struct Hands<'n, const S: usize, const W: usize> {
     navigator: &'n mut Navigator<S, W>,
 }
 
-impl<const S: usize, const W: usize> Leaves<Skill> for Hands<'_, S, W> {
-    fn condition(&mut self, leaf: &Skill, _: Instant) -> bool {
+impl<const S: usize, const W: usize> Leaves<ConventionalLeaf> for Hands<'_, S, W> {
+    fn condition(&mut self, leaf: &ConventionalLeaf, _: Instant) -> bool {
         self.navigator.holds(*leaf)
     }
 
-    fn on_start(&mut self, leaf: &Skill, _: Instant) -> tree::Status {
+    fn on_start(&mut self, leaf: &ConventionalLeaf, _: Instant) -> tree::Status {
         self.navigator.perform(*leaf)
     }
 
-    fn on_running(&mut self, leaf: &Skill, now: Instant) -> tree::Status {
+    fn on_running(&mut self, leaf: &ConventionalLeaf, now: Instant) -> tree::Status {
         self.on_start(leaf, now)
     }
 
-    fn on_halted(&mut self, _: &Skill, _: Instant) -> Halt {
+    fn on_halted(&mut self, _: &ConventionalLeaf, _: Instant) -> Halt {
         Halt::Done
     }
 }
 
-impl<const S: usize, const W: usize> AnyRobot for Controller<Conventional<S, W>, Body> {
+impl<const S: usize, const W: usize> AnyRobot for Controller<ConventionalRobot<S, W>, Body> {
     fn tick(&mut self) -> tree::Status {
         let is_due = self.hardware().clock.now.is_multiple_of(self.robot().period);
         if is_due { Controller::tick(self) } else { tree::Status::Running }
@@ -256,7 +257,7 @@ impl<const S: usize, const W: usize> AnyRobot for Controller<Conventional<S, W>,
         &self.robot().navigator.waypoints
     }
 
-    /// It believes in one cell, or in two while a move is under way.
+    /// Returns the probability of a cell: of one, or of two equally while a move is under way.
     fn belief(&self, cell: Cell) -> f32 {
         let position = &self.robot().navigator.position;
         let is_likely = position.last() == cell;

@@ -2,7 +2,7 @@
 
 use crate::random::{Random, Stream};
 use crate::robot::resized;
-use crate::scenario::{Effect, Inference, Radio, Robot, Scenario};
+use crate::scenario::{EventEffect, InferenceSpec, Radio, RobotSpec, Scenario};
 use crate::team::TeamError;
 use crate::world::World;
 use iibt_core::grid::Cell;
@@ -11,7 +11,7 @@ use iibt_core::navigation::{Mission, MissionError};
 /// The most obstacles that appear in one flight.
 const OBSTACLES: u32 = 3;
 
-/// How often at most one robot's battery falls, and how many errands it is given.
+/// How often at most one robot's battery falls, and how many way-points it is given.
 const TIMES: u32 = 2;
 
 /// The charge in percent to which a battery falls: below what a robot leaves its team with.
@@ -50,7 +50,7 @@ pub struct Faults {
 
 /// The faults of one flight as they are drawn.
 #[derive(Debug)]
-pub(crate) struct Trouble {
+pub(crate) struct FaultInjector {
     faults: Faults,
     random: Random,
     obstacles: u32,
@@ -58,7 +58,7 @@ pub(crate) struct Trouble {
     errands: Vec<u32>,
 }
 
-impl Trouble {
+impl FaultInjector {
     pub(crate) fn new(faults: Faults, team: usize, seed: u64) -> Self {
         let random = Random::of(seed, Stream::Fault);
         Self { faults, random, obstacles: 0, low_batteries: vec![0; team], errands: vec![0; team] }
@@ -81,24 +81,24 @@ impl Trouble {
         if self.obstacles < OBSTACLES && self.random.bernoulli(self.faults.obstacle) {
             let cell = self.cell(world);
             if !goals.contains(&cell) {
-                world.cause(Effect::Block(cell));
+                world.cause(EventEffect::Block(cell));
                 self.obstacles += 1;
             }
         }
     }
 
-    fn trouble(&mut self, world: &mut World, index: usize, robot: &Robot) {
+    fn trouble(&mut self, world: &mut World, index: usize, robot: &RobotSpec) {
         if self.faults.low_battery > 0.0 && robot.charger.is_none() {
             world.set_charge(index, world.battery(index).percent() + CHARGING[1]);
         }
         if self.low_batteries[index] < TIMES && self.random.bernoulli(self.faults.low_battery) {
             self.low_batteries[index] += 1;
-            world.cause(Effect::Charge(index, LOW));
+            world.cause(EventEffect::Charge(index, LOW));
         }
         if self.errands[index] < TIMES && self.random.bernoulli(self.faults.errand) {
             self.errands[index] += 1;
             let cell = self.cell(world);
-            world.cause(Effect::Visit(index, cell));
+            world.cause(EventEffect::Visit(index, cell));
         }
     }
 
@@ -111,7 +111,7 @@ impl Scenario {
     /// A mission as a scenario with these faults: robots that see the cells around them, and move
     /// at the paces of the mission.
     pub(crate) fn of<const W: usize>(mission: &Mission<'_, W>, faults: &Faults) -> Result<Self, TeamError> {
-        let robot = |(index, &start): (usize, &Cell)| Robot {
+        let robot = |(index, &start): (usize, &Cell)| RobotSpec {
             name: format!("R{}", index + 1),
             start,
             battery: 100,
@@ -135,9 +135,9 @@ impl Scenario {
             missions: 1,
             robots: mission.starts.iter().enumerate().map(robot).collect(),
             events: Vec::new(),
-            wear: Vec::new(),
+            drive_faults: Vec::new(),
             radio: faults.radio,
-            inference: Inference::default(),
+            inference: InferenceSpec::default(),
         })
     }
 }

@@ -8,14 +8,14 @@
 //! What a robot sends in a tick arrives in a later one and all moves are made at once, so the order in which
 //! the robots tick does not matter.
 
-use crate::faults::{Faults, Trouble};
-use crate::news::News;
+use crate::faults::{FaultInjector, Faults};
+use crate::flight_event::FlightEvent;
 use crate::progress::Progress;
-use crate::radio::{KEY, Radio, Traffic};
+use crate::radio::{KEY, RadioChannel, Traffic};
 use crate::random::{Random, Stream};
 use crate::referee::Collisions;
 use crate::robot::AnyRobot;
-use crate::scenario::{Effect, Floor, Scenario, Wear};
+use crate::scenario::{DriveFault, EventEffect, Floor, Scenario};
 use crate::team::{Boot, Navigating, TeamError, navigating};
 use crate::world::World;
 use iibt_core::grid::{Cell, Move};
@@ -43,7 +43,7 @@ pub enum Reading {
 /// there is no such robot. The same mission, faults and seed give the same flight.
 ///
 /// ```
-/// use host_sim::{Effect, Faults, NavigatorFlight, Radio};
+/// use host_sim::{EventEffect, Faults, NavigatorFlight, Radio};
 /// use iibt_core::grid::{Cell, Map};
 /// use iibt_core::navigation::{Mission, Stage};
 ///
@@ -56,7 +56,7 @@ pub enum Reading {
 /// while flight.reports().iter().any(|report| report.stage != Stage::Agreed) {
 ///     flight.tick();
 /// }
-/// flight.cause(Effect::Block(Cell(1))); // an obstacle appears
+/// flight.cause(EventEffect::Block(Cell(1))); // an obstacle appears
 /// flight.restart(1)?; // a robot has lost what it knew
 /// while !flight.has_arrived() && flight.ticks() < 200 {
 ///     flight.tick();
@@ -71,10 +71,10 @@ pub struct Flight<'m, R: AnyRobot + ?Sized> {
     epochs: Vec<u32>,
     scenario: Scenario,
     world: World,
-    radio: Radio,
-    trouble: Trouble,
+    radio: RadioChannel,
+    trouble: FaultInjector,
     localisers: Random,
-    wear: Random,
+    drive_faults: Random,
     slips: Random,
     readings: Vec<Reading>,
     began: u32,
@@ -127,10 +127,10 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         Ok(Self {
             epochs: vec![1; size],
             world: World::new(&scenario),
-            radio: Radio::new(scenario.radio, size, seed),
-            trouble: Trouble::new(faults, size, seed),
+            radio: RadioChannel::new(scenario.radio, size, seed),
+            trouble: FaultInjector::new(faults, size, seed),
             localisers: Random::of(seed, Stream::Localiser),
-            wear: Random::of(seed, Stream::Wear),
+            drive_faults: Random::of(seed, Stream::DriveFault),
             slips: Random::of(seed, Stream::Slip),
             readings: vec![Reading::Drawn; size],
             began: 0,
@@ -155,40 +155,40 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
     }
 
     /// Ticks the world and every robot once; returns what happened, but for what the robots say of themselves.
-    pub fn tick(&mut self) -> Vec<News> {
-        let mut news = self.world.begin(self.tick, self.progress);
-        self.instruct(&mut news);
-        news.extend(self.sense());
+    pub fn tick(&mut self) -> Vec<FlightEvent> {
+        let mut events = self.world.begin(self.tick, self.progress);
+        self.instruct(&mut events);
+        events.extend(self.sense());
         for (index, robot) in self.robots.iter_mut().enumerate() {
             if !self.world.is_stopped(index) {
                 act_in_turn(&mut || self.statuses[index] = robot.tick());
             }
         }
         self.transmit();
-        news.extend(self.drive());
+        events.extend(self.drive());
         self.reports = self.robots.iter().map(|robot| robot.report()).collect();
         self.progress.note(&self.reports);
         for robot in self.trouble.strike(&mut self.world, &self.scenario) {
             self.restart(robot).unwrap_or_else(|_| unreachable!("it has been built before"));
         }
         self.tick += 1;
-        news
+        events
     }
 
     /// Tells the robots which way-points to visit.
-    fn instruct(&mut self, news: &mut [News]) {
-        for item in news {
-            if let News::Asked { robot, cell } = *item
+    fn instruct(&mut self, events: &mut [FlightEvent]) {
+        for item in events {
+            if let FlightEvent::Asked { robot, cell } = *item
                 && !self.robots[robot].visit(cell)
             {
-                *item = News::Refused { robot, cell };
+                *item = FlightEvent::Refused { robot, cell };
             }
         }
     }
 
     /// Fills the bodies with what the sensors and the radio bring in this tick.
-    fn sense(&mut self) -> Vec<News> {
-        let mut news = Vec::new();
+    fn sense(&mut self) -> Vec<FlightEvent> {
+        let mut events = Vec::new();
         for index in 0..self.robots.len() {
             if self.world.is_stopped(index) {
                 continue;
@@ -198,7 +198,7 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
             for &cell in &in_view {
                 if !self.found.contains(&cell) {
                     self.found.push(cell);
-                    news.push(News::Found { robot: index, cell });
+                    events.push(FlightEvent::Found { robot: index, cell });
                 }
             }
             let body = self.robots[index].body();
@@ -211,7 +211,7 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         for (receiver, frame) in self.radio.arrivals(self.tick) {
             self.deliver(receiver, &frame);
         }
-        news
+        events
     }
 
     fn locate(&mut self, robot: usize) -> Option<Cell> {
@@ -238,7 +238,7 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
     }
 
     /// Makes the moves that the robots have commanded, as far as their drives let them.
-    fn drive(&mut self) -> Option<News> {
+    fn drive(&mut self) -> Option<FlightEvent> {
         self.commands = self.robots.iter_mut().map(|robot| robot.body().drive.command.take()).collect();
         let commands: Vec<_> = (0..self.robots.len()).map(|robot| self.made(robot)).collect();
         let (before, faults) = (self.world.cells().to_vec(), self.collisions.total());
@@ -246,16 +246,23 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         let (cells, entering) = (self.world.cells(), self.world.entering().collect::<Vec<_>>());
         self.collisions.judge(self.world.floor(), (&before, &commands), (cells, &entering));
         let times = self.collisions.total() - faults;
-        (times > 0).then_some(News::Collided { times })
+        (times > 0).then_some(FlightEvent::Collided { times })
     }
 
     /// The move that a robot really makes.
     fn made(&mut self, robot: usize) -> Move {
         let step = self.commands[robot].unwrap_or(Move::Wait);
-        let worn = |wear: &&Wear| wear.robot == robot && wear.step == step && wear.from <= self.tick;
-        // Drawn one by one: a drive that is worn twice fails for either reason.
-        let fails =
-            self.scenario.wear.iter().filter(worn).filter(|wear| self.wear.bernoulli(wear.fails)).count() > 0;
+        let applies =
+            |fault: &&DriveFault| fault.robot == robot && fault.step == step && fault.from <= self.tick;
+        // Drawn one by one: a drive with two faults fails for either reason.
+        let fails = self
+            .scenario
+            .drive_faults
+            .iter()
+            .filter(applies)
+            .filter(|fault| self.drive_faults.bernoulli(fault.fails))
+            .count()
+            > 0;
         let slips = step != Move::Wait && self.slips.bernoulli(self.scenario.robots[robot].slip);
         if fails || slips || self.world.battery(robot).is_empty() { Move::Wait } else { step }
     }
@@ -264,7 +271,7 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
 /// Interfering with a flight between two ticks.
 impl<R: AnyRobot + ?Sized> Flight<'_, R> {
     /// Makes an event happen with the next tick.
-    pub fn cause(&mut self, effect: Effect) {
+    pub fn cause(&mut self, effect: EventEffect) {
         self.world.cause(effect);
     }
 

@@ -1,11 +1,11 @@
-//! A scenario flown to its end, with those who look on and the record that is kept.
+//! A scenario flown to its end, with its observers and its record.
 
 use crate::changes;
 use crate::faults::Faults;
 use crate::flight::Flight;
-use crate::news::News;
+use crate::flight_event::FlightEvent;
 use crate::phases::{self, Phase};
-use crate::record::{self, Activity, Dated, Outcome, Record, RobotRecord};
+use crate::record::{self, Activity, Outcome, Record, RobotRecord, TimedEvent};
 use crate::robot::AnyRobot;
 use crate::scenario::{Floor, Scenario};
 use crate::team::{Pilot, TeamError, with_team};
@@ -23,18 +23,18 @@ pub struct Conditions {
     pub tree: Pilot,
 }
 
-/// A flight as it stands after a tick, for those who look on.
+/// A snapshot of a flight after a tick, for observers.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene<'f> {
-    /// What is flown.
+pub struct Snapshot<'f> {
+    /// The scenario.
     pub scenario: &'f Scenario,
     /// The ticks flown.
     pub tick: u32,
-    /// Free and blocked cells, in truth.
+    /// The true map.
     pub floor: &'f Floor,
-    /// Where the robots stand, in truth.
+    /// The robots' true cells.
     pub cells: &'f [Cell],
-    /// What the robots say of themselves.
+    /// The robots' reports.
     pub reports: &'f [Report],
     /// The charge of their batteries in percent.
     pub charges: &'f [u8],
@@ -47,26 +47,26 @@ pub struct Scene<'f> {
     /// The leaf of each robot's tree that is running.
     pub activities: &'f [Option<&'static str>],
     /// What has happened in the last tick.
-    pub news: &'f [Dated],
+    pub events: &'f [TimedEvent],
 }
 
-/// Somebody who looks on.
-pub trait Audience {
-    /// Sees the flight before the first tick and after every one.
-    fn see(&mut self, scene: &Scene<'_>);
+/// A receiver of snapshots of a flight.
+pub trait Observer {
+    /// Receives a snapshot before the first tick and after every tick.
+    fn observe(&mut self, snapshot: &Snapshot<'_>);
 }
 
-/// Nobody.
-impl Audience for () {
-    fn see(&mut self, _: &Scene<'_>) {}
+/// No observer.
+impl Observer for () {
+    fn observe(&mut self, _: &Snapshot<'_>) {}
 }
 
-/// Two who look on; the second may be missing.
-impl<A: Audience> Audience for (Box<dyn Audience + '_>, Option<A>) {
-    fn see(&mut self, scene: &Scene<'_>) {
-        self.0.see(scene);
+/// Two observers; the second may be absent.
+impl<A: Observer> Observer for (Box<dyn Observer + '_>, Option<A>) {
+    fn observe(&mut self, snapshot: &Snapshot<'_>) {
+        self.0.observe(snapshot);
         if let Some(other) = &mut self.1 {
-            other.see(scene);
+            other.observe(snapshot);
         }
     }
 }
@@ -78,31 +78,32 @@ impl<A: Audience> Audience for (Box<dyn Audience + '_>, Option<A>) {
 pub fn fly(
     scenario: &Scenario,
     conditions: Conditions,
-    audience: &mut dyn Audience,
+    observer: &mut dyn Observer,
 ) -> Result<Record, TeamError> {
-    fly_preferring(scenario, conditions, &[], audience)
+    fly_preferring(scenario, conditions, &[], observer)
 }
 
-/// The same with robots to whom the goals are worth so much; those without an entry know no difference.
+/// Flies a scenario with a preference for each goal, per robot; a robot without an entry has the
+/// default.
 pub(crate) fn fly_preferring(
     scenario: &Scenario,
     conditions: Conditions,
     preferences: &[[f32; MAX_GOALS]],
-    audience: &mut dyn Audience,
+    observer: &mut dyn Observer,
 ) -> Result<Record, TeamError> {
     with_team(scenario, conditions.tree, |boot| {
         let mut flown = scenario.clone();
         flown.radio.loss = conditions.loss.unwrap_or(scenario.radio.loss);
         let mut flight = Flight::new(flown, Faults::default(), conditions.seed, boot)?;
         for (robot, values) in preferences.iter().enumerate().take(scenario.robots.len()) {
-            flight.robot_mut(robot).prefer(values);
+            flight.robot_mut(robot).set_goal_preferences(values);
         }
         let mut recorder = Recorder::new(scenario, conditions, flight);
-        recorder.show(audience, 0);
+        recorder.show(observer, 0);
         while !recorder.is_over() {
-            let told = recorder.news.len();
+            let told = recorder.events.len();
             recorder.tick();
-            recorder.show(audience, told);
+            recorder.show(observer, told);
         }
         Ok(recorder.record())
     })
@@ -119,7 +120,7 @@ struct Recorder<'f, 'm> {
     visited: Vec<Vec<Cell>>,
     phases: Vec<Phase>,
     certainty: Vec<Vec<f32>>,
-    news: Vec<Dated>,
+    events: Vec<TimedEvent>,
     history: Vec<Vec<Cell>>,
 }
 
@@ -135,19 +136,19 @@ impl<'f, 'm> Recorder<'f, 'm> {
             visited: vec![Vec::new(); size],
             phases: Vec::new(),
             certainty: Vec::new(),
-            news: Vec::new(),
+            events: Vec::new(),
             history: vec![flight.cells().to_vec()],
             flight,
         }
     }
 
-    /// Shows how things stand, and the news but for those told already.
-    fn show(&self, audience: &mut dyn Audience, told: usize) {
+    /// Shows how things stand, and the events but for those told already.
+    fn show(&self, observer: &mut dyn Observer, told: usize) {
         let (robots, world) = (0..self.scenario.robots.len(), self.flight.world());
         let charges: Vec<_> = robots.clone().map(|robot| world.battery(robot).percent()).collect();
         let stopped: Vec<_> = robots.clone().map(|robot| world.is_stopped(robot)).collect();
         let moving: Vec<_> = robots.map(|robot| world.is_moving(robot)).collect();
-        audience.see(&Scene {
+        observer.observe(&Snapshot {
             scenario: self.scenario,
             tick: self.flight.ticks(),
             floor: world.floor(),
@@ -158,7 +159,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
             moving: &moving,
             commands: self.flight.commands(),
             activities: &self.activities,
-            news: &self.news[told..],
+            events: &self.events[told..],
         });
     }
 
@@ -171,20 +172,20 @@ impl<'f, 'm> Recorder<'f, 'm> {
     fn tick(&mut self) {
         let (tick, stood) = (self.flight.ticks(), self.flight.cells().to_vec());
         let before = self.flight.reports().to_vec();
-        let mut news = self.flight.tick();
-        for item in &news {
-            if let News::Asked { robot, cell } = *item {
+        let mut events = self.flight.tick();
+        for item in &events {
+            if let FlightEvent::Asked { robot, cell } = *item {
                 self.waypoints[robot].push(cell);
             }
         }
         self.certainty
             .push(self.flight.robots().zip(stood).map(|(robot, cell)| robot.belief(cell)).collect());
         self.history.push(self.flight.cells().to_vec());
-        news.extend(self.compare(tick, &before));
-        self.news.extend(news.into_iter().map(|news| Dated { tick, news }));
+        events.extend(self.compare(tick, &before));
+        self.events.extend(events.into_iter().map(|event| TimedEvent { tick, event }));
     }
 
-    fn compare(&mut self, tick: u32, before: &[Report]) -> Vec<News> {
+    fn compare(&mut self, tick: u32, before: &[Report]) -> Vec<FlightEvent> {
         let activities = self.activities.iter_mut().zip(&mut self.tree);
         for (robot, (now, tree)) in self.flight.robots().zip(activities) {
             let running = robot.activity();
@@ -194,14 +195,14 @@ impl<'f, 'm> Recorder<'f, 'm> {
         }
         let (reports, world) = (self.flight.reports(), self.flight.world());
         phases::note(&mut self.phases, tick, reports, world.floor(), || world.obstacles().collect());
-        let mut news = changes::between(before, reports, world);
-        news.splice(0..0, self.ticked_off());
-        news
+        let mut events = changes::between(before, reports, world);
+        events.splice(0..0, self.ticked_off());
+        events
     }
 
     /// The way-points that robots have visited in this tick.
-    fn ticked_off(&mut self) -> Vec<News> {
-        let mut news = Vec::new();
+    fn ticked_off(&mut self) -> Vec<FlightEvent> {
+        let mut events = Vec::new();
         for (robot, known) in self.waypoints.iter_mut().enumerate() {
             let mut left = self.flight.robot(robot).waypoints().to_vec();
             // From the end: of a cell that is to be visited twice, the first visit comes off first.
@@ -210,13 +211,13 @@ impl<'f, 'm> Recorder<'f, 'm> {
                     Some(index) => known.push(left.remove(index)),
                     None => {
                         self.visited[robot].push(cell);
-                        news.push(News::Visited { robot, cell });
+                        events.push(FlightEvent::Visited { robot, cell });
                     }
                 }
             }
             known.reverse();
         }
-        news
+        events
     }
 
     fn record(self) -> Record {
@@ -236,7 +237,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
             height: self.flight.floor().height(),
             goals: self.scenario.goals.clone(),
             robots,
-            news: self.news,
+            events: self.events,
             phases: self.phases,
             history: self.history,
             certainty: self.certainty,
@@ -271,7 +272,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
             frames: self.flight.traffic()[index],
             battery: world.battery(index).percent(),
             visited: self.visited[index].clone(),
-            charged: record::times_charged(&self.news, index),
+            charged: record::times_charged(&self.events, index),
             stopped: world.is_stopped(index),
             tree: self.tree[index].clone(),
             accepted: received.accepted,

@@ -3,22 +3,24 @@
 use crate::log::ExecutionLog;
 use crate::scenario::Floor;
 use crate::statistics::wilson;
-use crate::words::move_name;
+use crate::text::move_name;
 use iibt_core::grid::{Cell, Move};
 use serde::Serialize;
 
 /// The moves that can fail: all but to wait.
 const MOVES: [Move; 4] = [Move::Up, Move::Down, Move::Left, Move::Right];
 
-/// What was learned from a log.
+/// The transition probabilities learned from a log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Learned {
     /// The actions, in the order of B's last index.
     pub actions: [&'static str; Move::ALL.len()],
-    /// The robots in the order in which the log first names them, which is the order of B's factors.
+    /// The robots in the order in which the log first names them, which is the order of B's
+    /// factors.
     pub robots: Vec<RobotRatios>,
-    /// P(s' | s, u) as `B[f][s'][s][u]`: factor, next cell, cell, action. A move leads to its cell with its ratio and else
-    /// fails; one that was never tried, or that nothing can be done by, is certain.
+    /// P(s' | s, u) as `B[f][s'][s][u]`: factor, next cell, cell, action. A move leads to its cell
+    /// with its ratio and else fails. A move that was never tried, or that leads nowhere, is
+    /// certain.
     #[serde(rename = "B")]
     pub b: Vec<Vec<Vec<Vec<f64>>>>,
 }
@@ -38,18 +40,19 @@ pub struct MoveRatio {
     /// The move.
     #[serde(rename = "move")]
     pub name: &'static str,
-    /// How often it was made.
+    /// The number of successes.
     pub successes: u32,
-    /// How often it failed.
+    /// The number of failures.
     pub failures: u32,
     /// successes / (successes + failures); `None` when it was never tried.
     pub ratio: Option<f64>,
-    /// The true probability lies between these with 95 % confidence: the score interval (Wilson 1927).
+    /// The true probability lies between these with 95 % confidence: the score interval (Wilson
+    /// 1927).
     pub interval: Option<[f64; 2]>,
 }
 
 impl Learned {
-    /// Counts what is in a log, and makes B of it: for each robot cells x cells x actions numbers.
+    /// Counts the attempts of a log and computes B: for each robot cells x cells x actions numbers.
     #[must_use]
     pub fn from(log: &ExecutionLog) -> Self {
         let mut names: Vec<&str> = Vec::new();
@@ -63,7 +66,7 @@ impl Learned {
         Self { actions: Move::ALL.map(move_name), robots, b }
     }
 
-    /// This as one line of JSON.
+    /// Returns one line of JSON.
     ///
     /// # Errors
     /// None that can occur: every key is text.
@@ -71,7 +74,7 @@ impl Learned {
         serde_json::to_string(self)
     }
 
-    /// This as a table, a line for each robot and move.
+    /// Returns a table with a line for each robot and move.
     #[must_use]
     pub fn table(&self) -> String {
         let widest = self.robots.iter().map(|of| of.robot.chars().count()).max().unwrap_or(0).max(5);
@@ -95,7 +98,7 @@ impl RobotRatios {
         Self { robot: name.to_owned(), moves: moves.into() }
     }
 
-    /// B of this robot, `[s'][s][u]`.
+    /// Returns B of this robot, `[s'][s][u]`.
     fn transition(&self, map: &Floor) -> Vec<Vec<Vec<f64>>> {
         let cells = || (0..map.len() as u16).map(Cell);
         let column =

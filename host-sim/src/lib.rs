@@ -1,7 +1,8 @@
-//! The simulator: teams of robots that run the firmware's own controller, in worlds drawn in text files.
+//! The simulator: teams of robots that run the firmware's own controller, in worlds drawn in text
+//! files.
 //!
 //! ```text
-//! Scenario ─► fly ─► Record             what is flown, the flight, what came of it
+//! Scenario ─► fly ─► Record             the mission, the flight, the result
 //!              │
 //!              ├─ World                 the truth: where robots stand, what blocks their way
 //!              ├─ team                  the controllers, each alone in a simulated body
@@ -9,8 +10,8 @@
 //!              └─ Collisions            the referee's count
 //! ```
 //!
-//! Nothing depends on the time of day or on the machine: the same scenario, seed and loss give the same
-//! [`Record`], byte for byte.
+//! Nothing depends on the time of day or on the machine: the same scenario, seed and loss give the
+//! same [`Record`], byte for byte.
 //!
 //! ```
 //! use host_sim::{Conditions, fly, library};
@@ -30,13 +31,14 @@ mod changes;
 mod conventional;
 mod faults;
 mod flight;
+mod flight_event;
 mod fly;
 mod learn;
 pub mod library;
 mod log;
 pub mod manipulation;
-mod news;
 pub mod notebook;
+mod parallel;
 mod phases;
 mod progress;
 mod radio;
@@ -52,28 +54,27 @@ pub mod statistics;
 pub mod task;
 mod team;
 mod testbed;
+mod text;
 pub mod tree;
-mod words;
-mod workers;
 mod world;
 
 pub use faults::Faults;
 pub use flight::{Flight, NavigatorFlight, Reading};
-pub use fly::{Audience, Conditions, Scene, fly};
+pub use flight_event::FlightEvent;
+pub use fly::{Conditions, Observer, Snapshot, fly};
 pub use learn::{Learned, MoveRatio, RobotRatios};
 pub use log::{Attempt, ExecutionLog, LogError, Logbook};
-pub use news::News;
 pub use phases::{Chosen, Phase};
 pub use radio::{KEY, Traffic};
 pub use random::Random;
-pub use record::{Activity, Dated, Outcome, Record, RobotRecord, TOGETHER};
+pub use record::{Activity, Outcome, Record, RobotRecord, TOGETHER, TimedEvent};
 pub use referee::Collisions;
 pub use robot::AnyRobot;
 pub use scenario::{
-    Effect, Event, Floor, Inference, MAX_CELLS, MAX_PATHS, MAX_TICKS, Radio, Robot, Scenario, ScenarioError,
-    Wear, When,
+    DriveFault, Event, EventEffect, Floor, InferenceSpec, MAX_CELLS, MAX_PATHS, MAX_TICKS, Radio, RobotSpec,
+    Scenario, ScenarioError, Trigger,
 };
-pub use series::{Mission, Series, fly_series};
+pub use series::{Series, SeriesMission, fly_series};
 pub use team::{Navigating, Pilot, TeamError};
 pub use testbed::Testbed;
 

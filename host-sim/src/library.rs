@@ -1,8 +1,8 @@
-//! The scenarios that are built in.
+//! The built-in scenarios.
 
 use crate::scenario::{Scenario, ScenarioError};
 
-/// The scenario that is flown when none is named.
+/// The default scenario.
 pub const DEFAULT: &str = "factory";
 
 macro_rules! scenarios {
@@ -13,24 +13,24 @@ macro_rules! scenarios {
 
 const TEXTS: [(&str, &str); 10] = scenarios!["factory" "shift" "two-goals" "detour" "obstacle" "warehouse" "courtyard" "worn" "mixed" "deliveries"];
 
-/// The names, in the order they are listed.
+/// Returns the names in the order in which they are listed.
 pub fn names() -> impl Iterator<Item = &'static str> {
     TEXTS.iter().map(|&(name, _)| name)
 }
 
-/// The scenario with a name, or `None`. What is built in parses; a test holds that.
+/// Returns the scenario with a name, or `None`. A test checks that all of them parse.
 #[must_use]
 pub fn find(name: &str) -> Option<Result<Scenario, ScenarioError>> {
     let (name, text) = TEXTS.iter().find(|(known, _)| *known == name)?;
     Some(Scenario::parse(name, text))
 }
 
-/// One that is known to be there.
+/// Returns a scenario that is known to be built in.
 pub(crate) fn built_in(name: &str) -> Scenario {
     find(name).expect("it is built in").expect("it is sound")
 }
 
-/// The name that somebody who typed `name` most likely meant.
+/// Returns the built-in name that is closest to `name`, for an error message.
 #[must_use]
 pub fn nearest(name: &str) -> Option<&'static str> {
     let similarity = |known: &str| strsim::jaro_winkler(known, &name.to_lowercase());

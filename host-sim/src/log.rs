@@ -1,4 +1,5 @@
-//! Execution logs: every move that a robot was told to make, and whether it was made, as a CSV file.
+//! Execution logs: every move that a robot was told to make, and whether it was made, as a CSV
+//! file.
 //!
 //! ```text
 //! # map ...../..#../.....
@@ -8,9 +9,9 @@
 //! ```
 //! The first line draws the map, its rows apart by `/`. Waits are not logged.
 
-use crate::fly::{Audience, Scene};
+use crate::fly::{Observer, Snapshot};
 use crate::scenario::{Floor, MAX_CELLS};
-use crate::words::{move_called, move_name};
+use crate::text::{move_called, move_name};
 use iibt_core::grid::{Cell, Move};
 use std::io::{self, Write};
 
@@ -28,33 +29,33 @@ pub struct Logbook<W> {
 }
 
 impl<W: Write> Logbook<W> {
-    /// An empty log.
+    /// Creates an empty log.
     pub const fn new(out: W) -> Self {
         Self { out, begun: Vec::new(), before: Vec::new(), written: Ok(()) }
     }
 
-    /// What it was written to.
+    /// Returns the writer.
     ///
     /// # Errors
-    /// The first that occurred while it was written; nothing was written after it.
+    /// The first error that occurred while writing; nothing was written after it.
     pub fn finish(mut self) -> io::Result<W> {
         self.written?;
         self.out.flush()?;
         Ok(self.out)
     }
 
-    fn write(&mut self, scene: &Scene<'_>) -> io::Result<()> {
+    fn write(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
         if self.before.is_empty() {
-            writeln!(self.out, "{MAP}{}\n{HEADER}", drawn(&scene.scenario.map))?;
-            self.begun = vec![None; scene.cells.len()];
+            writeln!(self.out, "{MAP}{}\n{HEADER}", drawn(&snapshot.scenario.map))?;
+            self.begun = vec![None; snapshot.cells.len()];
         }
-        for (index, robot) in scene.scenario.robots.iter().enumerate() {
-            if let (Some(step), Some(&cell)) = (scene.commands[index], self.before.get(index)) {
+        for (index, robot) in snapshot.scenario.robots.iter().enumerate() {
+            if let (Some(step), Some(&cell)) = (snapshot.commands[index], self.before.get(index)) {
                 self.begun[index] =
-                    Some((scene.tick.saturating_sub(1), cell, step)).filter(|_| step != Move::Wait);
+                    Some((snapshot.tick.saturating_sub(1), cell, step)).filter(|_| step != Move::Wait);
             }
-            if let Some((tick, cell, step)) = self.begun[index].take_if(|_| !scene.moving[index]) {
-                let (next, name) = (scene.cells[index], quoted(&robot.name));
+            if let Some((tick, cell, step)) = self.begun[index].take_if(|_| !snapshot.moving[index]) {
+                let (next, name) = (snapshot.cells[index], quoted(&robot.name));
                 let (step, made) = (move_name(step), u8::from(cell != next));
                 writeln!(self.out, "{tick},{name},{},{step},{},{made}", cell.0, next.0)?;
             }
@@ -63,33 +64,51 @@ impl<W: Write> Logbook<W> {
     }
 }
 
-impl<W: Write> Audience for Logbook<W> {
-    fn see(&mut self, scene: &Scene<'_>) {
+impl<W: Write> Observer for Logbook<W> {
+    fn observe(&mut self, snapshot: &Snapshot<'_>) {
         if self.written.is_ok() {
-            self.written = self.write(scene);
+            self.written = self.write(snapshot);
         }
-        self.before = scene.cells.to_vec();
+        self.before = snapshot.cells.to_vec();
     }
 }
 
 /// One move that a robot was told to make.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attempt {
-    /// When, in ticks from zero.
+    /// The tick, from zero.
     pub tick: u32,
     /// The robot's name.
     pub robot: String,
-    /// Where it stood.
+    /// The robot's cell before the move.
     pub cell: Cell,
     /// The move.
     pub step: Move,
-    /// Where it stood afterwards.
+    /// The robot's cell after the move.
     pub next: Cell,
-    /// Whether it made the move; else it stayed.
+    /// Whether the move succeeded; else the robot stayed.
     pub succeeded: bool,
 }
 
-/// A log that was read: every attempt fits the map.
+/// A log read from a file, in which every attempt fits the map.
+///
+/// ```
+/// use host_sim::{ExecutionLog, Learned};
+///
+/// let log = "# map .../...\n\
+///            tick,robot,cell,move,next,succeeded\n\
+///            3,R1,0,right,1,1\n\
+///            5,R1,1,right,1,0\n";
+/// let log = ExecutionLog::read("drive.csv", log.as_bytes())?;
+/// let learned = Learned::from(&log);
+/// let right = &learned.robots[0].moves[3];
+/// assert_eq!((right.name, right.successes, right.failures), ("right", 1, 1));
+/// assert_eq!(right.ratio, Some(0.5));
+///
+/// let wrong = ExecutionLog::read("drive.csv", b"# map ...\nno header\n").unwrap_err();
+/// assert!(wrong.to_string().starts_with("drive.csv:2: "), "{wrong}");
+/// # Ok::<(), host_sim::LogError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExecutionLog {
     /// The map the moves were made on.
@@ -118,7 +137,8 @@ impl std::fmt::Display for LogError {
 impl std::error::Error for LogError {}
 
 impl ExecutionLog {
-    /// Reads a log from the bytes of a file, which is called `name` in errors. Empty lines are passed over.
+    /// Reads a log from the bytes of a file, which is called `name` in errors. Empty lines are
+    /// skipped.
     ///
     /// # Errors
     /// [`LogError`] with the line and the reason for the first thing that is wrong.
@@ -204,7 +224,7 @@ fn free(map: &Floor, what: &str, text: &str) -> Result<Cell, String> {
     cell.ok_or_else(|| format!("{what} = {text} is no free cell of the map"))
 }
 
-/// A name as CSV has it.
+/// Returns a name quoted for CSV.
 fn quoted(name: &str) -> String {
     if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }

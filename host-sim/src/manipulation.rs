@@ -1,14 +1,14 @@
 //! Two robots bring a bottle and a plate together: the paper's section 6.2 in simulation.
 //!
 //! ```text
-//! Terms ─► run ─► Run        seed, trees, what goes wrong; the mission; what came of it
+//! Terms ─► run ─► Run        seed, trees, disturbances; the mission; the record
 //!           │
 //!           ├─ World         the truth: where robots and things are, what sensors read, what fails
 //!           ├─ Robot         a tree from a file with its skills, inferring or conventional
 //!           └─ Radio         the only way between them
 //! ```
 //!
-//! [`Campaign`] runs the mission for many seeds and gives rates and means with their intervals, [`compare`] does
+//! [`CampaignRuns`] runs the mission for many seeds and gives rates and means with their intervals, [`compare`] does
 //! so for inference trees and conventional ones side by side. The trees are files of
 //! [`tree::library`](crate::tree::library), bound to the robots' skills by the names of their leaves; [`Trees::sizes`]
 //! counts them.
@@ -26,7 +26,7 @@ pub mod tables;
 mod terms;
 mod trees;
 
-pub use campaign::{Campaign, Findings};
+pub use campaign::{CampaignRuns, Findings};
 pub use comparison::{CONTENDERS, Compared, Contender, LEVELS, compare};
 pub use narration::narrate;
 pub use record::{Actions, Decided, RobotTick, Run, Thought, Tick};

@@ -1,7 +1,7 @@
 //! From a notebook to flash: a model as JSON, run through the core or written as Rust source.
 //!
 //! ```text
-//! JSON ─► Notebook ─┬─ infer ─► Report      beliefs, expected free energies, a decision
+//! JSON ─► Notebook ─┬─ infer ─► InferenceReport      beliefs, expected free energies, a decision
 //!                   └─ to_rust ─► source    tables for the firmware
 //! ```
 
@@ -28,10 +28,12 @@ mod tensor;
 pub use convention::{Beliefs, Convention};
 pub use fault::NotebookError;
 pub use model::Notebook;
-pub use report::{Outcome, PolicyReport, Report, StepReport, StructureReport, TermsReport, Why};
-pub use running::{Progress, Run};
+pub use report::{
+    InferenceOutcome, InferenceReport, PolicyReport, StepReport, StructureReport, TermsReport, Why,
+};
+pub use running::{InferenceProgress, InferenceRun};
 pub use structure::Forms;
-pub use sweeps::{Floor, Sweeps};
+pub use sweeps::{ProbabilityFloor, Sweeps};
 
 impl Notebook {
     /// Reads a model from JSON. `file` is what errors call it.
@@ -42,8 +44,8 @@ impl Notebook {
         json::read(text).and_then(|value| reading::model(file, &value)).map_err(|fault| fault.in_file(file))
     }
 
-    /// The same model with one observation in place of the file's: for each modality an outcome, null or a list of
-    /// weights, as the entries of a JSON list, with or without its brackets.
+    /// The same model with one observation in place of the file's: for each modality an outcome,
+    /// null or a list of weights, as the entries of a JSON list, with or without its brackets.
     ///
     /// # Errors
     /// A [`NotebookError`] that names what is wrong and where.

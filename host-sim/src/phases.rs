@@ -7,31 +7,31 @@ use iibt_core::navigation::Cause;
 use iibt_core::navigation::{Report, Stage};
 use serde::Serialize;
 
-/// One round: who opened it and why, and what everybody chose.
+/// One round: its opener, its cause, and the choices of all robots.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Phase {
-    /// Its number.
+    /// The number of the round.
     pub round: u16,
-    /// Who opened it: a robot by its index.
+    /// The robot that opened it, by its index.
     pub opener: usize,
-    /// Why; `None` for the round that the mission begins with.
+    /// The cause; `None` for the round that the mission begins with.
     pub cause: Option<Cause>,
     /// The tick in which it was opened.
     pub opened: u32,
     /// The tick in which all robots had agreed; `None` when they never did.
     pub agreed: Option<u32>,
-    /// The obstacles that had appeared when somebody chose last.
+    /// The obstacles that had appeared at the time of the last choice.
     pub obstacles: Vec<Cell>,
-    /// What the robots chose, in the order of their numbers; `None` for one that chose nothing.
+    /// The robots' choices, in the order of their numbers; `None` for a robot without one.
     pub choices: Vec<Option<Chosen>>,
 }
 
-/// What a robot chose in a round.
+/// A robot's choice in a round.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Chosen {
     /// The tick in which it chose.
     pub tick: u32,
-    /// The goal; `None` where it could not but stay.
+    /// The goal; `None` for a robot that could only stay.
     pub goal: Option<Cell>,
     /// The cells of its path, from where it stood.
     pub path: Vec<Cell>,
@@ -39,7 +39,7 @@ pub struct Chosen {
     pub probability: f32,
 }
 
-/// Takes the tick's reports into the phases.
+/// Updates the phases with the reports of a tick.
 pub(crate) fn note(
     phases: &mut Vec<Phase>,
     tick: u32,

@@ -1,8 +1,9 @@
-//! How far the team has come: the joint plans that all have agreed to, and the moves made of the last.
+//! The progress of the team: the joint plans that all have agreed to, and the moves made of the
+//! last.
 
 use iibt_core::navigation::{Report, Stage};
 
-/// The progress of a team, by what its robots say.
+/// The progress of a team according to its robots' reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Progress {
     plans: u32,
@@ -11,7 +12,7 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Takes the reports of a tick in.
+    /// Updates the progress with the reports of a tick.
     pub(crate) fn note(&mut self, reports: &[Report]) {
         let Some(round) = agreed_round(reports) else { return };
         if self.round != Some(round) {
@@ -23,13 +24,14 @@ impl Progress {
         (self.round, self.moves) = (Some(round), moves.unwrap_or(u32::MAX));
     }
 
-    /// Whether so many plans have been agreed to, and so many moves made of the last; a later plan counts as well.
+    /// Returns whether the team has agreed to `plans` plans and made `moves` moves of the last one,
+    /// or has agreed to a later plan.
     pub(crate) const fn has_come_to(self, plans: u32, moves: u32) -> bool {
         self.plans > plans || (self.plans == plans && self.moves >= moves)
     }
 }
 
-/// The round that every robot has agreed to, if they all have.
+/// Returns the round that all robots have agreed to, if there is one.
 pub(crate) fn agreed_round(reports: &[Report]) -> Option<u16> {
     let first = reports.first()?.round;
     let agrees =

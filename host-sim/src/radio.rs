@@ -11,7 +11,7 @@ pub const KEY: Key = Key::new(*b"simulated robots");
 
 /// Every frame goes to every teammate, each copy with its own luck.
 #[derive(Debug)]
-pub(crate) struct Radio {
+pub(crate) struct RadioChannel {
     terms: scenario::Radio,
     team: usize,
     loss: Random,
@@ -52,7 +52,7 @@ struct Copy {
     bytes: Vec<u8>,
 }
 
-impl Radio {
+impl RadioChannel {
     pub(crate) fn new(terms: scenario::Radio, team: usize, seed: u64) -> Self {
         Self {
             terms,
@@ -116,8 +116,8 @@ impl Radio {
 mod tests {
     use super::*;
 
-    fn radio(loss: f64, delay: u32, duplicate: f64) -> Radio {
-        Radio::new(scenario::Radio { loss, delay, duplicate, ..scenario::Radio::default() }, 3, 1)
+    fn radio(loss: f64, delay: u32, duplicate: f64) -> RadioChannel {
+        RadioChannel::new(scenario::Radio { loss, delay, duplicate, ..scenario::Radio::default() }, 3, 1)
     }
 
     #[test]
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn jitter_delays_every_copy_by_itself_and_a_silent_robot_is_not_heard() {
-        let mut radio = Radio::new(scenario::Radio { jitter: 3, ..scenario::Radio::default() }, 2, 1);
+        let mut radio = RadioChannel::new(scenario::Radio { jitter: 3, ..scenario::Radio::default() }, 2, 1);
         (0..100).for_each(|_| radio.send(0, 0, b"x"));
         let arriving: Vec<_> = (0..6).map(|tick| radio.arrivals(tick).len()).collect();
         assert!(arriving[1..5].iter().all(|&copies| copies > 10), "{arriving:?}");
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn noise_comes_before_frames_without_a_delimiter_and_in_every_tick_with_any_byte() {
         let terms = scenario::Radio { stray: 300, garbage: 500, ..scenario::Radio::default() };
-        let mut radio = Radio::new(terms, 2, 1);
+        let mut radio = RadioChannel::new(terms, 2, 1);
         radio.send(0, 0, b"x");
         let arrivals = radio.arrivals(1);
         let (receiver, bytes) = &arrivals[0];

@@ -15,10 +15,10 @@ pub(crate) enum Stream {
     /// What a localiser reads.
     Localiser = 3,
     /// Whether a worn drive makes a move.
-    Wear = 4,
+    DriveFault = 4,
     /// Whether a move fails.
     Slip = 5,
-    /// What trouble a campaign adds to a mission.
+    /// The disturbances that a campaign adds to a mission.
     Disturbance = 6,
     /// Where robots start and where they are wanted, in missions that are drawn.
     Place = 7,
@@ -26,14 +26,14 @@ pub(crate) enum Stream {
     Service = 8,
     /// How long a frame travels.
     Jitter = 9,
-    /// The bytes that nobody sent.
+    /// The garbage bytes on the link.
     Noise = 10,
     /// What happens to the world and the robots of a flight with [`Faults`](crate::Faults).
     Fault = 11,
     /// What a robot that handles things reads of its state.
     Reading = 16,
     /// Whether an action of such a robot fails.
-    Deed = 17,
+    Action = 17,
     /// The hidden states at the start.
     Start = 18,
 }

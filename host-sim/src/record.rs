@@ -1,6 +1,6 @@
-//! The record of a flight: everything that is printed at its end, and the whole of `--json`.
+//! The record of a flight: all that is printed at its end, and the content of `--json`.
 
-use crate::news::News;
+use crate::flight_event::FlightEvent;
 use crate::phases::Phase;
 use crate::radio::Traffic;
 use crate::referee::Collisions;
@@ -10,7 +10,23 @@ use iibt_core::grid::Cell;
 use iibt_core::navigation::{Report, Stage};
 use serde::Serialize;
 
-/// A flight from its first to its last tick. Cells are numbered row by row from the top left, from zero.
+/// A flight from its first to its last tick. Cells are numbered row by row from the top left, from
+/// zero.
+///
+/// ```
+/// use host_sim::{Conditions, FlightEvent, Outcome, fly, library};
+///
+/// let scenario = library::find("two-goals").expect("it is built in")?;
+/// let record = fly(&scenario, Conditions { seed: 7, ..Conditions::default() }, &mut ())?;
+/// assert_eq!((record.outcome, record.collisions.total()), (Outcome::Together, 0));
+/// assert_eq!(record.history.len() as u32, record.ticks + 2);
+/// let choices = record.events.iter().filter(|timed| matches!(timed.event, FlightEvent::Chose { .. }));
+/// assert!(choices.count() >= record.robots.len());
+/// assert!(record.to_json()?.starts_with(r#"{"scenario":"two-goals""#));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "trajectory log")]
+#[doc(alias = "result")]
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Record {
     /// The scenario's name.
@@ -19,16 +35,16 @@ pub struct Record {
     pub title: String,
     /// The seed of all chance.
     pub seed: u64,
-    /// What flew the robots.
+    /// The pilot of the robots.
     pub pilot: Pilot,
     /// The probability that a frame does not reach a teammate.
     pub loss: f64,
-    /// How it ended.
+    /// The outcome.
     pub outcome: Outcome,
-    /// The number of the last tick, from zero: the one in which the last robot said that it had arrived, or the
-    /// last before the limit.
+    /// The number of the last tick, from zero: the one in which the last robot announced that it
+    /// had arrived, or the last before the limit.
     pub ticks: u32,
-    /// What the referee saw.
+    /// The collisions that the referee counted.
     pub collisions: Collisions,
     /// The radio's traffic of all robots together.
     pub frames: Traffic,
@@ -40,13 +56,15 @@ pub struct Record {
     pub goals: Vec<Cell>,
     /// The robots, in the order of their numbers.
     pub robots: Vec<RobotRecord>,
-    /// What happened, in order.
-    pub news: Vec<Dated>,
+    /// The events in order.
+    #[serde(rename = "news")]
+    pub events: Vec<TimedEvent>,
     /// The rounds in which the team decided or a robot charged, in the order they were opened.
     pub phases: Vec<Phase>,
-    /// Where the robots stood: at first, then after every tick, so two entries more than the last tick's number.
+    /// The robots' cells at first and after every tick, so two entries more than the last tick's
+    /// number.
     pub history: Vec<Vec<Cell>>,
-    /// How likely each robot took itself to be in the cell it stood in, in every tick before its move.
+    /// The probability that each robot gave to the cell it stood in, in every tick before its move.
     pub certainty: Vec<Vec<f32>>,
 }
 
@@ -54,8 +72,8 @@ pub struct Record {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// All robots stand at different goals, reached with the same step of one joint plan; robots with a conventional tree,
-    /// which have none, at most [`TOGETHER`] ticks apart.
+    /// All robots stand at different goals, reached with the same step of one joint plan; robots
+    /// with a conventional tree, which have none, at most [`TOGETHER`] ticks apart.
     Together,
     /// All robots stand at different goals, but did not come there together.
     Apart,
@@ -65,14 +83,14 @@ pub enum Outcome {
     Collided,
 }
 
-/// One robot's part.
+/// One robot's part of a record.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RobotRecord {
-    /// What it is called.
+    /// The robot's name.
     pub name: String,
-    /// Where it started.
+    /// The start cell.
     pub start: Cell,
-    /// Where it stands at the end, in truth.
+    /// The true cell at the end.
     pub cell: Cell,
     /// The goal of its last choice.
     pub goal: Option<Cell>,
@@ -80,27 +98,27 @@ pub struct RobotRecord {
     pub path: Vec<Cell>,
     /// The posterior probability of that choice.
     pub probability: f32,
-    /// What it says it is doing.
+    /// The announced stage in one word.
     pub status: &'static str,
     /// The moves it made, waits not counted.
     pub moves: u32,
     /// The first tick in which it stood where it stands at the end.
     pub arrived: u32,
-    /// What became of the frames it sent.
+    /// The traffic of the frames it sent.
     pub frames: Traffic,
     /// The charge of its battery at the end, in percent.
     pub battery: u8,
     /// The way-points it visited.
     pub visited: Vec<Cell>,
-    /// How often it came back charged.
+    /// The number of times it came back charged.
     pub charged: u32,
     /// Whether it has stopped.
     pub stopped: bool,
     /// The leaves of its tree that were running, one after the other.
     pub tree: Vec<Activity>,
-    /// The frames it received and took in.
+    /// The number of frames it accepted.
     pub accepted: u32,
-    /// The frames it received and rejected.
+    /// The number of frames it rejected.
     pub rejected: u32,
 }
 
@@ -113,18 +131,18 @@ pub struct Activity {
     pub running: Option<&'static str>,
 }
 
-/// News and its tick.
+/// An event and its tick.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Dated {
+pub struct TimedEvent {
     /// The tick in which it happened, from zero.
     pub tick: u32,
     /// What happened.
     #[serde(flatten)]
-    pub news: News,
+    pub event: FlightEvent,
 }
 
 impl Record {
-    /// The record as one line of JSON; the same flight gives the same bytes.
+    /// Returns one line of JSON; the same flight gives the same bytes.
     ///
     /// # Errors
     /// None that can occur: no key of a record is anything but text.
@@ -132,37 +150,39 @@ impl Record {
         serde_json::to_string(self)
     }
 
-    /// The ticks between the first and the last arrival.
+    /// Returns the ticks between the first and the last arrival.
     #[must_use]
     pub fn spread(&self) -> u32 {
         self.last_arrival() - self.robots.iter().map(|robot| robot.arrived).min().unwrap_or(0)
     }
 
-    /// The first tick in which all robots stood where they stand at the end.
+    /// Returns the first tick in which all robots stood in their last cells.
     #[must_use]
     pub fn last_arrival(&self) -> u32 {
         self.robots.iter().map(|robot| robot.arrived).max().unwrap_or(0)
     }
 }
 
-impl Dated {
-    /// This in one line.
+impl TimedEvent {
+    /// Returns the event with its tick in one line of text.
     #[must_use]
     pub fn line(&self, scenario: &Scenario) -> String {
-        format!("tick {:>3}  {}", self.tick, self.news.line(scenario))
+        format!("tick {:>3}  {}", self.tick, self.event.line(scenario))
     }
 }
 
 impl Outcome {
-    /// Whether the mission was accomplished.
+    /// Returns whether the mission was accomplished.
     #[must_use]
     pub const fn is_success(self) -> bool {
         matches!(self, Self::Together)
     }
 }
 
-/// How robots at `cells` stand, given what the referee saw and whether they arrived together.
+/// Returns the outcome for robots at `cells`, given the collisions and whether they arrived
+/// together.
 pub(crate) fn outcome(collisions: &Collisions, goals: &[Cell], cells: &[Cell], is_joint: bool) -> Outcome {
+    // First, because a mission with a collision is not accomplished wherever the robots end.
     if collisions.total() > 0 {
         Outcome::Collided
     } else if !at_different_goals(goals, cells) {
@@ -174,13 +194,15 @@ pub(crate) fn outcome(collisions: &Collisions, goals: &[Cell], cells: &[Cell], i
     }
 }
 
-/// How often a robot came back with more charge than it left with.
-pub(crate) fn times_charged(news: &[Dated], index: usize) -> u32 {
+/// Returns the number of times a robot came back with more charge than it left with.
+pub(crate) fn times_charged(events: &[TimedEvent], index: usize) -> u32 {
     let (mut left_with, mut times) = (100, 0);
-    for dated in news {
-        match dated.news {
-            News::Left { robot, charge } if robot == index => left_with = charge,
-            News::Returned { robot, charge } if robot == index => times += u32::from(charge > left_with),
+    for timed in events {
+        match timed.event {
+            FlightEvent::Left { robot, charge } if robot == index => left_with = charge,
+            FlightEvent::Returned { robot, charge } if robot == index => {
+                times += u32::from(charge > left_with)
+            }
             _ => {}
         }
     }
@@ -193,8 +215,8 @@ pub(crate) fn at_different_goals(goals: &[Cell], cells: &[Cell]) -> bool {
     cells.iter().all(|cell| goals.contains(cell) && alone(cell))
 }
 
-/// Whether the paths reach their ends with the same step; one that stays at its end from the first agrees
-/// with any.
+/// Whether the paths reach their ends with the same step; one that stays at its end from the first
+/// agrees with any.
 pub(crate) fn is_joint<'p>(paths: impl Iterator<Item = &'p [Cell]>) -> bool {
     let last_step = |path: &[Cell]| path.iter().rposition(|cell| Some(cell) != path.last());
     let mut steps = paths.filter_map(last_step);
@@ -202,7 +224,7 @@ pub(crate) fn is_joint<'p>(paths: impl Iterator<Item = &'p [Cell]>) -> bool {
     steps.all(|step| Some(step) == first)
 }
 
-/// How many ticks apart robots without a joint plan may arrive to have arrived together.
+/// The most ticks between the arrivals of robots without a joint plan that count as together.
 pub const TOGETHER: u32 = 2;
 
 /// Whether these arrivals, in ticks, are at most [`TOGETHER`] apart.
@@ -211,7 +233,7 @@ pub(crate) fn is_close(arrivals: impl Iterator<Item = u32> + Clone) -> bool {
     arrivals.min().is_none_or(|first| last - first <= TOGETHER)
 }
 
-/// A status in one word.
+/// Returns a stage in one word.
 pub(crate) const fn status(report: &Report) -> &'static str {
     match report.stage {
         Stage::Deciding => "deciding",

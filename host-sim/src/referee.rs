@@ -1,12 +1,12 @@
-//! The referee: looks on from outside and counts what must not happen.
+//! The referee: counts collisions from the true positions.
 //!
-//! It has rules of its own and takes nothing from the robots' ideas of a conflict.
+//! It has rules of its own and shares no code with the robots' check for conflicts.
 
 use crate::scenario::Floor;
 use iibt_core::grid::{Cell, Move};
 use serde::Serialize;
 
-/// What went wrong so far.
+/// The collisions so far, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Collisions {
     /// Pairs of robots in the same cell, counted in every tick.
@@ -18,14 +18,14 @@ pub struct Collisions {
 }
 
 impl Collisions {
-    /// All of them.
+    /// Returns the number of all collisions.
     #[must_use]
     pub const fn total(&self) -> u32 {
         self.shared + self.swapped + self.bumps
     }
 
-    /// Judges one tick: where the robots were, what they tried, and where they are now; who is between two cells is in
-    /// both.
+    /// Counts the collisions of one tick from the robots' cells before, their commands and their
+    /// cells now. A robot between two cells is in both.
     pub(crate) fn judge(
         &mut self,
         floor: &Floor,

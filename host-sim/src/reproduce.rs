@@ -1,11 +1,11 @@
-//! The paper's results, run through the core and put beside what the paper printed.
+//! The paper's results, computed with the core and compared with the printed ones.
 //!
 //! ```text
 //! chapter ─► Section: items, each with a verdict, and figures ─► table, JSON, page
 //! ```
 //!
-//! Numbers of the paper stand in the file of their section and nowhere else. A [`Section`] says nothing that was not
-//! computed when it was made.
+//! The file of a section is the only place that has the paper's numbers of it. A [`Section`]
+//! contains only what was computed when it was made.
 
 mod beyond;
 mod comparison;
@@ -20,9 +20,9 @@ mod section_6_2;
 mod table;
 mod tables;
 
-pub use decision::{CELLS, Decision, Judged, Mode, map};
+pub use decision::{CELLS, DecisionMode, Judged, PaperDecision, map};
 pub use figure::{
-    Bars, Estimate, Figure, Grid, IntervalRow, Intervals, Lines, Panel, Scale, Series, Track, TreeNode,
+    Bars, DataSeries, Estimate, Figure, Grid, IntervalRow, Intervals, Lines, Panel, Scale, Track, TreeNode,
     TreeNodeKind, TreePicture,
 };
 pub use page::page;
@@ -30,41 +30,41 @@ pub use report::{Item, Section, Tolerance, Verdict, number};
 pub use section_5::{choice, detour};
 pub use table::{table, tally};
 
-/// How much is flown where chance has a say.
+/// The number of flights where results are random.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// All that the report is about.
+    /// All seeds of the report.
     Full,
-    /// A few seeds, to see that it works.
+    /// A few seeds, for a test.
     Quick,
 }
 
-/// How a chapter is run.
+/// A run of the reproduction.
 #[derive(Clone, Copy)]
-pub struct Run<'p> {
-    /// How much is flown.
+pub struct Reproduction<'p> {
+    /// The number of flights.
     pub effort: Effort,
-    /// Hears how far it has come: steps done, of how many.
+    /// Receives the progress: steps done, and all steps.
     pub progress: &'p (dyn Fn(usize, usize) + Sync),
 }
 
-/// A chapter of the report: what makes a section.
+/// A chapter of the report, which computes a section.
 #[derive(Clone, Copy, Debug)]
 pub struct Chapter {
-    /// Its name for `--only`.
+    /// The name for `--only`.
     pub id: &'static str,
-    /// What it is about, in a few words.
+    /// The subject in a few words.
     pub about: &'static str,
-    run: fn(&Run<'_>) -> Section,
+    run: fn(&Reproduction<'_>) -> Section,
 }
 
-impl<'p> Run<'p> {
-    /// With this effort, and whoever wants to hear how far it has come.
+impl<'p> Reproduction<'p> {
+    /// Creates a run with an effort and a receiver of the progress.
     pub fn new(effort: Effort, progress: &'p (dyn Fn(usize, usize) + Sync)) -> Self {
         Self { effort, progress }
     }
 
-    /// The seeds of a campaign that has `full` of them in the report.
+    /// Returns the number of seeds of a campaign that has `full` of them in the report.
     #[must_use]
     pub fn seeds(&self, full: u64) -> u64 {
         match self.effort {
@@ -75,8 +75,8 @@ impl<'p> Run<'p> {
 }
 
 impl Chapter {
-    /// Runs it.
-    pub fn run(&self, run: &Run<'_>) -> Section {
+    /// Computes the section.
+    pub fn run(&self, run: &Reproduction<'_>) -> Section {
         (self.run)(run)
     }
 }
@@ -93,13 +93,13 @@ pub const CHAPTERS: &[Chapter] = &[
     Chapter { id: "beyond", about: "unlike robots, learned preferences", run: beyond::measure },
 ];
 
-/// The chapter with a name.
+/// Returns the chapter with a name.
 #[must_use]
 pub fn chapter(id: &str) -> Option<&'static Chapter> {
     CHAPTERS.iter().find(|chapter| chapter.id == id)
 }
 
-/// Whether no item of the sections falls short.
+/// Returns whether no item of the sections misses.
 #[must_use]
 pub fn succeeds(sections: &[Section]) -> bool {
     sections.iter().flat_map(|section| &section.items).all(|item| item.verdict != Verdict::Misses)

@@ -22,7 +22,7 @@ pub trait AnyRobot {
     /// Tells it to visit a cell; returns whether it will.
     fn visit(&mut self, cell: Cell) -> bool;
     /// Sets its preference for each goal; to a conventional one it makes no difference.
-    fn prefer(&mut self, _: &[f32; MAX_GOALS]) {}
+    fn set_goal_preferences(&mut self, _: &[f32; MAX_GOALS]) {}
     /// The way-points that it is still to visit.
     fn waypoints(&self) -> &[Cell];
     /// The probability that it gives to a cell of being its own.
@@ -66,8 +66,8 @@ impl<const S: usize, const W: usize, const P: usize> AnyRobot for Controller<Nav
         self.robot_mut().navigation_mut().visit(cell).is_ok()
     }
 
-    fn prefer(&mut self, values: &[f32; MAX_GOALS]) {
-        self.robot_mut().navigation_mut().prefer(values);
+    fn set_goal_preferences(&mut self, values: &[f32; MAX_GOALS]) {
+        self.robot_mut().navigation_mut().set_goal_preferences(values);
     }
 
     fn waypoints(&self) -> &[Cell] {

@@ -1,8 +1,8 @@
-//! Scenarios: what a mission is flown in. Read from TOML with a drawn map, checked as a whole.
+//! Scenarios: a mission and its world, read from TOML with a drawn map and checked as a whole.
 //!
-//! The format is described for users in `scenarios/README.md`. A [`Scenario`] that exists is sound: every cell
-//! it names is on the map, every start is free and nobody else's, every number is in its range,
-//! and by the map there is a way for every robot to a goal of its own.
+//! `scenarios/README.md` describes the format for users. A [`Scenario`] is checked when it is
+//! built: every cell it names is on the map, every start is free and distinct, every number is in
+//! its range, and every robot has a way to a goal of its own by the drawn map.
 
 mod check;
 mod drawing;
@@ -30,99 +30,127 @@ pub const MAX_TICKS: u32 = 100_000;
 pub type Floor = Map<{ iibt_core::grid::words(MAX_CELLS, 1) }>;
 
 /// A mission and the world it is flown in.
+///
+/// ```
+/// use host_sim::{Conditions, Scenario, fly};
+///
+/// let scenario = Scenario::parse(
+///     "corner.toml",
+///     r#"
+/// title = "Two robots around a corner"
+/// map = """
+/// 1..
+/// .#.
+/// 2GG
+/// """
+/// "#,
+/// )?;
+/// assert_eq!((scenario.robots.len(), scenario.goals.len()), (2, 2));
+/// let record = fly(&scenario, Conditions::default(), &mut ())?;
+/// assert!(record.outcome.is_success());
+///
+/// let refused = Scenario::parse("typo.toml", "title = 'x'\nmap = '1.G'\nview = 0").unwrap_err();
+/// assert!(refused.to_string().starts_with("typo.toml:3: "), "{refused}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
-    /// What it is called on the command line: the name of a built-in one, else the file.
+    /// The name on the command line: that of a built-in scenario, else the file.
     pub name: String,
-    /// What it shows, in one line.
+    /// What the scenario shows, in one line.
     pub title: String,
-    /// The ticks after which the mission counts as not accomplished.
+    /// The limit in ticks, after which the mission counts as not accomplished.
     pub limit: u32,
-    /// What the robots know of the world when they start.
+    /// The map that the robots know when they start.
     pub map: Floor,
-    /// Where robots are wanted, one each.
+    /// The goals, at least as many as there are robots.
     pub goals: Vec<Cell>,
-    /// The probability with which each goal serves a robot that stands there at the end of a mission.
+    /// The probability with which each goal serves a robot that stands there at the end of a
+    /// mission.
     pub serves: Vec<f64>,
-    /// How often the mission is flown in a row.
+    /// The number of missions flown in a row.
     pub missions: u32,
     /// The team, in the order of the robots' numbers.
-    pub robots: Vec<Robot>,
-    /// What happens while the mission is flown.
+    pub robots: Vec<RobotSpec>,
+    /// The events of the mission.
     pub events: Vec<Event>,
-    /// The drives that make some moves only now and then.
-    pub wear: Vec<Wear>,
+    /// The drive faults.
+    pub drive_faults: Vec<DriveFault>,
     /// The radio between the robots.
     pub radio: Radio,
-    /// What the robots' inference works with.
-    pub inference: Inference,
+    /// The parameters of the robots' inference.
+    pub inference: InferenceSpec,
 }
 
-/// One robot of the team.
+/// One robot of the team, as the scenario specifies it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Robot {
-    /// What it is called.
+pub struct RobotSpec {
+    /// The robot's name.
     pub name: String,
-    /// Where it stands at first.
+    /// The start cell.
     pub start: Cell,
     /// The charge of its battery in percent.
     pub battery: u8,
-    /// Where it charges, if there is such a place.
+    /// The charging cell, if the robot has one.
     pub charger: Option<Cell>,
-    /// What a move takes from its battery, in percent.
+    /// The charge that a move takes, in percent.
     pub drain: f64,
-    /// What a tick on its charger gives its battery, in percent.
+    /// The charge gained per tick on the charger, in percent.
     pub charging: f64,
-    /// The probability that a move fails, and it stays.
+    /// The probability that a move fails and the robot stays.
     pub slip: f64,
-    /// The probability that its localiser is right; else it names any other cell.
+    /// The probability that the localiser is right; else it names any other cell.
     pub localiser: f64,
-    /// The probability with which the team takes that localiser to be right, where it is not the one for all robots.
+    /// The probability that the team's models give to the localiser being right, where it differs
+    /// from the one for all robots.
     pub sensor: Option<f32>,
-    /// How many cells far it sees obstacles, diagonals included.
+    /// The range in which obstacles are seen, in cells, diagonals included.
     pub view: u16,
-    /// The ticks that one of its moves takes.
+    /// The ticks that one move takes.
     pub pace: u32,
-    /// The paths it may choose from; none when it plans its own.
+    /// The candidate paths; empty for a robot that plans its own.
     pub paths: Vec<Path>,
 }
 
-/// Something that happens once.
+/// An event that happens once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
-    /// When.
-    pub when: When,
-    /// What.
-    pub effect: Effect,
+    /// When it happens.
+    pub when: Trigger,
+    /// What happens.
+    pub effect: EventEffect,
 }
 
-/// What an event does. Robots are named by their index.
+/// The effect of an event. Robots are named by their index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Effect {
+pub enum EventEffect {
     /// An obstacle appears in this cell, as soon as no robot stands there.
     Block(Cell),
     /// A robot's battery falls to a charge in percent, if it has more.
     Charge(usize, u8),
     /// A robot is told to visit a cell before its goal.
     Visit(usize, Cell),
-    /// A robot stops: its controller is dead and it stands, for so many ticks or for good.
+    /// A robot stops, with its controller dead, for a number of ticks or for good.
     Stop(usize, Option<u32>),
 }
 
-/// When an event happens.
+/// The trigger of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum When {
+pub enum Trigger {
     /// At the beginning of a tick.
     Tick(u32),
     /// Once this robot, by its index, stands in this cell.
     Reached(usize, Cell),
-    /// Once all robots have agreed to a joint plan so many times, and made so many moves of the last, waits included.
+    /// Once all robots have agreed to this number of joint plans, and made this number of moves of
+    /// the last one, waits included.
     Planned(u32, u32),
 }
 
-/// A robot's drive that fails to make one kind of move.
+/// A drive fault: a robot's drive fails to make one kind of move.
+#[doc(alias = "fault injection")]
+#[doc(alias = "wear")]
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wear {
+pub struct DriveFault {
     /// The robot, by its index.
     pub robot: usize,
     /// The move.
@@ -133,12 +161,12 @@ pub struct Wear {
     pub fails: f64,
 }
 
-/// What happens to frames between the robots.
+/// The properties of the radio between the robots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Radio {
-    /// The probability that a frame does not reach a teammate, for each of them alone.
+    /// The probability that a frame does not reach a teammate, independently for each of them.
     pub loss: f64,
-    /// The ticks a frame travels, at least one.
+    /// The delay of a frame in ticks, at least one.
     pub delay: u32,
     /// The most ticks that a copy travels beyond them, drawn for each copy.
     pub jitter: u32,
@@ -150,27 +178,28 @@ pub struct Radio {
     pub garbage: usize,
 }
 
-/// The parameters of the robots' inference; `None` leaves the core's own.
+/// The parameters of the robots' inference; `None` keeps the core's default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Inference {
+pub struct InferenceSpec {
     /// The policy precision γ.
     pub precision: Option<f32>,
-    /// The probability with which a robot takes its own localiser to be right.
+    /// The modelled probability that a robot's own localiser is right.
     pub sensor: Option<f32>,
-    /// The probability with which it takes a teammate's word on its cell to be right.
+    /// The modelled probability that a teammate's announced position is correct.
     pub peer_sensor: Option<f32>,
-    /// What it costs in a policy's prior to arrive later than the team could, per move.
-    pub haste: Option<f32>,
+    /// The lateness cost: what each move beyond the team's earliest arrival costs in a policy's
+    /// prior.
+    pub lateness_cost: Option<f32>,
     /// The preference for a collision, at most zero.
     pub collision: Option<f32>,
-    /// How much a robot learns of its drive from one move; zero turns learning off.
+    /// The learning rate for failures of the drive; zero turns learning off.
     pub learning: Option<f32>,
-    /// Whether the robots take each other for equal, whatever their paces and their sensors are.
+    /// Whether the robots' models ignore differences of paces and sensors between them.
     pub alike: bool,
 }
 
-impl Robot {
-    /// The steps of a plan that one of its moves takes: a step takes a tick at the least.
+impl RobotSpec {
+    /// Returns the number of steps of a plan that one move takes; a step takes at least a tick.
     #[must_use]
     pub const fn steps(&self) -> u8 {
         self.pace as u8
@@ -184,7 +213,7 @@ impl Default for Radio {
 }
 
 impl Scenario {
-    /// Reads a scenario from the bytes of a file, which need not be text; see [`Scenario::parse`].
+    /// Reads a scenario from the bytes of a file; see [`Scenario::parse`].
     ///
     /// # Errors
     /// As [`Scenario::parse`], and when the bytes are no UTF-8.
@@ -197,12 +226,12 @@ impl Scenario {
         Self::parse(name, text)
     }
 
-    /// Reads a scenario; `name` is what it will be called, in errors too.
+    /// Reads a scenario from text; `name` is its name, also in errors.
     ///
     /// # Errors
     /// [`ScenarioError`] with the line and the reason for the first thing that is wrong.
     pub fn parse(name: &str, text: &str) -> Result<Self, ScenarioError> {
-        let parsed = toml::from_str(text).map_err(error::Fault::from);
+        let parsed = toml::from_str(text).map_err(error::ScenarioFault::from);
         parsed.and_then(|file| check::check(name, text, &file)).map_err(|fault| fault.in_file(name, text))
     }
 }

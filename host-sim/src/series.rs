@@ -1,6 +1,7 @@
-//! A series: the same mission flown several times in a row, by robots that keep what they have learned of the goals.
+//! Series: the same mission flown several times in a row by robots that learn preferences for
+//! goals.
 
-use crate::fly::{Audience, Conditions, fly_preferring};
+use crate::fly::{Conditions, Observer, fly_preferring};
 use crate::random::{Random, Stream};
 use crate::record::Record;
 use crate::scenario::Scenario;
@@ -15,20 +16,20 @@ pub struct Series {
     /// Whether the robots learned.
     pub learning: bool,
     /// The missions in order.
-    pub missions: Vec<Mission>,
+    pub missions: Vec<SeriesMission>,
 }
 
 /// One mission of a series.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Mission {
+pub struct SeriesMission {
     /// The flight.
     pub record: Record,
-    /// Whether each robot was served where it stood at the end; `None` for one that stood at no goal.
+    /// Whether each robot was served at its last goal; `None` for one that stood at no goal.
     pub served: Vec<Option<bool>>,
 }
 
-impl Mission {
-    /// The part of the team that was served.
+impl SeriesMission {
+    /// Returns the share of the team that was served.
     #[must_use]
     pub fn share(&self) -> f64 {
         let served = self.served.iter().filter(|&&served| served == Some(true)).count();
@@ -36,16 +37,28 @@ impl Mission {
     }
 }
 
-/// Flies a scenario as often as it says, with what the robots learn from where they were served, or without. Every mission
-/// begins at the robots' starts.
+/// Flies a scenario's missions in a row, with or without learning which goals serve.
+///
+/// Every mission begins at the robots' starts.
 ///
 /// # Errors
 /// As [`fly`](crate::fly).
+///
+/// ```
+/// use host_sim::{Conditions, Scenario, fly_series, library};
+///
+/// let scenario = library::find("deliveries").expect("it is built in")?;
+/// let twice = Scenario { missions: 2, ..scenario };
+/// let series = fly_series(&twice, Conditions::default(), true, &mut ())?;
+/// assert_eq!(series.missions.len(), 2);
+/// assert!(series.missions.iter().all(|mission| (0.0..=1.0).contains(&mission.share())));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fly_series(
     scenario: &Scenario,
     conditions: Conditions,
     learning: bool,
-    audience: &mut dyn Audience,
+    observer: &mut dyn Observer,
 ) -> Result<Series, TeamError> {
     let mut experience = vec![Experience::default(); scenario.robots.len()];
     let mut random = Random::of(conditions.seed, Stream::Service);
@@ -54,8 +67,8 @@ pub fn fly_series(
         let values: Vec<_> = experience.iter().map(Experience::values).collect();
         let preferences = if learning { values.as_slice() } else { &[] };
         let seed = conditions.seed.wrapping_add(number << 32);
-        let record = fly_preferring(scenario, Conditions { seed, ..conditions }, preferences, audience)?;
-        // One draw for every goal, so that it does not matter who stands where.
+        let record = fly_preferring(scenario, Conditions { seed, ..conditions }, preferences, observer)?;
+        // One draw for every goal, so that the outcome does not depend on which robot stands where.
         let serves: Vec<bool> = scenario.serves.iter().map(|&serves| random.bernoulli(serves)).collect();
         let goal_of = |cell: Cell| scenario.goals.iter().position(|&goal| goal == cell);
         let stands: Vec<Option<usize>> = record.robots.iter().map(|robot| goal_of(robot.cell)).collect();
@@ -63,7 +76,7 @@ pub fn fly_series(
             goal.map(|goal| experience.learn(goal, serves[goal]));
         }
         let served = stands.iter().map(|goal| goal.map(|goal| serves[goal])).collect();
-        missions.push(Mission { record, served });
+        missions.push(SeriesMission { record, served });
     }
     Ok(Series { learning, missions })
 }

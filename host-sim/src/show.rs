@@ -1,4 +1,4 @@
-//! What people see of a flight: a picture that moves, lines of news, and a summary.
+//! The display of a flight: a moving picture, lines of events, and a summary.
 
 mod narrator;
 mod picture;

@@ -1,4 +1,4 @@
-//! What a number of flights says about all flights: ratios, means and differences with their 95 % intervals.
+//! Statistics of flights: ratios, means and differences with their 95 % intervals.
 
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -6,12 +6,22 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// The normal deviate of a two-sided 95 % interval.
 const Z: f64 = 1.959_963_984_540_054;
 
-/// How often something was the case.
+/// A proportion: a count of cases out of all.
+///
+/// ```
+/// use host_sim::statistics::Share;
+///
+/// let arrived = Share::of([true, true, false, true], |arrived| arrived);
+/// assert_eq!((arrived.count, arrived.of, arrived.ratio), (3, 4, 0.75));
+/// let [low, high] = arrived.interval; // four flights do not say much
+/// assert!(low < 0.35 && high > 0.95);
+/// ```
+#[doc(alias = "proportion")]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// How often it was.
+    /// The number of cases.
     pub count: u32,
-    /// How often it could have been.
+    /// The number of all.
     pub of: u32,
     /// The ratio; zero of zero is zero.
     pub ratio: f64,
@@ -19,10 +29,10 @@ pub struct Share {
     pub interval: [f64; 2],
 }
 
-/// Numbers of one kind, one for each flight that has it.
+/// The distribution of a value over flights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Distribution {
-    /// How many there are; all else is zero when there are none.
+    /// The number of values; all else is zero when there are none.
     pub count: u32,
     /// The mean.
     pub mean: f64,
@@ -34,10 +44,20 @@ pub struct Distribution {
     pub p95: f64,
 }
 
-/// How much larger one of two numbers is than the other, in pairs that share everything else.
+/// The difference of paired values.
+///
+/// ```
+/// use host_sim::statistics::Difference;
+///
+/// let ticks = Difference::of([4.0, 5.0, 3.0, 4.0]); // on the same seeds
+/// assert_eq!((ticks.pairs, ticks.mean), (4, 4.0));
+/// assert!(ticks.is_significant());
+/// assert!(!Difference::of([1.0, -1.0, 2.0, -2.0]).is_significant());
+/// ```
+#[doc(alias = "paired test")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Difference {
-    /// How many pairs there are; all else is zero when there are none.
+    /// The number of pairs; all else is zero when there are none.
     pub pairs: u32,
     /// The mean of the differences.
     pub mean: f64,
@@ -46,7 +66,7 @@ pub struct Difference {
 }
 
 impl Share {
-    /// `count` out of `of`.
+    /// Returns the proportion `count` out of `of`.
     #[must_use]
     pub fn new(count: u32, of: u32) -> Self {
         if of == 0 {
@@ -56,7 +76,7 @@ impl Share {
         Self { count, of, ratio, interval: wilson(ratio, f64::from(of)) }
     }
 
-    /// How many of some are the case.
+    /// Returns the proportion of the items for which `is_the_case` holds.
     pub fn of<T>(items: impl IntoIterator<Item = T>, is_the_case: impl Fn(T) -> bool) -> Self {
         let mut of = 0;
         let count =
@@ -66,7 +86,7 @@ impl Share {
 }
 
 impl Distribution {
-    /// Of these values, none of which is NaN.
+    /// Returns the distribution of values, none of which is NaN.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let mut values: Vec<f64> = values.into_iter().collect();
         values.sort_by(f64::total_cmp);
@@ -78,21 +98,21 @@ impl Distribution {
 }
 
 impl Difference {
-    /// Of these differences, a pair each.
+    /// Returns the statistics of the differences, one of each pair.
     pub fn of(differences: impl IntoIterator<Item = f64>) -> Self {
         let values: Vec<f64> = differences.into_iter().collect();
         let Some(mean) = mean(&values) else { return Self::default() };
         Self { pairs: values.len() as u32, mean, interval: student(&values, mean) }
     }
 
-    /// Whether the interval leaves zero out.
+    /// Returns whether the interval excludes zero.
     #[must_use]
     pub fn is_significant(&self) -> bool {
         self.interval[0] > 0.0 || self.interval[1] < 0.0
     }
 }
 
-/// The score interval of a ratio, 95 % (Wilson 1927).
+/// Returns the score interval of a ratio, 95 % (Wilson 1927).
 #[must_use]
 pub fn wilson(ratio: f64, tries: f64) -> [f64; 2] {
     let z2 = Z * Z / tries;
@@ -100,7 +120,7 @@ pub fn wilson(ratio: f64, tries: f64) -> [f64; 2] {
     let spread = Z * (ratio * (1.0 - ratio) / tries + z2 / (4.0 * tries)).sqrt();
     let [low, high] =
         [(middle - spread) / (1.0 + z2), (middle + spread) / (1.0 + z2)].map(|bound| bound.clamp(0.0, 1.0));
-    // What rounding leaves of the difference of two equal numbers is no chance.
+    // Rounding leaves a rest of the difference of two equal numbers, which is not chance.
     [if ratio == 0.0 { 0.0 } else { low }, if ratio == 1.0 { 1.0 } else { high }]
 }
 
@@ -136,7 +156,8 @@ mod tests {
 
     #[test]
     fn the_interval_of_a_ratio_is_wilson_s() {
-        // 81 of 263: Newcombe 1998, "Two-sided confidence intervals for the single proportion", table I.
+        // 81 of 263: Newcombe 1998, "Two-sided confidence intervals for the single proportion",
+        // table I.
         let [low, high] = Share::new(81, 263).interval;
         assert!(is_near(low, 0.2553, 5e-5) && is_near(high, 0.3662, 5e-5), "{low} {high}");
         for of in [20, 500, 1000] {
@@ -169,7 +190,8 @@ mod tests {
     #[test]
     fn a_distribution_is_described_by_mean_median_and_quantile() {
         let of = Distribution::of([2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]);
-        // Their standard deviation is the square root of 32 / 7, and t is 2.3646 for seven degrees of freedom.
+        // Their standard deviation is the square root of 32 / 7, and t is 2.3646 for seven degrees
+        // of freedom.
         assert_eq!((of.count, of.mean, of.median, of.p95), (8, 5.0, 4.5, 9.0));
         assert!(is_near(of.interval[1], 5.0 + 2.3646 * (32.0_f64 / 7.0 / 8.0).sqrt(), 1e-3), "{of:?}");
         let hundred = Distribution::of((1..=100).map(f64::from));

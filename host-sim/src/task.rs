@@ -1,9 +1,9 @@
 //! Tasks written as tables, in simulation.
 //!
 //! ```text
-//! TaskFile ─► tables and truth ─► fly ─► Outcome      what is flown; the flight; what came of it
+//! TaskFile ─► tables and truth ─► fly ─► Outcome      the task, the flight, the result
 //!                                  │
-//!                                  ├─ World           the hidden states, what sensors read, what fails
+//!                                  ├─ TaskWorld           the hidden states, what sensors read, what fails
 //!                                  ├─ Controller      each robot in a simulated Station
 //!                                  └─ Radio           the only way between them
 //! ```
@@ -26,7 +26,7 @@ pub use mission::{TaskError, Trouble};
 pub use read::TableMission;
 pub use world::{Goal, Truth};
 
-pub(crate) use flight::{Flight, Worker};
+pub(crate) use flight::{TaskFlight, Worker};
 pub(crate) use station::Station;
 
 use iibt_core::iibt::table::TableTask;

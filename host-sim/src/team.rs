@@ -1,9 +1,9 @@
 //! The team: a controller for every robot, each in a body of its own: the firmware's own, or one with a conventional tree.
 //!
-//! A controller is compiled for a size of map. The sizes are chosen from here; nobody else sees them.
+//! A controller is compiled for a size of map; this module alone chooses the size.
 
 use crate::body::{Body, body};
-use crate::conventional::{Conventional, Figure, period};
+use crate::conventional::{ConventionalRobot, ConventionalTree, period};
 use crate::radio::KEY;
 use crate::robot::{AnyRobot, shrunk};
 use crate::scenario::{MAX_CELLS, MAX_PATHS, Scenario};
@@ -84,11 +84,11 @@ impl Pilot {
     }
 
     /// The conventional tree, if it is one.
-    const fn figure(self) -> Option<Figure> {
+    const fn figure(self) -> Option<ConventionalTree> {
         match self {
             Self::Inference => None,
-            Self::Conventional => Some(Figure::Eight),
-            Self::Figure5 => Some(Figure::Five),
+            Self::Conventional => Some(ConventionalTree::Eight),
+            Self::Figure5 => Some(ConventionalTree::Five),
         }
     }
 }
@@ -118,7 +118,7 @@ fn sized<const S: usize, const W: usize, T>(
     if let Some(figure) = pilot.figure() {
         return fly(Box::new(|robot, epoch| {
             let settings = settings(robot, team, KEY, epoch, period(scenario))?;
-            let robot = Conventional::<S, W>::new(scenario, figure, &settings)?;
+            let robot = ConventionalRobot::<S, W>::new(scenario, figure, &settings)?;
             Ok(Box::new(Controller::new(robot, settings, body())))
         }));
     }
@@ -131,7 +131,7 @@ fn sized<const S: usize, const W: usize, T>(
         mission.candidates = Some(&paths);
     }
     tune(&mut mission, scenario);
-    let paces: Vec<u8> = scenario.robots.iter().map(crate::scenario::Robot::steps).collect();
+    let paces: Vec<u8> = scenario.robots.iter().map(crate::scenario::RobotSpec::steps).collect();
     let sensor = mission.sensor;
     let sensors: Vec<f32> = scenario.robots.iter().map(|robot| robot.sensor.unwrap_or(sensor)).collect();
     if !scenario.inference.alike {
@@ -160,7 +160,7 @@ fn tune<const W: usize>(mission: &mut Mission<'_, W>, scenario: &Scenario) {
     let settings = [
         (&mut mission.sensor, wanted.sensor),
         (&mut mission.peer_sensor, wanted.peer_sensor),
-        (&mut mission.haste, wanted.haste),
+        (&mut mission.lateness_cost, wanted.lateness_cost),
         (&mut mission.collision, wanted.collision),
         (&mut mission.scoring.precision, wanted.precision),
     ];

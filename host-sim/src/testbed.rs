@@ -1,7 +1,7 @@
 //! Robots of one's own over the simulated radio.
 
 use crate::body::{Antenna, Clock};
-use crate::radio::{KEY, Radio, Traffic};
+use crate::radio::{KEY, RadioChannel, Traffic};
 use crate::scenario;
 use firmware::{Controller, Robot, Settings, hardware};
 use iibt_core::team::{Invalid, Member, MemberError, Peers, RobotId};
@@ -116,7 +116,7 @@ impl<R: Robot<T>, T> Robot<Simulated<T>> for OnParts<R> {
 /// ```
 pub struct Testbed<R: Robot<T>, T> {
     robots: Vec<Controller<OnParts<R>, Simulated<T>>>,
-    radio: Radio,
+    radio: RadioChannel,
     tick: u32,
 }
 
@@ -138,7 +138,7 @@ impl<R: Robot<T>, T> Testbed<R, T> {
             Ok(Controller::new(OnParts(mind), settings, hardware))
         };
         let robots = (0..).zip(team).map(controller).collect::<Result<_, _>>()?;
-        Ok(Self { robots, radio: Radio::new(radio, size, seed), tick: 0 })
+        Ok(Self { robots, radio: RadioChannel::new(radio, size, seed), tick: 0 })
     }
 
     /// Hands out the frames that arrive, ticks every robot once, and sends what they announce; returns what

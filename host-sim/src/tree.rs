@@ -1,4 +1,5 @@
-//! Behavior trees in files: BehaviorTree.CPP's XML, version 4, as Groot2 edits it and Nav2 ships it.
+//! Behavior trees in files: BehaviorTree.CPP's XML, version 4, as Groot2 edits it and Nav2 ships
+//! it.
 //!
 //! ```text
 //! XML ─► Document ─► Instance ─► table ─► run, code
@@ -6,10 +7,11 @@
 //!           └─► XML
 //! ```
 //!
-//! A [`Document`] is a file with all that it includes: trees, models of nodes, and remarks on its structure. An
-//! [`Instance`] is one of its trees, every SubTree in its place and every port resolved. It becomes the
-//! table of [`iibt_core::tree`](mod@iibt_core::tree), so a dry run ticks the engine that firmware ticks, and
-//! [`codegen`](Instance::codegen) writes the table that firmware keeps in flash.
+//! A [`Document`] is a file with all that it includes: trees, models of nodes, and remarks on its
+//! structure. An [`Instance`] is one of its trees, every SubTree in its place and every port
+//! resolved. It becomes the table of [`iibt_core::tree`](mod@iibt_core::tree), so a dry run ticks
+//! the engine that firmware ticks, and [`codegen`](Instance::codegen) writes the table that
+//! firmware keeps in flash.
 //!
 //! | what a file has | [`check`](fn@check) | [`run`](DryRun) | [`codegen`](Instance::codegen) |
 //! |---|---|---|---|
@@ -26,8 +28,9 @@
 //! | parameters from the blackboard (`num_cycles="{n}"`) | yes | refused | refused |
 //! | the same given by a SubTree's attribute, as a constant | yes | yes | yes |
 //!
-//! What is refused is refused with its place; nothing is ignored. Beyond BehaviorTree.CPP there are limits: 32,768 nodes
-//! and 256 levels with all SubTrees, 500 levels of XML, 255 children of a node.
+//! What is refused is refused with its place; nothing is ignored. Beyond BehaviorTree.CPP there are
+//! limits: 32,768 nodes and 256 levels with all SubTrees, 500 levels of XML, 255 children of a
+//! node.
 //!
 //! ```
 //! use host_sim::tree::{self, Document, DryRun, Extras, Instance, Mode};

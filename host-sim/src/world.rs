@@ -1,9 +1,9 @@
 //! The world as it is, whatever the robots believe: where they stand and what blocks their way.
 
-use crate::battery::Battery;
-use crate::news::News;
+use crate::battery::BatteryState;
+use crate::flight_event::FlightEvent;
 use crate::progress::Progress;
-use crate::scenario::{Effect, Event, Floor, Scenario, When};
+use crate::scenario::{Event, EventEffect, Floor, Scenario, Trigger};
 use iibt_core::grid::{Cell, Move};
 
 /// The truth of a flight.
@@ -16,7 +16,7 @@ pub(crate) struct World {
     under_way: Vec<Option<Passage>>,
     /// The ticks that a move of each robot takes.
     paces: Vec<u32>,
-    batteries: Vec<Battery>,
+    batteries: Vec<BatteryState>,
     /// The tick in which each robot that has stopped goes on; `None` for those that have not.
     stopped: Vec<Option<u32>>,
     to_come: Vec<Event>,
@@ -40,7 +40,7 @@ impl World {
             cells: scenario.robots.iter().map(|robot| robot.start).collect(),
             under_way: vec![None; scenario.robots.len()],
             paces: scenario.robots.iter().map(|robot| robot.pace).collect(),
-            batteries: scenario.robots.iter().map(Battery::of).collect(),
+            batteries: scenario.robots.iter().map(BatteryState::of).collect(),
             stopped: vec![None; scenario.robots.len()],
             to_come: scenario.events.clone(),
             due: Vec::new(),
@@ -68,7 +68,7 @@ impl World {
     }
 
     /// The battery of a robot.
-    pub(crate) fn battery(&self, robot: usize) -> &Battery {
+    pub(crate) fn battery(&self, robot: usize) -> &BatteryState {
         &self.batteries[robot]
     }
 
@@ -88,8 +88,8 @@ impl World {
     }
 
     /// Has something happen with the next tick.
-    pub(crate) fn cause(&mut self, effect: Effect) {
-        self.to_come.push(Event { when: When::Tick(0), effect });
+    pub(crate) fn cause(&mut self, effect: EventEffect) {
+        self.to_come.push(Event { when: Trigger::Tick(0), effect });
     }
 
     /// Whether a robot has stopped.
@@ -99,44 +99,44 @@ impl World {
 
     /// Lets the events of this tick happen; what a robot is told is left to the flight. An obstacle does not appear on a
     /// robot, but when that has gone.
-    pub(crate) fn begin(&mut self, tick: u32, progress: Progress) -> Vec<News> {
-        let mut news = self.resume(tick);
+    pub(crate) fn begin(&mut self, tick: u32, progress: Progress) -> Vec<FlightEvent> {
+        let mut happened = self.resume(tick);
         let cells = &self.cells;
         let is_due = |event: &mut Event| match event.when {
-            When::Tick(at) => at <= tick,
-            When::Reached(robot, at) => cells.get(robot) == Some(&at),
-            When::Planned(plans, moves) => progress.has_come_to(plans, moves),
+            Trigger::Tick(at) => at <= tick,
+            Trigger::Reached(robot, at) => cells.get(robot) == Some(&at),
+            Trigger::Planned(plans, moves) => progress.has_come_to(plans, moves),
         };
         let events: Vec<_> = self.to_come.extract_if(.., is_due).collect();
-        news.extend(events.into_iter().filter_map(|event| self.happen(event.effect, tick)));
+        happened.extend(events.into_iter().filter_map(|event| self.happen(event.effect, tick)));
         let taken: Vec<_> = self.cells.iter().copied().chain(self.entering().flatten()).collect();
         let appearing: Vec<_> = self.due.extract_if(.., |cell| !taken.contains(cell)).collect();
         let appeared = appearing.into_iter().filter(|&cell| self.floor.block(cell));
-        news.extend(appeared.map(|cell| News::Appeared { cell }));
-        news
+        happened.extend(appeared.map(|cell| FlightEvent::Appeared { cell }));
+        happened
     }
 
     /// Lets the robots go on whose time has come.
-    fn resume(&mut self, tick: u32) -> Vec<News> {
+    fn resume(&mut self, tick: u32) -> Vec<FlightEvent> {
         let waking = |(robot, until): (usize, &mut Option<u32>)| {
-            until.take_if(|until| *until <= tick).map(|_| News::Resumed { robot })
+            until.take_if(|until| *until <= tick).map(|_| FlightEvent::Resumed { robot })
         };
         self.stopped.iter_mut().enumerate().filter_map(waking).collect()
     }
 
-    fn happen(&mut self, effect: Effect, tick: u32) -> Option<News> {
+    fn happen(&mut self, effect: EventEffect, tick: u32) -> Option<FlightEvent> {
         match effect {
-            Effect::Block(cell) => {
+            EventEffect::Block(cell) => {
                 self.due.push(cell);
                 None
             }
-            Effect::Charge(robot, charge) => {
-                self.batteries[robot].fall_to(charge).then_some(News::Drained { robot, charge })
+            EventEffect::Charge(robot, charge) => {
+                self.batteries[robot].fall_to(charge).then_some(FlightEvent::Drained { robot, charge })
             }
-            Effect::Visit(robot, cell) => Some(News::Asked { robot, cell }),
-            Effect::Stop(robot, ticks) => {
+            EventEffect::Visit(robot, cell) => Some(FlightEvent::Asked { robot, cell }),
+            EventEffect::Stop(robot, ticks) => {
                 self.stopped[robot] = Some(ticks.map_or(u32::MAX, |ticks| tick + ticks));
-                Some(News::Stopped { robot })
+                Some(FlightEvent::Stopped { robot })
             }
         }
     }
@@ -221,7 +221,7 @@ mod tests {
         world.carry_out(&[Move::Left, Move::Wait]);
         assert_eq!(
             world.begin(2, Progress::default()),
-            [1, 3].map(|cell| News::Appeared { cell: Cell(cell) })
+            [1, 3].map(|cell| FlightEvent::Appeared { cell: Cell(cell) })
         );
         assert!(!world.floor().is_free(Cell(1)));
         assert_eq!(world.begin(3, Progress::default()), []);
@@ -232,7 +232,7 @@ mod tests {
         let mut world = world("[[event]]\nrobot = 'R2'\nat = 5\nblock = 1");
         assert_eq!(world.begin(0, Progress::default()), []);
         world.carry_out(&[Move::Wait, Move::Up]);
-        assert_eq!(world.begin(1, Progress::default()), [News::Appeared { cell: Cell(1) }]);
+        assert_eq!(world.begin(1, Progress::default()), [FlightEvent::Appeared { cell: Cell(1) }]);
     }
 
     #[test]
@@ -242,19 +242,19 @@ mod tests {
              [[event]]\ntick = 2\nwho = 'R2'\nstop = true\nfor = 3",
         );
         assert_eq!(world.begin(0, Progress::default()), []);
-        assert_eq!(world.begin(1, Progress::default()), [News::Drained { robot: 0, charge: 12 }]);
+        assert_eq!(world.begin(1, Progress::default()), [FlightEvent::Drained { robot: 0, charge: 12 }]);
         assert_eq!((world.battery(0).percent(), world.battery(1).percent()), (12, 100));
         world.carry_out(&[Move::Wait, Move::Left]);
         assert_eq!(
             world.begin(2, Progress::default()),
-            [News::Asked { robot: 1, cell: Cell(0) }, News::Stopped { robot: 1 }]
+            [FlightEvent::Asked { robot: 1, cell: Cell(0) }, FlightEvent::Stopped { robot: 1 }]
         );
         assert!(world.is_stopped(1) && !world.is_stopped(0));
         assert_eq!(
             (world.begin(3, Progress::default()), world.begin(4, Progress::default())),
             (vec![], vec![])
         );
-        assert_eq!(world.begin(5, Progress::default()), [News::Resumed { robot: 1 }]);
+        assert_eq!(world.begin(5, Progress::default()), [FlightEvent::Resumed { robot: 1 }]);
         assert!(!world.is_stopped(1));
     }
 

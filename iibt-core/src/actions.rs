@@ -1,7 +1,7 @@
 //! Fixed-size sequences of action codes.
 //!
-//! A policy is one, and so is the way a robot takes over a grid and the part of an intention that goes
-//! over the radio. Two actions share a byte, so that a sequence of [`HORIZON`] actions takes
+//! A policy is one, and so is the way a robot takes over a grid and the part of an intention that
+//! goes over the radio. Two actions share a byte, so that a sequence of [`HORIZON`] actions takes
 //! [`BYTES`] bytes on the robot and half a byte per action on the wire.
 
 use serde::de::{Error, SeqAccess, Visitor};
@@ -18,6 +18,8 @@ pub const BYTES: usize = HORIZON / 2;
 pub type Action = u8;
 
 /// A sequence of at most [`HORIZON`] action codes.
+#[doc(alias = "policy")]
+#[doc(alias = "plan")]
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Actions {
     len: u8,
@@ -51,7 +53,8 @@ impl Actions {
     /// A sequence for a table.
     ///
     /// # Panics
-    /// When there are more than [`HORIZON`] actions or a code is out of range; in a `const` or `static` this fails the build.
+    /// When there are more than [`HORIZON`] actions or a code is out of range; in a `const` or
+    /// `static` this fails the build.
     ///
     /// ```
     /// use iibt_core::actions::Actions;
@@ -117,7 +120,8 @@ impl Actions {
         self.bytes().iter().fold(0, |most, byte| most.max(byte & 0xf).max(byte >> 4))
     }
 
-    /// Adds the bits of all action codes, two codes a byte, to `bits`: these are no less than the largest code.
+    /// Adds the bits of all action codes, two codes a byte, to `bits`: these are no less than the
+    /// largest code.
     #[inline]
     pub(crate) fn gather_bits(&self, bits: &mut [u8; BYTES]) {
         bits.iter_mut().zip(&self.packed).for_each(|(bits, codes)| *bits |= codes);
@@ -157,8 +161,8 @@ impl defmt::Format for Actions {
     }
 }
 
-/// On the wire: the number of actions, then two actions a byte and nothing else; an unused half byte must
-/// be zero, so that a sequence has exactly one encoding.
+/// On the wire: the number of actions, then two actions a byte and nothing else; an unused half
+/// byte must be zero, so that a sequence has exactly one encoding.
 impl Serialize for Actions {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let bytes = self.bytes();

@@ -1,8 +1,9 @@
 //! A bounded grid world: the map, ways over it, and the planners that find several different ones.
 //!
-//! Cells are numbered row by row from the top left, from zero: `cell = width * row + column`, the paper's
-//! p-numbers. Time on a grid runs in steps: a robot makes one [`Move`] per step, a wait included. The room
-//! knows no probabilities and no robots; beside [`actions`](crate::actions) it needs nothing.
+//! Cells are numbered row by row from the top left, from zero: `cell = width * row + column`, the
+//! paper's p-numbers. Time on a grid runs in steps: a robot makes one [`Move`] per step, a wait
+//! included. The room knows no probabilities and no robots; beside [`actions`](crate::actions) it
+//! needs nothing.
 //!
 //! | question | answer |
 //! |---|---|
@@ -13,8 +14,8 @@
 //! | how to arrive at step T past moving teammates | [`TimedPlanner::sweep`] |
 //! | do two paths get in each other's way | [`first_conflict`] |
 //!
-//! Every planner works in an arena whose size is in its type, gives the same path for the same input on
-//! every machine, and reports input that makes no sense as a typed error.
+//! Every planner works in an arena whose size is in its type, gives the same path for the same
+//! input on every machine, and reports input that makes no sense as a typed error.
 
 mod alternatives;
 mod cell;

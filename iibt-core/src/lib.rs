@@ -1,5 +1,6 @@
-//! Robots that decide together on their own microcontrollers: behavior trees, one kind of whose leaves chooses
-//! policies by minimising free energy over the robot's beliefs and its teammates' announced intentions.
+//! Robots that decide together on their own microcontrollers: behavior trees, one kind of whose
+//! leaves chooses policies by minimising free energy over the robot's beliefs and its teammates'
+//! announced intentions.
 //!
 //! | to | begin with |
 //! |---|---|
@@ -18,10 +19,11 @@
 //! | [`iibt`] | where trees and inference meet: the node, the task, logic and preferences |
 //! | [`navigation`] | the task of a team on a grid: intentions, agreement on one joint plan |
 //!
-//! Without the default feature `inference`, the library is [`mod@tree`] and [`time`] and depends on nothing.
+//! Without the default feature `inference`, the library is [`mod@tree`] and [`time`] and depends on
+//! nothing.
 //!
-//! No clock, no I/O, no heap, no `std`: time and bytes come in as arguments, and every table has its size in its
-//! type.
+//! No clock, no I/O, no heap, no `std`: time and bytes come in as arguments, and every table has
+//! its size in its type.
 #![no_std]
 #![forbid(unsafe_code)]
 

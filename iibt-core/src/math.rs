@@ -1,10 +1,12 @@
-//! Logarithms, exponentials and what is built from them: the only room that calls a transcendental function.
+//! Logarithms, exponentials and what is built from them: the only room that calls a transcendental
+//! function.
 //!
-//! Everything is `f32` and returns the same bits on every target: no fused operations, no reordering by the
-//! compiler. Sums of long lists run in four lanes, element `i` in lane `i % 4`, so that a vector unit can
-//! carry them out and the order is still fixed.
+//! Everything is `f32` and returns the same bits on every target: no fused operations, no
+//! reordering by the compiler. Sums of long lists run in four lanes, element `i` in lane `i % 4`,
+//! so that a vector unit can carry them out and the order is still fixed.
 
-/// The natural logarithm; minus infinity at zero, NaN below. Accurate to one unit in the last place.
+/// The natural logarithm; minus infinity at zero, NaN below. Accurate to one unit in the last
+/// place.
 #[must_use]
 pub const fn ln(x: f32) -> f32 {
     match x {
@@ -18,10 +20,11 @@ pub const fn ln(x: f32) -> f32 {
 
 const TWO_25: f32 = 33_554_432.0;
 
-/// The logarithm of a positive normal number, without a branch; finite and meaningless for anything else.
+/// The logarithm of a positive normal number, without a branch; finite and meaningless for anything
+/// else.
 ///
-/// x = 2^k (1 + f) with 1 + f between sqrt(1/2) and sqrt(2), and ln(1 + f) = f - f²/2 + s (f²/2 + R(s²)) with
-/// s = f / (2 + f), where R is the polynomial of Sun's fdlibm.
+/// x = 2^k (1 + f) with 1 + f between sqrt(1/2) and sqrt(2), and ln(1 + f) = f - f²/2 + s (f²/2 +
+/// R(s²)) with s = f / (2 + f), where R is the polynomial of Sun's fdlibm.
 const fn ln_normal(x: f32) -> f32 {
     const SQRT_HALF: u32 = 0x3f35_04f3;
     const ONE: u32 = 0x3f80_0000;
@@ -42,12 +45,13 @@ const fn ln_normal(x: f32) -> f32 {
 
 /// The exponential function, without a branch; accurate to one unit in the last place.
 ///
-/// e^x = 2^k e^r with |r| at most ln(2) / 2. What a polynomial makes of r is scaled in two steps, so that the result runs
-/// out evenly into infinity and into the subnormal numbers.
+/// e^x = 2^k e^r with |r| at most ln(2) / 2. What a polynomial makes of r is scaled in two steps,
+/// so that the result runs out evenly into infinity and into the subnormal numbers.
 #[inline]
 #[must_use]
 pub const fn exp(x: f32) -> f32 {
-    // Adding and taking away 3 * 2^22 rounds to an integer, which is then in the last bits of the sum.
+    // Adding and taking away 3 * 2^22 rounds to an integer, which is then in the last bits of the
+    // sum.
     const ROUND: f32 = 12_582_912.0;
     const LN_2_HIGH: f32 = 0.693_359_4;
     const LN_2_LOW: f32 = -2.121_944_4e-4;
@@ -73,7 +77,8 @@ const fn power_of_two(k: i32) -> f32 {
 /// `p ln p`, with the limit 0 at `p = 0`.
 #[must_use]
 pub const fn p_ln_p(p: f32) -> f32 {
-    // Zero times a finite number; below the normal numbers the error is beyond the last place of any sum.
+    // Zero times a finite number; below the normal numbers the error is beyond the last place of
+    // any sum.
     p * ln_normal(p)
 }
 
@@ -89,7 +94,8 @@ pub const fn entropy(distribution: &[f32]) -> f32 {
     -sum
 }
 
-/// The digamma function ψ(x) = d ln Γ(x) / dx, within `3e-7` of max(1, |ψ(x)|); minus infinity at zero, NaN below.
+/// The digamma function ψ(x) = d ln Γ(x) / dx, within `3e-7` of max(1, |ψ(x)|); minus infinity at
+/// zero, NaN below.
 #[must_use]
 pub const fn digamma(x: f32) -> f32 {
     match x {
@@ -100,10 +106,12 @@ pub const fn digamma(x: f32) -> f32 {
     }
 }
 
-/// ψ(x + 1) - ln x, by which a digamma exceeds a logarithm: positive, falling from infinity at zero to `1 / 2x` for large
-/// `x`, where the difference of the two would be lost in their last places; NaN below zero.
+/// ψ(x + 1) - ln x, by which a digamma exceeds a logarithm: positive, falling from infinity at zero
+/// to `1 / 2x` for large `x`, where the difference of the two would be lost in their last places;
+/// NaN below zero.
 ///
-/// The asymptotic series from four on; below, ψ(x + 1) = ψ(x + n + 1) - Σ_k 1 / (x + k) leads there.
+/// The asymptotic series from four on; below, ψ(x + 1) = ψ(x + n + 1) - Σ_k 1 / (x + k) leads
+/// there.
 #[must_use]
 pub const fn digamma_excess(x: f32) -> f32 {
     const FAR: f32 = 4.0;
@@ -139,8 +147,8 @@ pub fn sum(values: &[f32]) -> f32 {
     (a + b) + (c + d)
 }
 
-/// The entropy of a predicted distribution of outcomes, and the expectation of the preferences under it, gathered outcome by
-/// outcome.
+/// The entropy of a predicted distribution of outcomes, and the expectation of the preferences
+/// under it, gathered outcome by outcome.
 ///
 /// ```
 /// use iibt_core::math::Prediction;
@@ -165,7 +173,8 @@ impl Prediction {
         Self { entropy: [0.0; LANES], utility: [0.0; LANES] }
     }
 
-    /// Of outcomes whose probabilities `probability` makes from `values`, with the preference for each.
+    /// Of outcomes whose probabilities `probability` makes from `values`, with the preference for
+    /// each.
     #[inline]
     #[must_use]
     pub fn of(values: &[f32], preferences: &[f32], probability: impl Fn(f32) -> f32) -> Self {
@@ -182,7 +191,8 @@ impl Prediction {
     }
 
     /// Adds the next four outcomes.
-    // A function of its own, from memory to memory, is what the compiler turns into vector operations.
+    // A function of its own, from memory to memory, is what the compiler turns into vector
+    // operations.
     #[inline(never)]
     pub fn add(&mut self, probabilities: &[f32; LANES], preferences: &[f32; LANES]) {
         let information = probabilities.map(p_ln_p);
@@ -222,8 +232,8 @@ pub fn expectation(distribution: &[f32], values: &[f32]) -> f32 {
     distribution.iter().zip(values).map(|(p, x)| p * x).sum()
 }
 
-/// The Kullback-Leibler divergence `KL[q || p] = Σ q (ln q - ln p)`, in nats; infinite where `q` has mass
-/// and `p` has none.
+/// The Kullback-Leibler divergence `KL[q || p] = Σ q (ln q - ln p)`, in nats; infinite where `q`
+/// has mass and `p` has none.
 #[must_use]
 pub fn kl(q: &[f32], p: &[f32]) -> f32 {
     q.iter().zip(p).filter(|(q, _)| **q > 0.0).map(|(&q, &p)| q * (ln(q) - ln(p))).sum()

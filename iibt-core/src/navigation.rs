@@ -5,9 +5,9 @@
 //!   frames ─► roster ─► intentions ──────────────┴──────────────┘            └─► intention ─► frame
 //! ```
 //!
-//! [`Navigation`] is the [`Task`](crate::iibt::Task) that the interactive inference node runs. It chooses only when it is its turn
-//! in the team's [`Agreement`]; until then its one candidate is to wait, and afterwards to follow what it
-//! announced.
+//! [`Navigation`] is the [`Task`](crate::iibt::Task) that the interactive inference node runs. It
+//! chooses only when it is its turn in the team's [`Agreement`]; until then its one candidate is to
+//! wait, and afterwards to follow what it announced.
 
 mod agreement;
 mod alone;
@@ -62,7 +62,37 @@ pub struct Percept {
     pub moving: bool,
 }
 
-/// A robot's part of a navigation mission: `S` cells at the most, in maps of `W` words, and `P` candidates.
+/// A robot's part of a navigation mission: `S` cells at the most, in maps of `W` words, and `P`
+/// candidates.
+///
+/// ```
+/// use iibt_core::grid::{Cell, Map, Move, words};
+/// use iibt_core::iibt::Node;
+/// use iibt_core::navigation::{Mission, Navigation, Percept, Stage};
+/// use iibt_core::team::{Limits, Member, RobotId, Roster};
+/// use iibt_core::time::{Duration, Instant};
+/// use iibt_core::tree::Status;
+///
+/// let map = Map::<{ words(5, 1) }>::new(5, 1)?;
+/// let mission = Mission::new(map, &[Cell(0)], &[Cell(4)]); // one robot in a corridor
+/// let member = Member::new(RobotId(0), 1)?;
+/// let mut task = Navigation::<5, 1, 8>::new(&mission, member, 1)?;
+/// let mut node = Node::new(Duration(100));
+/// let roster = Roster::new(member, Limits::for_beacons(Duration(1))?);
+///
+/// let (mut cell, mut status, mut now) = (Cell(0), Status::Running, Instant(0));
+/// while status == Status::Running && !now.has_reached(Instant(20)) {
+///     let percept = Percept { reading: Some(cell), ..Percept::default() };
+///     status = node.tick(&mut task, &percept, roster.at(now), now);
+///     cell = map.neighbour(cell, task.command().unwrap_or(Move::Wait));
+///     now = now.after(Duration(1));
+/// }
+/// assert_eq!((status, cell), (Status::Success, Cell(4)));
+/// assert_eq!(task.intention().stage, Stage::Arrived);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "bottleneck assignment")]
+#[doc(alias = "multi-robot navigation")]
 #[derive(Clone, Debug)]
 pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     mission: &'m Mission<'m, W>,
@@ -84,31 +114,31 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     command: Option<Move>,
     /// Whether a step of the path was begun that is not counted yet.
     begun: bool,
-    /// How many rounds the team has begun since this robot last moved.
-    vain_rounds: u8,
-    /// Whether the robot looks after itself in this tick.
+    /// The number of rounds the team has begun since this robot last moved.
+    failed_rounds: u8,
+    /// Whether the robot acts outside the team's plan in this tick.
     alone: bool,
-    /// Where it steps aside to.
+    /// The cell to which it steps aside.
     aside: Option<Cell>,
-    /// Why this robot opened the round it is in, if it did.
+    /// The reason for which this robot opened the current round, if it did.
     cause: Option<Cause>,
 }
 
-/// The most obstacles a robot keeps in mind beside those on its map.
+/// The most obstacles a robot remembers beside those on its map.
 pub const MAX_KNOWN_HAZARDS: usize = 16;
 
 impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P> {
-    /// The least probability of the cell a robot takes itself to be in, for it to act on that: more than a move
+    /// The least probability of the most likely cell for the robot to act on it: more than a move
     /// has without a reading that confirms it.
     pub const CONFIDENCE: f32 = 0.99;
 
-    /// How likely a move is taken to fail, when the robot works out where it is.
+    /// The failure probability of a move in the robot's motion model for localisation.
     const SLIP: f32 = 0.05;
 
-    /// How likely a robot takes itself to be anywhere at all, so that no reading can ever be impossible.
+    /// The least probability of every cell in the belief, so that no reading is impossible.
     const DOUBT: f32 = 1e-6;
 
-    /// A robot at the start of its mission.
+    /// Creates the task of one robot at the start of its mission.
     ///
     /// # Errors
     /// [`MissionError`] when the mission does not fit the sizes or the robot is not in it.
@@ -138,23 +168,27 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             commanded: None,
             command: None,
             begun: false,
-            vain_rounds: 0,
+            failed_rounds: 0,
             alone: false,
             aside: None,
             cause: None,
         })
     }
 
-    /// Has each goal of the mission, in the order of its list, worth so much from the next decision on, in place of one each: see
-    /// [`Experience::values`]. A value that is not above zero and at most one counts as one.
-    pub fn prefer(&mut self, values: &[f32; MAX_GOALS]) {
-        self.decision.prefer(self.mission.goals, values);
+    /// Sets the preference for each goal, in the order of the mission's list, from the next
+    /// decision on.
+    ///
+    /// The default is one each; [`Experience::values`] gives learned ones. A value outside `(0, 1]`
+    /// counts as one.
+    pub fn set_goal_preferences(&mut self, values: &[f32; MAX_GOALS]) {
+        self.decision.set_goal_preferences(self.mission.goals, values);
     }
 
-    /// Whether a teammate's intention speaks of this robot's map.
+    /// Checks that a teammate's intention fits this robot's map.
     ///
     /// # Errors
-    /// [`Invalid`] when it names a cell that the map does not have, or its path leads through a wall.
+    /// [`Invalid`] when it names a cell that the map does not have, or its path leads through a
+    /// wall.
     pub fn accepts(&self, intention: &Intention) -> Result<(), Invalid> {
         let map = &self.mission.map;
         if !intention.fits(map.len()) {
@@ -166,25 +200,26 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
         Ok(())
     }
 
-    /// A number that is the same for two robots when their missions are.
+    /// Returns a hash of the mission: equal on two robots exactly when their missions are equal, up
+    /// to collisions of the hash.
     #[must_use]
     pub fn mission_id(&self) -> u64 {
         self.mission.id()
     }
 
-    /// The team's joint decision as this robot knows it.
+    /// Returns this robot's state of the team's agreement.
     #[must_use]
     pub const fn agreement(&self) -> &Agreement {
         &self.agreement
     }
 
-    /// The move to make now; `None` to stand still.
+    /// Returns the move to make now; `None` to stand still.
     #[must_use]
     pub const fn command(&self) -> Option<Move> {
         self.command
     }
 
-    /// Where the robot is most likely, and how likely that is.
+    /// Returns the most likely cell and its probability.
     #[must_use]
     pub fn position(&self) -> (Cell, f32) {
         let belief = self.belief.as_flat();
@@ -192,19 +227,20 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
         (Cell(state as u16), belief.get(state).copied().unwrap_or(0.0))
     }
 
-    /// How likely the robot takes itself to be in a cell; zero outside the map.
+    /// Returns the probability that the robot is in a cell, q(s); zero outside the map.
     #[must_use]
     pub fn probability_of(&self, cell: Cell) -> f32 {
         self.belief.as_flat().get(cell.index()).copied().unwrap_or(0.0)
     }
 
-    /// Why this robot opened the round that it is in; `None` when it has not, or when the mission began with it.
+    /// Returns why this robot opened the current round; `None` when another robot did, or when the
+    /// mission began with it.
     #[must_use]
     pub const fn cause(&self) -> Option<Cause> {
         self.cause
     }
 
-    /// The surprise F = -ln P(o) of the last reading, in nats, or that it was impossible.
+    /// Returns the surprise F = -ln P(o) of the last reading, in nats.
     ///
     /// # Errors
     /// [`ObservationError`] when the reading had probability zero; the belief was left as it was.
@@ -212,31 +248,32 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
         self.surprise
     }
 
-    /// How likely each move is taken to fail, in the order of [`Move::ALL`]: zero until it has failed, then what was learned.
+    /// Returns the failure probability of each move, in the order of [`Move::ALL`]: zero before the
+    /// first failure, then the learned value.
     #[must_use]
     pub fn slips(&self) -> [f32; MOVES] {
         self.motion.slips()
     }
 
-    /// The last decision: its posterior and the candidates it was made among.
+    /// Returns the last decision: its posterior and the candidates it was made among.
     #[must_use]
     pub const fn decision(&self) -> &Decision<S, P> {
         &self.decision
     }
 
-    /// The candidates of the last decision.
+    /// Returns the candidates of the last decision.
     #[must_use]
     pub fn candidates(&self) -> &[Candidate] {
         &self.candidates
     }
 
-    /// The obstacles in mind, oldest first.
+    /// Returns the remembered obstacles, oldest first.
     #[must_use]
     pub fn hazards(&self) -> &[Cell] {
         &self.hazards
     }
 
-    /// What this robot tells its teammates.
+    /// Returns the message that this robot announces.
     #[must_use]
     pub fn intention(&self) -> Intention {
         let newest = self.hazards.len().saturating_sub(MAX_HAZARDS);
@@ -252,7 +289,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
         }
     }
 
-    /// The logic variables for a plan as things stand now.
+    /// Returns the logic variables for a plan in the current state.
     #[must_use]
     pub fn logic(&self, plan: Plan) -> Logic {
         let blocked = match plan {
@@ -263,7 +300,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             Plan::Wait => false,
         };
         let visited = match plan {
-            // To stay for want of any way is no way past the way-points.
+            // A path that stays because no way leads on does not visit the way-points either.
             Plan::Take(index) => self
                 .candidates
                 .get(index)
@@ -277,7 +314,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
     }
 }
 
-/// The newest intention of each teammate that has been heard.
+/// Returns the newest intention of each teammate that has been heard.
 fn intentions<'a>(peers: Peers<'a, Intention>) -> impl Iterator<Item = &'a Said> + Clone {
     peers.iter().map(Peer::envelope)
 }
@@ -292,7 +329,7 @@ mod testing {
         Member::new(RobotId(robot), team).unwrap()
     }
 
-    /// The roster of robot 0 in a team of `team` that has heard nobody.
+    /// The roster of robot 0 in a team of `team` that has received nothing.
     pub(super) fn roster(team: usize) -> Roster<Intention> {
         Roster::new(member(0, team), Limits::for_beacons(Duration(1)).unwrap())
     }

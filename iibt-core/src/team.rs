@@ -9,12 +9,12 @@
 //! What is announced is the task's: any type that implements [`Message`]. Frames, authentication,
 //! freshness and replay protection are the same for all.
 //!
-//! Whatever arrives from the radio is taken for hostile: any bytes give a message or a typed error, the
-//! work per byte and per frame is bounded, and nothing without a valid tag is looked into. The room has no
-//! clock: the time of reception comes in as an [`Instant`](crate::time::Instant).
+//! Whatever arrives from the radio is taken for hostile: any bytes give a message or a typed error,
+//! the work per byte and per frame is bounded, and nothing without a valid tag is looked into. The
+//! room has no clock: the time of reception comes in as an [`Instant`](crate::time::Instant).
 //!
-//! All robots of a team share one key. A tag says that *a* holder of the key made the frame, not which one:
-//! robots that hold the key can speak in each other's name.
+//! All robots of a team share one key. A tag says that *a* holder of the key made the frame, not
+//! which one: robots that hold the key can speak in each other's name.
 
 mod auth;
 mod context;

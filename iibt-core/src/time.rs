@@ -1,14 +1,25 @@
 //! Instants and durations as integer ticks of the caller's clock.
 //!
-//! The core owns no clock: every call that depends on time takes an [`Instant`]. What a tick lasts is
-//! the caller's choice (the firmware counts milliseconds, the simulator its own steps). The counter may
-//! wrap: two instants compare correctly while they are less than 2^31 ticks apart, which is 24 days at
-//! 1 kHz.
+//! The core owns no clock: every call that depends on time takes an [`Instant`]. What a tick lasts
+//! is the caller's choice (the firmware counts milliseconds, the simulator its own steps). The
+//! counter may wrap: two instants compare correctly while they are less than 2^31 ticks apart,
+//! which is 24 days at 1 kHz.
 
 #[cfg(feature = "inference")]
 use serde::{Deserialize, Serialize};
 
 /// A point in time, in ticks since an arbitrary start; wraps at 2^32.
+///
+/// ```
+/// use iibt_core::time::{Duration, Instant};
+///
+/// let start = Instant(u32::MAX - 1); // the counter wraps two ticks later
+/// let deadline = start.after(Duration(5));
+/// assert_eq!(deadline, Instant(3));
+/// assert!(!Instant(2).has_reached(deadline) && Instant(4).has_reached(deadline));
+/// assert_eq!(Instant(4).since(start), Duration(6));
+/// assert_eq!(start.since(Instant(4)), Duration(0)); // that is in the future
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "inference", derive(Serialize, Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

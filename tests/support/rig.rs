@@ -1,7 +1,7 @@
 //! A robot of section 5.1 on the host whose teammate is the image in the emulator, and frames that nobody sent.
 
 use firmware::missions::{CANDIDATES, CELLS, SECTION_5_1, WORDS};
-use host_sim::{AnyRobot, Effect, Faults, Flight, KEY, NavigatorFlight};
+use host_sim::{AnyRobot, EventEffect, Faults, Flight, KEY, NavigatorFlight};
 use iibt_core::navigation::{Intention, Mission, Navigation, Said};
 use iibt_core::team::{Context, Key, MAX_FRAME, SipHash64, encode};
 
@@ -23,7 +23,7 @@ impl OnHost {
     pub fn robot(number: usize) -> Self {
         let mut flight = Flight::with_key(&SECTION_5_1, DEMO_KEY, Faults::default(), 0).expect("it is sound");
         let others = (0..SECTION_5_1.starts.len()).filter(|&other| other != number);
-        others.for_each(|other| flight.cause(Effect::Stop(other, None)));
+        others.for_each(|other| flight.cause(EventEffect::Stop(other, None)));
         Self { flight, number }
     }
 

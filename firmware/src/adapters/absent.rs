@@ -4,6 +4,14 @@ use crate::hardware::{Battery, Localiser, Scanner};
 use iibt_core::grid::Cell;
 
 /// A sensor that is not there: no position, nothing in view, and a charge that is always full.
+///
+/// ```
+/// use firmware::adapters::Absent;
+/// use firmware::hardware::{Battery, Localiser, Scanner};
+///
+/// let mut none = Absent;
+/// assert_eq!((none.locate(), none.scan(), none.charge()), (None, None, 100));
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Absent;
 

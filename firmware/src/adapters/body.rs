@@ -1,11 +1,11 @@
-//! A robot's hardware, put together part by part.
+//! A robot's hardware, composed of parts.
 
 use super::Absent;
 use crate::hardware::{Battery, Clock, Drive, Link, Localiser, Scanner};
 use iibt_core::grid::{Cell, Move};
 use iibt_core::time::Instant;
 
-/// Parts that are a robot's hardware together; what it does not have is [`Absent`].
+/// A composition of hardware parts; a part that the robot does not have is [`Absent`].
 ///
 /// ```
 /// use firmware::adapters::Body;
@@ -50,13 +50,13 @@ pub struct Body<L, C, D = Absent, P = Absent, S = Absent, B = Absent> {
 }
 
 impl<L, C> Body<L, C> {
-    /// A body that can talk and knows the time, and has nothing else.
+    /// Creates a body with a link and a clock, and nothing else.
     #[must_use]
     pub const fn new(link: L, clock: C) -> Self {
         Self { link, clock, drive: Absent, localiser: Absent, scanner: Absent, battery: Absent }
     }
 
-    /// The same with wheels and positioning.
+    /// Adds wheels and positioning.
     #[must_use]
     pub fn driving<D, P>(self, drive: D, localiser: P) -> Body<L, C, D, P> {
         let Self { link, clock, scanner, battery, .. } = self;

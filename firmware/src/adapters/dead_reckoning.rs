@@ -1,15 +1,41 @@
-//! A localiser for robots that cannot see where they are.
+//! Dead reckoning: a localiser from finished moves.
 
 use crate::hardware::{Drive, Localiser};
 use core::cell::Cell as Shared;
 use iibt_core::grid::{Cell, Map, Move};
 
-/// Where a robot must be if its start was right and every finished move worked.
+/// The position of a robot from its start and its finished moves.
 ///
-/// It has no sensor, so its error never shrinks: for short missions, simulation, and robots whose drive
-/// corrects itself (a line follower). It hears of moves by lending itself to the drive:
-/// [`DeadReckoning::count`] wraps the drive, and a shared reference is the [`Localiser`]. A move counts
-/// once the drive has been asked and says it no longer moves; a move that was stopped does not count.
+/// It has no sensor, so its error never shrinks: for short missions, simulation, and robots whose
+/// drive corrects itself (a line follower). It hears of moves by lending itself to the drive:
+/// [`DeadReckoning::count`] wraps the drive, and a shared reference is the [`Localiser`]. A move
+/// counts once the drive has been asked and says it no longer moves; a move that was stopped does
+/// not count.
+///
+/// ```
+/// use firmware::adapters::DeadReckoning;
+/// use firmware::hardware::{Drive, Localiser};
+/// use iibt_core::grid::{Cell, Map, Move, words};
+///
+/// /// A drive that finishes every move at once.
+/// struct Prompt;
+/// impl Drive for Prompt {
+///     fn go(&mut self, _: Move) {}
+///     fn is_moving(&mut self) -> bool {
+///         false
+///     }
+///     fn stop(&mut self) {}
+/// }
+///
+/// let map = Map::<{ words(3, 3) }>::new(3, 3)?;
+/// let position = DeadReckoning::new(map, Cell(4));
+/// let mut drive = position.count(Prompt);
+/// drive.go(Move::Right);
+/// assert!(!drive.is_moving());
+/// assert_eq!((&position).locate(), Some(Cell(5)));
+/// # Ok::<(), iibt_core::grid::MapError>(())
+/// ```
+#[doc(alias = "odometry")]
 #[derive(Debug)]
 pub struct DeadReckoning<const W: usize> {
     map: Map<W>,
@@ -25,13 +51,14 @@ pub struct Counted<'a, D, const W: usize> {
 }
 
 impl<const W: usize> DeadReckoning<W> {
-    /// A robot that stands at `start`. The map gives the border only; its obstacles are not looked at.
+    /// Creates the localiser of a robot at `start`. Only the map's border is used, not its
+    /// obstacles.
     #[must_use]
     pub const fn new(map: Map<W>, start: Cell) -> Self {
         Self { map, here: Shared::new(start) }
     }
 
-    /// The same drive, with its finished moves counted here.
+    /// Wraps a drive so that its finished moves are counted here.
     pub const fn count<D>(&self, drive: D) -> Counted<'_, D, W> {
         Counted { drive, reckoning: self, pending: None }
     }

@@ -39,18 +39,19 @@ pub struct Wheel<P, D> {
 
 /// A [`Drive`] that turns on the spot towards the next cell and then drives there, by time alone.
 ///
-/// It believes the chassis measures: with no encoder, slip goes unseen. The robot starts in the centre of
-/// a cell, facing up the map. The clock must count milliseconds, and [`Drive::is_moving`] must be asked
-/// often, as it is what ends a turn and a way. A move that was stopped leaves the robot between two cells,
-/// counted as in the one it came from; the next move leads from where it is to the next centre.
+/// It relies on the measures of the chassis: without an encoder, slip goes unnoticed. The robot
+/// starts in the centre of a cell, facing up the map. The clock must count milliseconds, and
+/// [`Drive::is_moving`] must be asked often, as it is what ends a turn and a way. A move that was
+/// stopped leaves the robot between two cells, counted as in the one it came from; the next move
+/// leads from where it is to the next centre.
 #[derive(Debug)]
 pub struct DifferentialDrive<L, R, C> {
     left: L,
     right: R,
     clock: C,
     chassis: Chassis,
-    /// Where the robot is, relative to the centre of the cell that it counts as being in, in metres:
-    /// x to the right, y up the map.
+    /// Where the robot is, relative to the centre of the cell that it counts as being in, in
+    /// metres: x to the right, y up the map.
     offset: (f32, f32),
     /// The direction it faces, anticlockwise from right, in radians.
     heading: f32,
@@ -83,7 +84,7 @@ impl<P: SetDutyCycle, D: OutputPin> Motor for Wheel<P, D> {
 }
 
 impl<L, R, C> DifferentialDrive<L, R, C> {
-    /// A robot that stands still in the centre of a cell and faces up the map.
+    /// Creates the drive of a robot that stands in the centre of a cell and faces up the map.
     pub const fn new(left: L, right: R, clock: C, chassis: Chassis) -> Self {
         Self {
             left,
@@ -98,7 +99,7 @@ impl<L, R, C> DifferentialDrive<L, R, C> {
         }
     }
 
-    /// How many times an output did not take what it was told.
+    /// Returns the number of commands that an output refused.
     #[must_use]
     pub const fn failures(&self) -> u32 {
         self.failures
@@ -108,7 +109,8 @@ impl<L, R, C> DifferentialDrive<L, R, C> {
     fn way(&self) -> (f32, f32) {
         let (x, y) = (self.target.0 - self.offset.0, self.target.1 - self.offset.1);
         let to = F32Ext::atan2(y, x);
-        // Along its own direction, as micromath's cosine is off by 0.1 % but its square root by 6 %.
+        // Along its own direction, as micromath's cosine is off by 0.1 % but its square root by 6
+        // %.
         (to, x * F32Ext::cos(to) + y * F32Ext::sin(to))
     }
 

@@ -1,11 +1,24 @@
-//! A queue of bytes that takes whole frames or nothing.
+//! A queue of bytes for whole frames.
 
 use heapless::Deque;
 
-/// At most `N` bytes on their way to a port, written frame by frame and read byte by byte.
+/// A queue of at most `N` bytes for a port, written frame by frame and read byte by byte.
 ///
 /// A frame that does not fit is refused as a whole and counted: the far end never sees half of one.
 /// Bytes of a frame that is still being written cannot be read.
+///
+/// ```
+/// use firmware::adapters::FrameQueue;
+///
+/// let mut queue = FrameQueue::<4>::new();
+/// assert!(queue.push(&[1, 2, 3]));
+/// assert!(!queue.push(&[4, 5])); // no room for both bytes: refused as a whole
+/// assert_eq!(queue.refused(), 1);
+/// assert_eq!(queue.pop(), Some(1));
+/// assert!(queue.push(&[4, 5]));
+/// let rest: Vec<u8> = core::iter::from_fn(|| queue.pop()).collect();
+/// assert_eq!(rest, [2, 3, 4, 5]);
+/// ```
 #[derive(Debug)]
 pub struct FrameQueue<const N: usize> {
     bytes: Deque<u8, N>,
@@ -21,7 +34,7 @@ impl<const N: usize> FrameQueue<N> {
         Self { bytes: Deque::new(), open: 0, overflowed: false, refused: 0 }
     }
 
-    /// Puts one frame in; returns whether it fitted.
+    /// Adds one frame; returns whether it fitted.
     pub fn push(&mut self, frame: &[u8]) -> bool {
         self.extend(frame);
         self.finish()
@@ -53,7 +66,7 @@ impl<const N: usize> FrameQueue<N> {
         if self.bytes.len() > self.open { self.bytes.pop_front() } else { None }
     }
 
-    /// How many frames did not fit since the start.
+    /// Returns the number of refused frames since the start.
     #[must_use]
     pub const fn refused(&self) -> u32 {
         self.refused

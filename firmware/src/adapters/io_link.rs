@@ -14,12 +14,12 @@ pub struct IoLink<RX, TX> {
 }
 
 impl<RX, TX> IoLink<RX, TX> {
-    /// A link that owns both directions.
+    /// Creates a link from both directions.
     pub const fn new(receiver: RX, sender: TX) -> Self {
         Self { receiver, sender, errors: 0 }
     }
 
-    /// How many reads and writes the streams failed.
+    /// Returns the number of failed reads and writes.
     #[must_use]
     pub const fn errors(&self) -> u32 {
         self.errors

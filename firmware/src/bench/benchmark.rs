@@ -33,8 +33,8 @@ impl<const S: usize> Benchmark<S> {
         Ok(Workspace::try_new(self.model)?.with_scoring(scoring))
     }
 
-    /// One belief update and the posterior over the policies; `None` when something does not fit the model, or the
-    /// observation has probability zero, which is not so for the benchmarks.
+    /// One belief update and the posterior over the policies; `None` when something does not fit
+    /// the model, or the observation has probability zero, which is not so for the benchmarks.
     pub fn run(&self, agent: &mut Workspace<S>) -> Option<[f32; POLICIES]> {
         agent.reset();
         agent.observe(&self.observed).ok()?;

@@ -9,9 +9,11 @@ use iibt_core::inference::{
 /// How many random models a digest has.
 pub const MODELS: u64 = 200;
 
-/// The FNV-1a hash of the bits of all beliefs, free energies, terms and posteriors of T1, T2 and [`MODELS`] random models.
+/// The FNV-1a hash of the bits of all beliefs, free energies, terms and posteriors of T1, T2 and
+/// [`MODELS`] random models.
 ///
-/// Exact updates and coordinate ascent; per-modality gain, and joint gain of T1 and of every fourth random model.
+/// Exact updates and coordinate ascent; per-modality gain, and joint gain of T1 and of every fourth
+/// random model.
 #[must_use]
 pub fn digest(seed: u64) -> u64 {
     let mut digest = Digest::new();

@@ -1,7 +1,7 @@
 //! Random models of fixed shape, made from a seed without a heap and with the same bits everywhere.
 //!
-//! Three factors, of which the last two move together, seen through three modalities, in every form that the engine has
-//! but blocks. Columns have zeros, concentrated and even entries.
+//! Three factors, of which the last two move together, seen through three modalities, in every form
+//! that the engine has but blocks. Columns have zeros, concentrated and even entries.
 
 use iibt_core::inference::{
     Beliefs, Candidates, Evaluation, Evidence, Factor, IdentityNoise, Modality, Model, NextState,
@@ -11,7 +11,8 @@ use iibt_core::inference::{
 /// The states of the factors.
 pub const STATES: [usize; 3] = [5, 3, 4];
 
-/// Room for the beliefs about a random model: the largest factor's states, and a group for each factor.
+/// Room for the beliefs about a random model: the largest factor's states, and a group for each
+/// factor.
 pub type Room = Beliefs<5, 3>;
 
 /// Room for the evaluation of a random model.
@@ -130,8 +131,8 @@ impl RandomModel {
         model
     }
 
-    /// Puts the model together and hands it to `with`, with its policies and an observation; `None` when a table is not
-    /// what it should be, which no seed is known for.
+    /// Puts the model together and hands it to `with`, with its policies and an observation; `None`
+    /// when a table is not what it should be, which no seed is known for.
     pub fn build<T>(&self, with: impl FnOnce(&Model, Candidates, &[Evidence; 3]) -> T) -> Option<T> {
         let motion = NextState::try_new(&self.next, 5, self.slip).ok()?;
         let last = NextState::try_new(&self.last_next, 4, 0.0).ok()?;

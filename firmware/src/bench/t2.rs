@@ -47,7 +47,7 @@ static MOTION: NextState = NextState::new(&NEXT, S);
 static SENSORS: [IdentityNoise; 2] = [IdentityNoise::new(0.9952, S), IdentityNoise::new(0.904, S)];
 static RESULT: OutcomeTable = OutcomeTable::new(&[&LABELS, &LABELS], &KINDS, &COLUMNS, 3);
 static LABELS: [u8; S] = labels();
-/// Nobody on a goal; one or both on the same: failure; on different ones: success.
+/// No robot on a goal; one, or both on the same: failure; on different ones: success.
 static KINDS: [u8; 9] = [0, 2, 2, 2, 2, 1, 2, 1, 2];
 /// Nothing, success and failure, each for certain.
 static COLUMNS: [f32; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];

@@ -1,5 +1,5 @@
-//! The benchmark models on the STM32F405: logs how long one belief update and policy posterior takes, its bits, and the
-//! digest of the bits of 200 random models.
+//! The benchmark models on the STM32F405: logs how long one belief update and policy posterior
+//! takes, its bits, and the digest of the bits of 200 random models.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

@@ -1,5 +1,5 @@
-//! An image that fails as it is told over the link, to test what a robot does then: `p` panics, `f` faults,
-//! `s` overflows the stack.
+//! An image that fails as it is told over the link, to test what a robot does then: `p` panics, `f`
+//! faults, `s` overflows the stack.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

@@ -1,7 +1,7 @@
 //! Robot 1 of the paper's section 5.1 on the STM32F405: `cargo fw` builds it.
 //!
-//! It decides with robot 2, whose intentions arrive as frames on USART2, goes where it decided to go, and logs
-//! on USART1. Without a positioning system it reckons its place from its own moves.
+//! It decides with robot 2, whose intentions arrive as frames on USART2, goes where it decided to
+//! go, and logs on USART1. Without a positioning system it reckons its place from its own moves.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -47,7 +47,8 @@ mod image {
         }
     }
 
-    /// `None` when a part is taken already or the mission does not fit: neither can happen after a reset.
+    /// `None` when a part is taken already or the mission does not fit: neither can happen after a
+    /// reset.
     fn start() -> Option<&'static mut Robot> {
         let mut board = Board::take(CHASSIS)?;
         board.led.set_high();

@@ -1,5 +1,5 @@
-//! The 21-node reference tree in both forms, to measure what a tree takes of the flash: four times "unless a condition
-//! holds, if another does, act".
+//! The 21-node reference tree in both forms, to measure what a tree takes of the flash: four times
+//! "unless a condition holds, if another does, act".
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -20,13 +20,14 @@ mod leaves {
         Act,
     }
 
-    /// Each leaf looks at a flag that an interrupt could change, so that no two looks can be made one.
-    pub(crate) struct Robot {
+    /// Each leaf looks at a flag that an interrupt could change, so that no two looks can be made
+    /// one.
+    pub(crate) struct TreeRobot {
         pub(crate) flags: [AtomicBool; 3],
         pub(crate) calls: u32,
     }
 
-    impl Robot {
+    impl TreeRobot {
         /// What a leaf does is no part of what a tree costs: it is code once, and called.
         #[inline(never)]
         fn look(&mut self, leaf: Leaf) -> bool {
@@ -35,7 +36,7 @@ mod leaves {
         }
     }
 
-    impl Leaves<Leaf> for Robot {
+    impl Leaves<Leaf> for TreeRobot {
         fn condition(&mut self, leaf: &Leaf, _: Instant) -> bool {
             self.look(*leaf)
         }
@@ -69,47 +70,51 @@ macro_rules! t21 {
 
 #[cfg(target_os = "none")]
 mod table {
-    use super::leaves::{Leaf, Robot};
+    use super::leaves::{Leaf, TreeRobot};
     use iibt_core::time::Instant;
     use iibt_core::tree::{Memory, Status, Tree};
 
     static T21: Tree<Leaf, 21> = t21!(tree);
 
     #[inline(never)]
-    pub(crate) fn tick(memory: &mut Memory<21>, robot: &mut Robot, now: Instant) -> Status {
+    pub(crate) fn tick(memory: &mut Memory<21>, robot: &mut TreeRobot, now: Instant) -> Status {
         T21.tick(memory, robot, now).status
     }
 
     #[inline(never)]
-    pub(crate) fn halt(memory: &mut Memory<21>, robot: &mut Robot, now: Instant) {
+    pub(crate) fn halt(memory: &mut Memory<21>, robot: &mut TreeRobot, now: Instant) {
         let _ = T21.halt(memory, robot, now);
     }
 }
 
 #[cfg(target_os = "none")]
 mod compiled {
-    use super::leaves::{Leaf, Robot};
+    use super::leaves::{Leaf, TreeRobot};
     use iibt_core::time::Instant;
     use iibt_core::tree::{Compiled, Status};
 
-    pub(crate) const fn t21() -> impl Compiled<Leaf, Robot> {
+    pub(crate) const fn t21() -> impl Compiled<Leaf, TreeRobot> {
         t21!(compiled_tree)
     }
 
     #[inline(never)]
-    pub(crate) fn tick(tree: &mut impl Compiled<Leaf, Robot>, robot: &mut Robot, now: Instant) -> Status {
+    pub(crate) fn tick(
+        tree: &mut impl Compiled<Leaf, TreeRobot>,
+        robot: &mut TreeRobot,
+        now: Instant,
+    ) -> Status {
         tree.tick(robot, now)
     }
 
     #[inline(never)]
-    pub(crate) fn halt(tree: &mut impl Compiled<Leaf, Robot>, robot: &mut Robot, now: Instant) {
+    pub(crate) fn halt(tree: &mut impl Compiled<Leaf, TreeRobot>, robot: &mut TreeRobot, now: Instant) {
         tree.halt(robot, now);
     }
 }
 
 #[cfg(target_os = "none")]
 mod image {
-    use super::leaves::Robot;
+    use super::leaves::TreeRobot;
     use super::{compiled, table};
     use core::hint::black_box;
     use core::sync::atomic::AtomicBool;
@@ -121,7 +126,7 @@ mod image {
     fn main() -> ! {
         let mut memory = Memory::new();
         let mut tree = compiled::t21();
-        let mut robot = Robot { flags: [true, false, true].map(AtomicBool::new), calls: 0 };
+        let mut robot = TreeRobot { flags: [true, false, true].map(AtomicBool::new), calls: 0 };
         loop {
             let now = Instant(robot.calls);
             black_box(&robot.flags);

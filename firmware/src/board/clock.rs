@@ -11,8 +11,8 @@ static NOW: AtomicU32 = AtomicU32::new(0);
 
 /// A [`Clock`] of one tick per millisecond.
 ///
-/// QEMU 7.2 runs SysTick at the 168 MHz of the chip's PLL, whatever the program selects: there, seven to
-/// ten of these milliseconds pass in one.
+/// QEMU 7.2 runs SysTick at the 168 MHz of the chip's PLL, whatever the program selects: there,
+/// seven to ten of these milliseconds pass in one.
 #[derive(Clone, Copy, Debug)]
 pub struct Milliseconds {
     cycles_per_tick: u32,
@@ -29,8 +29,8 @@ impl Milliseconds {
         Self { cycles_per_tick }
     }
 
-    /// Cycles of the timer's clock since the start, modulo 2^32: the core's own on hardware. For differences
-    /// only.
+    /// Cycles of the timer's clock since the start, modulo 2^32: the core's own on hardware. For
+    /// differences only.
     #[must_use]
     pub fn cycles(self) -> u32 {
         loop {

@@ -32,9 +32,9 @@ extern "C" fn report(place: u32) -> ! {
 
 /// The hard fault, which every other fault escalates to.
 ///
-/// After a stack overflow there is no stack to run on and no frame to read, so this starts over at the
-/// top of the stack. The seventh word of the exception frame is the program counter; a frame below
-/// `_stack_end` was never written.
+/// After a stack overflow there is no stack to run on and no frame to read, so this starts over at
+/// the top of the stack. The seventh word of the exception frame is the program counter; a frame
+/// below `_stack_end` was never written.
 // SAFETY: the name is the one that the vector table of cortex-m-rt refers to.
 #[allow(unsafe_code, reason = "the stack pointer must change before any Rust runs")]
 #[unsafe(naked)]

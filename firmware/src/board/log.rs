@@ -1,7 +1,8 @@
 //! The log: defmt frames, queued by the program and sent by the interrupt of USART1.
 //!
-//! Ready-made loggers write to the port with the interrupts off, which at 115200 baud would lose bytes on
-//! the link. This one never waits: a frame for which there is no room is dropped as a whole.
+//! Ready-made loggers write to the port with the interrupts off, which at 115200 baud would lose
+//! bytes on the link. This one never waits: a frame for which there is no room is dropped as a
+//! whole.
 
 use super::serial::{drain, enable, feed};
 use super::shared::Shared;
@@ -27,7 +28,8 @@ pub(super) fn start(port: Tx<USART1>) {
     enable(Interrupt::USART1);
 }
 
-/// Gives up the frame that was being logged when the robot failed, so that the failure can be logged.
+/// Gives up the frame that was being logged when the robot failed, so that the failure can be
+/// logged.
 pub(super) fn abandon() {
     FRAME.with(|frame| frame.depth = 0);
 }
@@ -91,13 +93,13 @@ fn queue(bytes: &[u8]) {
 #[defmt::global_logger]
 struct Usart1Log;
 
-// SAFETY: from `acquire` to `release` the interrupts are off and there is one core, so that nothing else
-// can log in between.
+// SAFETY: from `acquire` to `release` the interrupts are off and there is one core, so that nothing
+// else can log in between.
 #[expect(unsafe_code, reason = "the trait is unsafe to implement")]
 unsafe impl defmt::Logger for Usart1Log {
     fn acquire() {
-        // SAFETY: `release` gives the outermost section back; the state of an inner one says that the
-        // interrupts were off already, so nothing is lost with it.
+        // SAFETY: `release` gives the outermost section back; the state of an inner one says that
+        // the interrupts were off already, so nothing is lost with it.
         let interrupts = unsafe { critical_section::acquire() };
         FRAME.with(|frame| frame.open(interrupts));
     }

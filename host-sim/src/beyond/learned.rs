@@ -1,16 +1,17 @@
-//! Preferences learned from one mission to the next: what they are worth.
+//! The benefit of preferences learned over missions.
 
 use crate::fly::Conditions;
+use crate::parallel::parallel_map;
 use crate::scenario::Scenario;
 use crate::series::{Series, fly_series};
 use crate::statistics::{Difference, Distribution};
-use crate::workers::share_out;
 use crate::{Outcome, campaign};
 use serde::Serialize;
 
-/// Series of missions by teams that learn what goals are worth, and by teams that do not, on the same seeds.
+/// Series of missions by teams that learn preferences for goals and by teams that do not, on the
+/// same seeds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Learned {
+pub struct LearnedPreferences {
     /// The series of the teams that learn, seed by seed.
     pub learning: Vec<Served>,
     /// Those of the others.
@@ -30,12 +31,12 @@ pub struct Served {
     pub collided: usize,
 }
 
-impl Learned {
+impl LearnedPreferences {
     /// Flies `seeds` series of a scenario with both teams.
     #[must_use]
     pub fn fly(scenario: &Scenario, seeds: u32) -> Self {
         let flown = |learning| {
-            share_out(seeds as usize, None, |seed| {
+            parallel_map(seeds as usize, None, |seed| {
                 let conditions = Conditions { seed: seed as u64, ..Conditions::default() };
                 let series = fly_series(scenario, conditions, learning, &mut ()).expect("a sound scenario");
                 Served::of(scenario, &series)
@@ -77,7 +78,7 @@ impl Served {
         let records = || series.missions.iter().map(|mission| &mission.record);
         let collided = |record| campaign::Score::of(scenario, record).has_collided();
         Self {
-            shares: series.missions.iter().map(crate::series::Mission::share).collect(),
+            shares: series.missions.iter().map(crate::series::SeriesMission::share).collect(),
             ticks: records().map(|record| f64::from(record.last_arrival())).collect(),
             together: records().filter(|record| record.outcome == Outcome::Together).count(),
             collided: records().filter(|record| collided(record)).count(),

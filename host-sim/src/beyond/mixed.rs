@@ -1,15 +1,15 @@
-//! Teams of unlike robots: what it is worth that they know it.
+//! Heterogeneous teams: the benefit of knowing the differences.
 
 use super::score;
 use crate::campaign::Score;
+use crate::parallel::parallel_map;
 use crate::random::{Random, Stream};
 use crate::scenario::Scenario;
 use crate::statistics::{Difference, Distribution, Share};
-use crate::workers::share_out;
 use iibt_core::grid::Cell;
 use serde::Serialize;
 
-/// In what the robots of a team are unlike.
+/// The property in which the robots of a team differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Unlike {
@@ -21,13 +21,13 @@ pub enum Unlike {
     Sensors,
 }
 
-/// A team that knows in what its robots are unlike against one that takes them for equal: missions with starts and goals drawn
-/// anew for each seed on the same map, the same for both.
+/// A team that knows the differences between its robots against one that ignores them: missions
+/// with starts and goals drawn for each seed on the same map, the same for both.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Mixed {
-    /// What is unlike.
+    /// The property that differs.
     pub unlike: Unlike,
-    /// What came of the teams that know, seed by seed.
+    /// The scores of the teams that know, seed by seed.
     #[serde(skip)]
     pub known: Vec<Score>,
     /// The same of those that take their robots for equal.
@@ -60,7 +60,7 @@ impl Mixed {
     pub fn fly(scenario: &Scenario, unlike: Unlike, seeds: u32) -> Self {
         let scenario = unlike.only(scenario);
         let flown = |alike: bool| {
-            share_out(seeds as usize, None, |seed| {
+            parallel_map(seeds as usize, None, |seed| {
                 let mut drawn = drawn(&scenario, seed as u64);
                 drawn.inference.alike = alike;
                 score(&drawn, seed as u64)
@@ -69,7 +69,8 @@ impl Mixed {
         Self { unlike, known: flown(false), alike: flown(true) }
     }
 
-    /// The ticks after which all robots stood at their goals, in the flights of a team that got there.
+    /// The ticks after which all robots stood at their goals, in the flights of a team that got
+    /// there.
     #[must_use]
     pub fn ticks(scores: &[Score]) -> Distribution {
         let done = scores.iter().filter(|score| score.accomplished);

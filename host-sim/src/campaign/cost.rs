@@ -1,7 +1,7 @@
-//! What a tick of a robot costs, in instructions on this machine's processor.
+//! The cost of a robot's tick, in instructions on this machine's processor.
 //!
-//! Counted by callgrind, tick by tick, so a busy machine changes nothing. A tick is all that a robot does in it: it takes in the
-//! frames, finds out where it is, ticks its tree, and writes its frame.
+//! Callgrind counts tick by tick, so a busy machine changes nothing. A tick is all that a robot
+//! does in it: it receives frames, updates its belief, ticks its tree, and writes its frame.
 
 use crate::team::Pilot;
 use serde::Serialize;
@@ -42,7 +42,8 @@ const TICK: [&str; 2] = ["host_sim::flight::act_in_turn", "host_sim::flight::has
 
 /// Flies a scenario once with `program`, which is the simulator itself, under valgrind.
 ///
-/// `program` has to be built with symbols, as every profile of the workspace is. Takes some seconds.
+/// `program` has to be built with symbols, as every profile of the workspace is. Takes some
+/// seconds.
 ///
 /// # Errors
 /// [`NotMeasured`]; without valgrind that is what is to be shown instead of figures.
@@ -69,7 +70,8 @@ pub fn cost(program: &Path, scenario: &str, pilot: Pilot, seed: u64) -> Result<C
 }
 
 impl Cost {
-    /// From callgrind's dumps: each holds the instructions since the one before, and names the function before which it was made.
+    /// From callgrind's dumps: each holds the instructions since the one before, and names the
+    /// function before which it was made.
     fn read(dumps: &str) -> Result<Self, NotMeasured> {
         let mut ends_a_tick = false;
         let mut ticks: Vec<u64> = Vec::new();

@@ -1,32 +1,37 @@
-//! What can go wrong on a mission, drawn from the flight's seed: the same for whoever flies it.
+//! Disturbances of a mission, drawn from the flight's seed and equal for all pilots.
 
 use crate::random::{Random, Stream};
-use crate::scenario::{Effect, Event, Floor, Scenario, When};
+use crate::scenario::{Event, EventEffect, Floor, Scenario, Trigger};
 use iibt_core::grid::{Cell, Move};
 use serde::Serialize;
 
-/// A kind of trouble, added to what a scenario has of its own.
+/// A kind of disturbance, added to the scenario's own events.
+#[doc(alias = "fault injection")]
+#[doc(alias = "robustness")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Disturbance {
     /// None.
     None,
-    /// Every localiser is wrong in 10 % of all readings, and robots that reckon with probabilities know that of their own.
+    /// Every localiser is wrong in 10 % of all readings; the model of a robot with inference has
+    /// this rate for its own.
     Noise,
     /// Every move fails with 10 %.
     Slips,
     /// The radio loses 30 % of all frames.
     Loss,
-    /// Three obstacles appear where ways around them are left. Robots that have lists of paths plan by themselves: an obstacle
-    /// may block all that are listed.
+    /// Three obstacles appear where ways around them are left. Robots that have lists of paths plan
+    /// by themselves: an obstacle may block all that are listed.
     Obstacles,
-    /// One robot's battery falls to 15 %. Where the scenario has no chargers, robots charge where they started.
+    /// One robot's battery falls to 15 %. Where the scenario has no chargers, robots charge where
+    /// they started.
     Battery,
     /// One robot stops for 20 to 39 ticks.
     Pause,
-    /// One robot stops for good: what can be asked of the others is to hurt nobody.
+    /// One robot stops for good; the others must not collide.
     Stop,
-    /// All of them together but the last, with three times the limit: to charge and to stop takes time.
+    /// All of them together but the last, with three times the limit: to charge and to stop takes
+    /// time.
     All,
 }
 
@@ -59,7 +64,7 @@ impl Disturbance {
         Self::All,
     ];
 
-    /// What it is called on the command line.
+    /// Returns the name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -75,13 +80,13 @@ impl Disturbance {
         }
     }
 
-    /// The disturbance with a name, or `None`.
+    /// Returns the disturbance with a name, or `None`.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|disturbance| disturbance.name() == name)
     }
 
-    /// The scenario with this trouble as the seed draws it.
+    /// Returns the scenario with this disturbance drawn from the seed.
     #[must_use]
     pub fn applied(self, scenario: &Scenario, seed: u64) -> Scenario {
         let mut disturbed = scenario.clone();
@@ -113,24 +118,24 @@ impl Disturbance {
                 for robot in &mut scenario.robots {
                     robot.charger.get_or_insert(robot.start);
                 }
-                happen(scenario, random, |robot, _| Effect::Charge(robot, LOW));
+                happen(scenario, random, |robot, _| EventEffect::Charge(robot, LOW));
             }
             Self::Pause => {
                 happen(scenario, random, |robot, random| {
-                    Effect::Stop(robot, Some(20 + random.below(20) as u32))
+                    EventEffect::Stop(robot, Some(20 + random.below(20) as u32))
                 });
             }
-            Self::Stop => happen(scenario, random, |robot, _| Effect::Stop(robot, None)),
+            Self::Stop => happen(scenario, random, |robot, _| EventEffect::Stop(robot, None)),
         }
     }
 }
 
-/// Lets something happen to one robot at a time when the fastest team would be on its way.
-fn happen(scenario: &mut Scenario, random: &mut Random, effect: impl Fn(usize, &mut Random) -> Effect) {
+/// Adds an event for one robot at a tick when the fastest team would be on its way.
+fn happen(scenario: &mut Scenario, random: &mut Random, effect: impl Fn(usize, &mut Random) -> EventEffect) {
     let tick = some_tick(scenario, random);
     let robot = random.below(scenario.robots.len());
     let effect = effect(robot, random);
-    scenario.events.push(Event { when: When::Tick(tick), effect });
+    scenario.events.push(Event { when: Trigger::Tick(tick), effect });
 }
 
 /// A tick at which the fastest team would be on its way.
@@ -143,11 +148,11 @@ fn some_tick(scenario: &Scenario, random: &mut Random) -> u32 {
     1 + random.below(usize::from(nearest.max().unwrap_or(1).max(1))) as u32
 }
 
-/// Lets obstacles appear in cells that nobody needs and without which the rest of the floor still hangs together.
+/// Adds obstacles in cells that no robot needs and that leave the rest of the map connected.
 fn block(scenario: &mut Scenario, random: &mut Random) {
     scenario.robots.iter_mut().for_each(|robot| robot.paths.clear());
     let mut floor = scenario.map;
-    let blocks = |event: &Event| if let Effect::Block(cell) = event.effect { Some(cell) } else { None };
+    let blocks = |event: &Event| if let EventEffect::Block(cell) = event.effect { Some(cell) } else { None };
     scenario.events.iter().filter_map(blocks).for_each(|cell| _ = floor.block(cell));
     let mut left = OBSTACLES;
     // A floor on which no cell can be spared keeps fewer obstacles.
@@ -159,14 +164,14 @@ fn block(scenario: &mut Scenario, random: &mut Random) {
         let blocked = floor.avoiding([cell]);
         if parts(&blocked) <= parts(&floor) {
             let tick = some_tick(scenario, random);
-            scenario.events.push(Event { when: When::Tick(tick), effect: Effect::Block(cell) });
+            scenario.events.push(Event { when: Trigger::Tick(tick), effect: EventEffect::Block(cell) });
             (floor, left) = (blocked, left - 1);
         }
     }
 }
 
 fn is_needed(scenario: &Scenario, cell: Cell) -> bool {
-    let visits = |event: &Event| matches!(event.effect, Effect::Visit(_, at) if at == cell);
+    let visits = |event: &Event| matches!(event.effect, EventEffect::Visit(_, at) if at == cell);
     scenario.goals.contains(&cell)
         || scenario.robots.iter().any(|robot| robot.start == cell || robot.charger == Some(cell))
         || scenario.events.iter().any(visits)
@@ -221,7 +226,7 @@ mod tests {
                     .events
                     .iter()
                     .filter_map(
-                        |event| if let Effect::Block(cell) = event.effect { Some(cell) } else { None },
+                        |event| if let EventEffect::Block(cell) = event.effect { Some(cell) } else { None },
                     )
                     .collect();
                 assert_eq!(disturbed.events.len(), base.events.len() + OBSTACLES, "{name} {seed}");
@@ -236,14 +241,14 @@ mod tests {
     fn all_is_everything_but_a_robot_that_stops_for_good() {
         let all = Disturbance::All.applied(&scenario("factory"), 1);
         assert_eq!((all.radio.loss, all.robots[0].slip, all.robots[2].localiser), (LOSS, SLIP, RIGHT));
-        let has = |wanted: fn(&Effect) -> bool| all.events.iter().any(|event| wanted(&event.effect));
+        let has = |wanted: fn(&EventEffect) -> bool| all.events.iter().any(|event| wanted(&event.effect));
         assert!(
-            has(|effect| matches!(effect, Effect::Charge(..)))
-                && has(|effect| matches!(effect, Effect::Block(_)))
+            has(|effect| matches!(effect, EventEffect::Charge(..)))
+                && has(|effect| matches!(effect, EventEffect::Block(_)))
         );
         assert!(
-            has(|effect| matches!(effect, Effect::Stop(_, Some(_))))
-                && !has(|effect| matches!(effect, Effect::Stop(_, None)))
+            has(|effect| matches!(effect, EventEffect::Stop(_, Some(_))))
+                && !has(|effect| matches!(effect, EventEffect::Stop(_, None)))
         );
     }
 }

@@ -1,6 +1,6 @@
-//! What a campaign keeps of one flight, and of all flights of one kind.
+//! The score of one flight, and the summary of all flights of a kind.
 
-use super::validator::{Faults, Trace};
+use super::validator::{Trace, Violations};
 use crate::record::{Outcome, Record, TOGETHER};
 use crate::scenario::Scenario;
 use crate::statistics::{Difference, Distribution, Share};
@@ -12,9 +12,10 @@ use serde::Serialize;
 pub struct Score {
     /// Its seed.
     pub seed: u64,
-    /// How it ended.
+    /// The outcome.
     pub outcome: Outcome,
-    /// Whether all robots stood at different goals at the end, all way-points visited, without a collision.
+    /// Whether all robots stood at different goals at the end, all way-points visited, without a
+    /// collision.
     pub accomplished: bool,
     /// Whether they also came there at most [`TOGETHER`] ticks apart.
     pub together: bool,
@@ -23,8 +24,9 @@ pub struct Score {
     /// The ticks between the first and the last arrival.
     pub spread: u32,
     /// What the validator found.
-    pub faults: Faults,
-    /// Moves into an obstacle or the border: they leave no trace but on the robot, so the referee counts them.
+    pub faults: Violations,
+    /// Moves into an obstacle or the border: they leave no trace but on the robot, so the referee
+    /// counts them.
     pub bumps: u32,
     /// The frames sent by all robots.
     pub messages: u32,
@@ -35,7 +37,7 @@ pub struct Score {
 }
 
 impl Score {
-    /// What is kept of a flight of this scenario.
+    /// Returns the score of a flight of a scenario.
     #[must_use]
     pub fn of(scenario: &Scenario, record: &Record) -> Self {
         let faults = Trace::of(scenario, record).validate();
@@ -74,7 +76,7 @@ fn in_place(record: &Record) -> u32 {
 /// All flights of one pilot under one disturbance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// What flew.
+    /// The pilot.
     pub pilot: Pilot,
     /// How many flights accomplished the mission.
     pub accomplished: Share,
@@ -83,7 +85,7 @@ pub struct Summary {
     /// How many flights had a collision of any kind.
     pub collided: Share,
     /// What the validator found, in all flights together.
-    pub faults: Faults,
+    pub faults: Violations,
     /// The moves into an obstacle or the border, in all flights together.
     pub bumps: u32,
     /// The ticks that it took, in flights that accomplished the mission.
@@ -99,12 +101,12 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Of these flights.
+    /// Returns the summary of flights.
     #[must_use]
     pub fn of(pilot: Pilot, scores: &[Score]) -> Self {
         let done = || scores.iter().filter(|score| score.accomplished);
         let over = |value: fn(&Score) -> u32| Distribution::of(done().map(|score| f64::from(value(score))));
-        let faults = scores.iter().fold(Faults::default(), |sum, score| Faults {
+        let faults = scores.iter().fold(Violations::default(), |sum, score| Violations {
             shared: sum.shared + score.faults.shared,
             swapped: sum.swapped + score.faults.swapped,
             blocked: sum.blocked + score.faults.blocked,
@@ -133,7 +135,8 @@ pub struct Comparison {
     pub pilots: [Pilot; 2],
     /// Missions accomplished, per flight.
     pub accomplished: Difference,
-    /// Flights that brought the robots there together, in pairs of which both accomplished the mission.
+    /// Flights that brought the robots there together, in pairs of which both accomplished the
+    /// mission.
     pub together: Difference,
     /// Ticks, in the same pairs.
     pub ticks: Difference,
@@ -144,7 +147,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Of flights with the same seeds in the same order.
+    /// Compares flights with the same seeds in the same order.
     #[must_use]
     pub fn of(pilots: [Pilot; 2], first: &[Score], second: &[Score]) -> Self {
         let pairs = || first.iter().zip(second);

@@ -1,11 +1,12 @@
 //! A campaign's report as a table for people.
 
-use super::{Comparison, Report, Row, Summary};
+use super::{CampaignReport, CampaignRow, Comparison, Summary};
 use crate::statistics::{Difference, Distribution, Share};
-use crate::words::counted;
+use crate::text::counted;
 
-impl Report {
-    /// This as a table: a line for each disturbance and pilot, and one that compares the first two.
+impl CampaignReport {
+    /// Returns a table with a line for each disturbance and pilot, and one that compares the first
+    /// two.
     #[must_use]
     pub fn table(&self) -> String {
         let mut text = format!("{}, {} each\n\n", self.scenario, counted(self.seeds, "seed"));
@@ -29,7 +30,7 @@ impl Report {
     }
 }
 
-impl Row {
+impl CampaignRow {
     fn lines(&self) -> String {
         let mut text = String::new();
         for (index, summary) in self.summaries.iter().enumerate() {

@@ -1,9 +1,9 @@
-//! The validator: judges a flight from where the robots were, and from nothing else.
+//! The validator: judges a flight from the robots' positions only.
 //!
-//! It knows the drawn map, the obstacles that appeared, and the cells of all robots after every tick, all as plain numbers, and
-//! shares no code with the robots, their planner or the referee.
+//! It knows the drawn map, the obstacles that appeared, and the cells of all robots after every
+//! tick, all as plain numbers, and shares no code with the robots, their planner or the referee.
 
-use crate::news::News;
+use crate::flight_event::FlightEvent;
 use crate::record::Record;
 use crate::scenario::Scenario;
 use serde::Serialize;
@@ -21,10 +21,10 @@ pub struct Trace {
     pub history: Vec<Vec<usize>>,
 }
 
-/// What must not happen, counted.
+/// The counts of violations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Faults {
-    /// Pairs of robots in the same cell, in every tick anew.
+pub struct Violations {
+    /// Pairs of robots in the same cell, counted in every tick.
     pub shared: u32,
     /// Pairs of robots that exchanged their cells.
     pub swapped: u32,
@@ -34,8 +34,8 @@ pub struct Faults {
     pub jumps: u32,
 }
 
-impl Faults {
-    /// All of them.
+impl Violations {
+    /// Returns the number of all violations.
     #[must_use]
     pub const fn total(&self) -> u32 {
         self.shared + self.swapped + self.blocked + self.jumps
@@ -43,12 +43,12 @@ impl Faults {
 }
 
 impl Trace {
-    /// What a flight of a scenario has left behind.
+    /// Returns the trace of a flight of a scenario.
     #[must_use]
     pub fn of(scenario: &Scenario, record: &Record) -> Self {
         let cells = usize::from(record.width) * usize::from(record.height);
-        let appeared = record.news.iter().filter_map(|dated| match dated.news {
-            News::Appeared { cell } => Some((dated.tick as usize, usize::from(cell.0))),
+        let appeared = record.events.iter().filter_map(|timed| match timed.event {
+            FlightEvent::Appeared { cell } => Some((timed.tick as usize, usize::from(cell.0))),
             _ => None,
         });
         Self {
@@ -67,8 +67,8 @@ impl Trace {
 
     /// Judges the flight.
     #[must_use]
-    pub fn validate(&self) -> Faults {
-        let mut faults = Faults::default();
+    pub fn validate(&self) -> Violations {
+        let mut faults = Violations::default();
         for (tick, cells) in self.history.iter().enumerate() {
             faults.shared += count_shared(cells);
             if let Some(before) = tick.checked_sub(1).and_then(|before| self.history.get(before)) {
@@ -80,7 +80,7 @@ impl Trace {
         faults
     }
 
-    fn judge_moves(&self, tick: usize, before: &[usize], after: &[usize], faults: &mut Faults) {
+    fn judge_moves(&self, tick: usize, before: &[usize], after: &[usize], faults: &mut Violations) {
         let moves: Vec<(usize, usize)> = before.iter().copied().zip(after.iter().copied()).collect();
         for (index, &(from, to)) in moves.iter().enumerate() {
             faults.jumps += u32::from(!self.is_step(from, to));
@@ -97,7 +97,7 @@ impl Trace {
         columns + rows <= 1
     }
 
-    /// Whether nobody may enter a cell in this tick.
+    /// Returns whether a cell is blocked in this tick.
     fn is_blocked(&self, tick: usize, cell: usize) -> bool {
         let stood_from_the_first = self.blocked.get(cell).copied().unwrap_or(true);
         stood_from_the_first || self.appeared.iter().any(|&(from, at)| at == cell && from <= tick)
@@ -117,7 +117,8 @@ fn count_shared(cells: &[usize]) -> u32 {
 mod tests {
     use super::*;
 
-    /// A flight over a 4 x 3 floor on which cell 5 is blocked and an obstacle appears in cell 6 with tick 2.
+    /// A flight over a 4 x 3 floor on which cell 5 is blocked and an obstacle appears in cell 6
+    /// with tick 2.
     fn judged(history: &[&[usize]]) -> [u32; 4] {
         let mut blocked = vec![false; 12];
         blocked[5] = true;

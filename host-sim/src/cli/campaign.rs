@@ -14,7 +14,7 @@ Examples:
   host-sim campaign warehouse --disturbance loss --seeds 2000
   host-sim campaign factory --tree inference --json | jq '.rows[].summaries[0].accomplished'
 
-Disturbances, drawn from the seed and the same for both trees:
+DisturbanceList, drawn from the seed and the same for both trees:
   none       the scenario as it is
   noise      localisers are wrong in 10 % of all readings
   slips      moves fail with 10 %
@@ -39,11 +39,11 @@ pub(super) struct FlyMany {
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: u32,
     /// What flies the robots
-    #[arg(long, value_name = "TREE", value_enum, default_value_t = Trees::Both)]
-    tree: Trees,
+    #[arg(long, value_name = "TREE", value_enum, default_value_t = CampaignTrees::Both)]
+    tree: CampaignTrees,
     /// What goes wrong; `every` takes them one after the other
     #[arg(long, value_name = "NAME", default_value = "every", value_parser = disturbances)]
-    disturbance: Disturbances,
+    disturbance: DisturbanceList,
     /// How many threads fly; the figures do not depend on it
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -53,7 +53,7 @@ pub(super) struct FlyMany {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Trees {
+enum CampaignTrees {
     /// The inference node and the conventional tree of figure 8
     Both,
     /// The firmware's tree, with one inference node
@@ -65,7 +65,7 @@ enum Trees {
     Figure5,
 }
 
-impl Trees {
+impl CampaignTrees {
     fn pilots(self) -> Vec<Pilot> {
         match self {
             Self::Both => vec![Pilot::Inference, Pilot::Conventional],
@@ -77,13 +77,13 @@ impl Trees {
 }
 
 #[derive(Clone, Debug)]
-struct Disturbances(Vec<Disturbance>);
+struct DisturbanceList(Vec<Disturbance>);
 
-fn disturbances(name: &str) -> Result<Disturbances, String> {
+fn disturbances(name: &str) -> Result<DisturbanceList, String> {
     if name == "every" {
-        return Ok(Disturbances(Disturbance::ALL.to_vec()));
+        return Ok(DisturbanceList(Disturbance::ALL.to_vec()));
     }
-    Disturbance::find(name).map(|one| Disturbances(vec![one])).ok_or_else(|| {
+    Disturbance::find(name).map(|one| DisturbanceList(vec![one])).ok_or_else(|| {
         let names = Disturbance::ALL.map(Disturbance::name).join(", ");
         format!("there are every, {names}")
     })
@@ -115,7 +115,7 @@ impl FlyMany {
 impl FlyMany {
     /// A task file at several levels of wrong readings and failed actions.
     fn fly_task(&self, text: &str) -> Result<ExitCode, Failure> {
-        if self.tree != Trees::Both || self.disturbance.0.len() != Disturbance::ALL.len() {
+        if self.tree != CampaignTrees::Both || self.disturbance.0.len() != Disturbance::ALL.len() {
             let name = &self.scenario;
             return Err(format!(
                 "{name}: a task is flown at several levels of noise, without --tree and --disturbance"
@@ -126,11 +126,12 @@ impl FlyMany {
     }
 }
 
-/// Tells how far it is: a line that is written over on a terminal, else one for every tenth of the flights.
+/// Tells how far it is: a line that is written over on a terminal, else one for every tenth of the
+/// flights.
 fn tell(done: usize, flights: usize) {
     let mut stderr = io::stderr();
     let step = (flights / 10).max(1);
-    // Nobody has to listen.
+    // A closed terminal does not stop a campaign.
     let _ = if stderr.is_terminal() {
         if !done.is_multiple_of(10) && done < flights {
             return;

@@ -3,7 +3,7 @@
 use super::{Failure, NOT_ACCOMPLISHED, print, probability};
 use clap::{Args, ValueEnum};
 use host_sim::manipulation::{
-    Campaign, Compared, Detail, Disturbances, Findings, Terms, Trees, Trust, compare, narrate, run,
+    CampaignRuns, Compared, Detail, Disturbances, Findings, Terms, Trees, Trust, compare, narrate, run,
 };
 use host_sim::manipulation::{Order, Preset};
 use host_sim::statistics::{Distribution, Share};
@@ -66,7 +66,8 @@ pub(super) struct Manipulate {
     /// Run this many seeds from --seed on, and print rates and means only
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: Option<u32>,
-    /// Run inference and conventional trees with the same --seeds seeds, 1000 unless given, at several levels of disturbance
+    /// Run inference and conventional trees with the same --seeds seeds, 1000 unless given, at
+    /// several levels of disturbance
     #[arg(long, conflicts_with_all = ["tree", "grasps", "readings", "moves", "placings", "loss", "preset", "sensor",
         "together", "equal", "belief"])]
     compare: bool,
@@ -124,7 +125,7 @@ impl Manipulate {
 
     fn campaign(&self, seeds: u32) -> Result<bool, Failure> {
         let terms = self.terms();
-        let findings = Campaign { terms, seeds }.run(None)?;
+        let findings = CampaignRuns { terms, seeds }.run(None)?;
         let (trees, disturbances) = (terms.trees, terms.disturbances);
         let text = if self.json {
             serde_json::to_string(&Campaigned { trees, disturbances, seeds, findings })? + "\n"

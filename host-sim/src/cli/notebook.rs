@@ -2,7 +2,7 @@
 
 use super::{Failure, print};
 use clap::Args;
-use host_sim::notebook::{Beliefs, Convention, Forms, Notebook, Progress, Run};
+use host_sim::notebook::{Beliefs, Convention, Forms, InferenceProgress, InferenceRun, Notebook};
 use std::fs::File;
 use std::io::{self, IsTerminal, Read};
 use std::time::{Duration, Instant};
@@ -80,7 +80,8 @@ impl Infer {
         if let Some(gamma) = self.gamma {
             notebook = notebook.with_precision(gamma)?;
         }
-        let run = Run { convention: self.convention, beliefs: self.beliefs, forms: forms(self.dense) };
+        let run =
+            InferenceRun { convention: self.convention, beliefs: self.beliefs, forms: forms(self.dense) };
         let report = notebook.infer(run, &mut teller())?;
         for (number, step) in report.result.steps().iter().enumerate() {
             if let Some(impossible) = &step.impossible {
@@ -121,14 +122,14 @@ fn read(name: &str) -> Result<Notebook, Failure> {
     Ok(Notebook::read(name, &bytes)?)
 }
 
-/// Tells somebody who watches how far a long run is.
-fn teller() -> impl FnMut(Progress) + Send {
+/// Shows the progress of a long run on a terminal.
+fn teller() -> impl FnMut(InferenceProgress) + Send {
     let mut last = Instant::now();
     let watched = io::stderr().is_terminal();
     move |progress| {
         if watched && last.elapsed() >= PATIENCE {
             last = Instant::now();
-            let Progress { step, steps, policy, policies } = progress;
+            let InferenceProgress { step, steps, policy, policies } = progress;
             eprintln!("observation {} of {steps}, policy {policy} of {policies}", step + 1);
         }
     }

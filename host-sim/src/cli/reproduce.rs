@@ -2,7 +2,7 @@
 
 use super::{Failure, NOT_ACCOMPLISHED, print, size_of_screen};
 use clap::Args;
-use host_sim::reproduce::{self, CHAPTERS, Chapter, Effort, Run, Section};
+use host_sim::reproduce::{self, CHAPTERS, Chapter, Effort, Reproduction, Section};
 use std::fs;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -71,7 +71,7 @@ fn run(chapter: &Chapter, effort: Effort) -> Section {
     if !terminal {
         say(format!("{title}\n"));
     }
-    let section = chapter.run(&Run::new(effort, &|done, all| {
+    let section = chapter.run(&Reproduction::new(effort, &|done, all| {
         if terminal {
             say(format!("\r\x1b[K{title}, {done} of {all}"));
         }

@@ -1,6 +1,6 @@
 //! Task files under the verbs that take scenarios and models.
 
-use super::{Failure, FlownTree, MAX_BYTES, NOT_ACCOMPLISHED, Run, print, read_up_to};
+use super::{Failure, FlownTree, MAX_BYTES, NOT_ACCOMPLISHED, RunArgs, print, read_up_to};
 use bumpalo::Bump;
 use host_sim::task::{TableMission, Trouble, built_in, is_task, level_table};
 use std::num::NonZeroUsize;
@@ -25,7 +25,7 @@ pub(super) fn title(name: &str) -> Result<String, Failure> {
     Ok(TableMission::parse(&arena, name, built_in(name).unwrap_or_default())?.title)
 }
 
-pub(super) fn run(of: &Run, text: &str) -> Result<ExitCode, Failure> {
+pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
     let name = &of.scenario;
     if of.tree != FlownTree::default() || of.log.is_some() {
         return Err(format!("{name}: a task has neither another --tree nor a --log of moves").into());

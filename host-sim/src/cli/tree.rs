@@ -123,33 +123,33 @@ Exit status:
 #[command(after_help = TREE_HELP, arg_required_else_help = true)]
 pub(super) struct Tree {
     #[command(subcommand)]
-    verb: Verb,
+    verb: TreeVerb,
 }
 
 #[derive(Subcommand, Debug, PartialEq)]
-enum Verb {
+enum TreeVerb {
     /// Find what is wrong with a tree file
     #[command(after_help = CHECK_HELP)]
-    Check(Source),
+    Check(TreeSource),
     /// Show a tree as text or as a graph, and count its nodes
     #[command(after_help = SHOW_HELP)]
-    Show(Show),
+    Show(TreeShowArgs),
     /// Write a tree as Rust source: a table for firmware
     #[command(after_help = CODEGEN_HELP)]
-    Codegen(Source),
+    Codegen(TreeSource),
     /// Write a tree as compact XML with models
     #[command(after_help = EXPORT_HELP)]
-    Export(Source),
+    Export(TreeSource),
     /// Tick a tree whose leaves play scripts
     #[command(after_help = RUN_HELP)]
-    Run(Run),
+    Run(TreeRunArgs),
     /// Turn what a robot has logged into a log for Groot2 or a page
     #[command(after_help = REPLAY_HELP)]
     Replay(Replay),
 }
 
 #[derive(Args, Debug, PartialEq)]
-struct Source {
+struct TreeSource {
     /// A tree file, or the name of a built-in tree
     #[arg(value_name = "FILE.xml|NAME")]
     source: String,
@@ -159,18 +159,18 @@ struct Source {
 }
 
 #[derive(Args, Debug, PartialEq)]
-struct Show {
+struct TreeShowArgs {
     #[command(flatten)]
-    source: Source,
+    source: TreeSource,
     /// A graph for Graphviz in place of the text
     #[arg(long)]
     dot: bool,
 }
 
 #[derive(Args, Debug, PartialEq)]
-struct Run {
+struct TreeRunArgs {
     #[command(flatten)]
-    source: Source,
+    source: TreeSource,
     /// How many ticks
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     ticks: u32,
@@ -196,7 +196,7 @@ struct Run {
 #[derive(Args, Debug, PartialEq)]
 struct Replay {
     #[command(flatten)]
-    source: Source,
+    source: TreeSource,
     /// The records of a robot
     #[arg(value_name = "RECORDS")]
     records: PathBuf,
@@ -225,17 +225,19 @@ enum HowOften {
 impl Tree {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
         match &self.verb {
-            Verb::Check(source) => source.check(),
-            Verb::Show(show) => show.run(),
-            Verb::Codegen(source) => source.print(|instance| instance.codegen().map_err(|error| vec![error])),
-            Verb::Export(source) => source.export(),
-            Verb::Run(run) => run.run(),
-            Verb::Replay(replay) => replay.run(),
+            TreeVerb::Check(source) => source.check(),
+            TreeVerb::Show(show) => show.run(),
+            TreeVerb::Codegen(source) => {
+                source.print(|instance| instance.codegen().map_err(|error| vec![error]))
+            }
+            TreeVerb::Export(source) => source.export(),
+            TreeVerb::Run(run) => run.run(),
+            TreeVerb::Replay(replay) => replay.run(),
         }
     }
 }
 
-impl Source {
+impl TreeSource {
     fn load(&self, leaves: &[String]) -> Result<Document, LoadError> {
         if let Some(document) = library::find(&self.source) {
             return Ok(document?);
@@ -308,13 +310,13 @@ impl Source {
     }
 }
 
-impl Show {
+impl TreeShowArgs {
     fn run(&self) -> Result<ExitCode, Failure> {
         self.source.print(|instance| Ok(if self.dot { instance.dot() } else { instance.outline() }))
     }
 }
 
-impl Run {
+impl TreeRunArgs {
     fn run(&self) -> Result<ExitCode, Failure> {
         let names: Vec<_> = self.leaves.iter().map(|(name, _)| name.clone()).collect();
         let instance = match self.source.instance(&names)? {
@@ -486,7 +488,7 @@ mod tests {
         let leaves =
             "run t21 --ticks 3 --leaf a=b=SF --leaf c=R --mode once --tick-ms 0 --halt-after 2 --compat";
         assert!(
-            matches!(parse(leaves).unwrap().verb, Verb::Run(run) if run.leaves[0].0 == "a=b" && run.leaves.len() == 2)
+            matches!(parse(leaves).unwrap().verb, TreeVerb::Run(run) if run.leaves[0].0 == "a=b" && run.leaves.len() == 2)
         );
     }
 }

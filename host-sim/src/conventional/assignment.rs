@@ -1,4 +1,5 @@
-//! Which goal is whose: Min(Sum(Policy 1, Policy 2)) of the paper's figure 8, for any number of robots.
+//! The assignment of goals: Min(Sum(Policy 1, Policy 2)) of the paper's figure 8, for any number of
+//! robots.
 
 use iibt_core::navigation::MAX_GOALS;
 use iibt_core::team::MAX_TEAM;
@@ -16,14 +17,16 @@ struct Search<'m> {
     robots: usize,
     goals: usize,
     chosen: [usize; MAX_TEAM],
-    best: Option<(Cost, [usize; MAX_TEAM])>,
+    best: Option<(AssignmentCost, [usize; MAX_TEAM])>,
 }
 
-/// The sum of all moves, then the longest way: of two equal sums, the one that brings the team together earlier.
-type Cost = (u32, u32);
+/// The sum of all moves, then the longest way: of two equal sums, the one that brings the team
+/// together earlier.
+type AssignmentCost = (u32, u32);
 
-/// The goal of each robot, by its index, so that the sum of the moves is least; of equal ones that with the shorter longest
-/// way, then the first. Robots that are `settled` keep the goal they have. `None` when there are more robots than goals.
+/// The goal of each robot, by its index, so that the sum of the moves is least; of equal ones that
+/// with the shorter longest way, then the first. Robots that are `settled` keep the goal they have.
+/// `None` when there are more robots than goals.
 ///
 /// Cost: at most the number of assignments, pruned where a sum is larger than the least so far.
 pub(super) fn least_sum(
@@ -38,7 +41,7 @@ pub(super) fn least_sum(
 }
 
 impl Search<'_> {
-    fn assign(&mut self, robot: usize, cost: Cost) {
+    fn assign(&mut self, robot: usize, cost: AssignmentCost) {
         if self.best.is_some_and(|(best, _)| cost >= best) {
             return;
         }

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 /// What a leaf of a conventional tree asks or does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Skill {
+pub(super) enum ConventionalLeaf {
     /// There is charge enough to go on.
     BatteryEnough,
     /// Every robot stands on a goal of its own.
@@ -41,19 +41,19 @@ pub(super) enum Choice {
 
 /// Which conventional tree a robot ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Figure {
+pub(crate) enum ConventionalTree {
     /// Figure 5(a): two robots, two goals.
     Five,
     /// Figure 8, table 3.
     Eight,
 }
 
-static FIVE: LazyLock<BoundTree<Skill>> = LazyLock::new(|| built_in("figure-5-classical"));
-static EIGHT: LazyLock<BoundTree<Skill>> = LazyLock::new(|| built_in("figure-8-classical"));
+static FIVE: LazyLock<BoundTree<ConventionalLeaf>> = LazyLock::new(|| built_in("figure-5-classical"));
+static EIGHT: LazyLock<BoundTree<ConventionalLeaf>> = LazyLock::new(|| built_in("figure-8-classical"));
 
-impl Figure {
+impl ConventionalTree {
     /// The tree of the file, bound once for all robots.
-    pub(super) fn tree(self) -> &'static BoundTree<Skill> {
+    pub(super) fn tree(self) -> &'static BoundTree<ConventionalLeaf> {
         match self {
             Self::Five => &FIVE,
             Self::Eight => &EIGHT,
@@ -61,34 +61,34 @@ impl Figure {
     }
 }
 
-fn built_in(file: &str) -> BoundTree<Skill> {
+fn built_in(file: &str) -> BoundTree<ConventionalLeaf> {
     bind(file).unwrap_or_else(|reason| unreachable!("{file} is built in, but {reason}"))
 }
 
-fn bind(file: &str) -> Result<BoundTree<Skill>, Diagnostic> {
-    library::instance(file).unwrap_or_else(|| unreachable!("{file} is built in"))?.bind(Skill::of)
+fn bind(file: &str) -> Result<BoundTree<ConventionalLeaf>, Diagnostic> {
+    library::instance(file).unwrap_or_else(|| unreachable!("{file} is built in"))?.bind(ConventionalLeaf::of)
 }
 
-fn skill(kind: &str, port: &str) -> Option<Skill> {
+fn skill(kind: &str, port: &str) -> Option<ConventionalLeaf> {
     Some(match (kind, port) {
-        ("BatteryEnough", "") => Skill::BatteryEnough,
-        ("AllArrived", "") => Skill::AllArrived,
-        ("OneArrived", "") => Skill::OneArrived,
-        ("ObstacleExists", "") => Skill::ObstacleExists,
-        ("WayPointsExist", "") => Skill::WayPointsExist,
-        ("SmallestSum", "") => Skill::SmallestSum,
-        ("FirstGoalNearer", "") => Skill::FirstGoalNearer,
-        ("JointArrival", "") => Skill::JointArrival,
-        ("MoveToCharger", "") => Skill::MoveToCharger,
-        ("ConstructPolicy", "obstacle") => Skill::AroundObstacle,
-        ("ConstructPolicy", "way points") => Skill::ByWayPoints,
-        ("MoveTo", "goal1") => Skill::MoveTo(Choice::First),
-        ("MoveTo", "goal2") => Skill::MoveTo(Choice::Second),
+        ("BatteryEnough", "") => ConventionalLeaf::BatteryEnough,
+        ("AllArrived", "") => ConventionalLeaf::AllArrived,
+        ("OneArrived", "") => ConventionalLeaf::OneArrived,
+        ("ObstacleExists", "") => ConventionalLeaf::ObstacleExists,
+        ("WayPointsExist", "") => ConventionalLeaf::WayPointsExist,
+        ("SmallestSum", "") => ConventionalLeaf::SmallestSum,
+        ("FirstGoalNearer", "") => ConventionalLeaf::FirstGoalNearer,
+        ("JointArrival", "") => ConventionalLeaf::JointArrival,
+        ("MoveToCharger", "") => ConventionalLeaf::MoveToCharger,
+        ("ConstructPolicy", "obstacle") => ConventionalLeaf::AroundObstacle,
+        ("ConstructPolicy", "way points") => ConventionalLeaf::ByWayPoints,
+        ("MoveTo", "goal1") => ConventionalLeaf::MoveTo(Choice::First),
+        ("MoveTo", "goal2") => ConventionalLeaf::MoveTo(Choice::Second),
         _ => return None,
     })
 }
 
-impl Skill {
+impl ConventionalLeaf {
     fn of(leaf: &LeafNode) -> Result<Self, String> {
         let port = leaf.ports.first().map_or("", |(_, value)| value.as_str());
         skill(&leaf.kind, port).ok_or_else(|| format!("no skill is called {} {port}", leaf.kind))
@@ -121,12 +121,17 @@ mod tests {
 
     #[test]
     fn every_leaf_of_the_figures_has_its_skill() {
-        let leaves =
-            |figure: Figure| figure.tree().by_ref().nodes().filter(|node| node.children().is_none()).count();
-        assert_eq!((leaves(Figure::Five), Figure::Five.tree().len()), (6, 9));
-        assert_eq!((leaves(Figure::Eight), Figure::Eight.tree().len()), (12, 21));
+        let leaves = |figure: ConventionalTree| {
+            figure.tree().by_ref().nodes().filter(|node| node.children().is_none()).count()
+        };
+        assert_eq!((leaves(ConventionalTree::Five), ConventionalTree::Five.tree().len()), (6, 9));
+        assert_eq!((leaves(ConventionalTree::Eight), ConventionalTree::Eight.tree().len()), (12, 21));
         assert!(
-            Figure::Eight.tree().by_ref().nodes().any(|node| *node == Node::Action(Skill::MoveToCharger))
+            ConventionalTree::Eight
+                .tree()
+                .by_ref()
+                .nodes()
+                .any(|node| *node == Node::Action(ConventionalLeaf::MoveToCharger))
         );
         assert_eq!(skill("MoveTo", "goal3"), None);
     }

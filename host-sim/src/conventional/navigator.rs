@@ -1,9 +1,9 @@
-//! What a conventional robot knows and decides: what stands behind the leaves of its tree.
+//! The state of a conventional robot and the conditions and actions of its leaves.
 
 use super::assignment::{Moves, least_sum};
-use super::leaves::{Choice, Skill};
+use super::leaves::{Choice, ConventionalLeaf};
 use super::position::Position;
-use super::route::{Errand, Router, is_in_the_way};
+use super::route::{RouteRequest, Router, is_in_the_way};
 use super::teammate::{Rank, Teammate};
 use heapless::Vec;
 use iibt_core::grid::{Cell, Map, Move, Path};
@@ -22,7 +22,8 @@ pub(super) struct Orders<const W: usize> {
     pub(super) charger: Option<Cell>,
     pub(super) low_battery: u8,
     pub(super) charged: u8,
-    /// Whether the goals are the scenario's, in their order, or the first is what the assignment gives.
+    /// Whether the goals are the scenario's, in their order, or the first is what the assignment
+    /// gives.
     pub(super) has_fixed_goals: bool,
 }
 
@@ -30,7 +31,7 @@ pub(super) struct Orders<const W: usize> {
 #[derive(Clone, Debug)]
 pub(super) struct Navigator<const S: usize, const W: usize> {
     orders: Orders<W>,
-    /// The map with the obstacles in mind.
+    /// The map with the known obstacles.
     floor: Map<W>,
     pub(super) hazards: Vec<Cell, MAX_KNOWN_HAZARDS>,
     pub(super) position: Position,
@@ -38,7 +39,7 @@ pub(super) struct Navigator<const S: usize, const W: usize> {
     pub(super) team: Vec<Teammate, MAX_TEAM>,
     pub(super) waypoints: Vec<Cell, MAX_WAYPOINTS>,
     choices: [Option<Cell>; 2],
-    /// Whether the goals are to be assigned anew.
+    /// Whether the assignment of goals is outdated.
     is_stale: bool,
     pub(super) goal: Option<Cell>,
     pub(super) path: Path,
@@ -53,7 +54,7 @@ pub(super) struct Navigator<const S: usize, const W: usize> {
     /// The cells that it has announced to enter next.
     promised: [Option<Cell>; 2],
     router: Router<S, W>,
-    pub(super) last: Option<Skill>,
+    pub(super) last: Option<ConventionalLeaf>,
 }
 
 impl<const S: usize, const W: usize> Navigator<S, W> {
@@ -106,7 +107,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         }
     }
 
-    /// Takes an obstacle into mind, while there is room.
+    /// Remembers an obstacle, while there is room.
     pub(super) fn notice(&mut self, hazard: Cell) {
         let is_news = self.orders.map.is_free(hazard) && self.floor.is_free(hazard);
         if is_news && hazard != self.position.last() && self.hazards.push(hazard).is_ok() {
@@ -122,37 +123,37 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
     }
 
     /// Whether a condition holds.
-    pub(super) fn holds(&mut self, skill: Skill) -> bool {
+    pub(super) fn holds(&mut self, skill: ConventionalLeaf) -> bool {
         match skill {
-            Skill::BatteryEnough => self.charge >= self.orders.low_battery,
-            Skill::AllArrived => {
+            ConventionalLeaf::BatteryEnough => self.charge >= self.orders.low_battery,
+            ConventionalLeaf::AllArrived => {
                 self.has_arrived() && self.team.iter().all(|mate| mate.stage == Stage::Arrived)
             }
-            Skill::OneArrived => self.stands_on_a_goal(),
-            Skill::ObstacleExists if self.orders.has_fixed_goals => self.is_blocked(&self.rest()),
-            Skill::ObstacleExists => self.is_obstructed(),
-            Skill::WayPointsExist => !self.waypoints.is_empty(),
-            Skill::SmallestSum => {
+            ConventionalLeaf::OneArrived => self.stands_on_a_goal(),
+            ConventionalLeaf::ObstacleExists if self.orders.has_fixed_goals => self.is_blocked(&self.rest()),
+            ConventionalLeaf::ObstacleExists => self.is_obstructed(),
+            ConventionalLeaf::WayPointsExist => !self.waypoints.is_empty(),
+            ConventionalLeaf::SmallestSum => {
                 self.decide();
                 self.choices[0].is_some()
             }
-            Skill::FirstGoalNearer => self.is_first_nearer(),
-            Skill::JointArrival => self.may_arrive(),
+            ConventionalLeaf::FirstGoalNearer => self.is_first_nearer(),
+            ConventionalLeaf::JointArrival => self.may_arrive(),
             _ => false,
         }
     }
 
     /// Does an action for this tick.
-    pub(super) fn perform(&mut self, skill: Skill) -> Status {
+    pub(super) fn perform(&mut self, skill: ConventionalLeaf) -> Status {
         self.last = Some(skill);
         match skill {
-            Skill::AroundObstacle | Skill::ByWayPoints => {
+            ConventionalLeaf::AroundObstacle | ConventionalLeaf::ByWayPoints => {
                 self.decide();
                 self.choices[0].is_some_and(|goal| self.is_led_to(goal) || self.construct(goal)).into()
             }
-            Skill::MoveTo(Choice::First) => self.go_to(self.choices[0]),
-            Skill::MoveTo(Choice::Second) => self.go_to(self.choices[1]),
-            Skill::MoveToCharger => self.recharge(),
+            ConventionalLeaf::MoveTo(Choice::First) => self.go_to(self.choices[0]),
+            ConventionalLeaf::MoveTo(Choice::Second) => self.go_to(self.choices[1]),
+            ConventionalLeaf::MoveToCharger => self.recharge(),
             _ => Status::Failure,
         }
     }
@@ -187,7 +188,8 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         }
     }
 
-    /// Whether a move leads to a free cell that was announced and that no teammate can be in or has the right to.
+    /// Whether a move leads to a free cell that was announced and that no teammate can be in or has
+    /// the right to.
     fn is_safe(&self, step: Move) -> bool {
         let Some(here) = self.position.here() else { return false };
         let target = self.orders.map.neighbour(here, step);
@@ -239,7 +241,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         rest.cells(&self.orders.map).skip(1).any(|cell| !self.floor.is_free(cell))
     }
 
-    /// Assigns the goals anew where that is called for.
+    /// Assigns the goals if the assignment is outdated.
     fn decide(&mut self) {
         let is_taken = self.choices[0].is_none_or(|goal| self.is_claimed(goal));
         if (self.is_stale || is_taken) && !self.orders.has_fixed_goals {
@@ -266,7 +268,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         self.choices = [first, second.map(|(_, index)| index)].map(|index| goals.get(index?).copied());
     }
 
-    /// The moves from every robot's cell to every goal, around the obstacles in mind.
+    /// Returns the moves from every robot's cell to every goal, around the known obstacles.
     fn moves(&mut self) -> Moves {
         let mut moves: Moves = [[None; MAX_GOALS]; MAX_TEAM];
         let own = (self.orders.robot, self.position.last());
@@ -286,7 +288,8 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         first <= second && first < u16::MAX
     }
 
-    /// Whether the policy leads to a goal, by the next way-point, past everything that is known, and no sooner than the team.
+    /// Whether the policy leads to a goal, by the next way-point, past everything that is known,
+    /// and no sooner than the team.
     fn is_led_to(&self, goal: Cell) -> bool {
         let rest = self.rest();
         let is_due = |&via: &Cell| rest.cells(&self.orders.map).any(|cell| cell == via);
@@ -300,8 +303,8 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
     fn construct(&mut self, goal: Cell) -> bool {
         let Some(from) = self.position.here() else { return true };
         let (pace, via) = (self.pace(), self.waypoints.first().copied());
-        let errand = Errand { rank: self.rank(), from, via, goal, pace };
-        let Some(path) = self.router.construct(&self.floor, &self.team, errand) else { return false };
+        let request = RouteRequest { rank: self.rank(), from, via, goal, pace };
+        let Some(path) = self.router.construct(&self.floor, &self.team, request) else { return false };
         (self.path, self.step, self.goal, self.is_new) = (path, 0, Some(goal), true);
         true
     }
@@ -328,8 +331,9 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         self.proposal = self.path.actions.get(self.step).and_then(Move::from_code).filter(|_| is_here);
     }
 
-    /// Whether the next move is not the last one, or the whole team is about to make its last one too; or the robot would keep
-    /// somebody waiting who can only pass where it stands.
+    /// Returns whether the robot may make its next move: it is not the last one, the whole team is
+    /// about to make its last one too, or a teammate waits that can only pass through this robot's
+    /// cell.
     fn may_arrive(&self) -> bool {
         let is_last =
             self.proposal.is_some_and(|step| step != Move::Wait) && self.step + 1 == self.path.len();
@@ -340,7 +344,8 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         !is_last || self.team.iter().all(ready) || self.team.iter().any(wants_to_pass)
     }
 
-    /// Drives to the charger and stays there, or where it stands if it has none, until it is charged.
+    /// Drives to the charger and stays there, or where it stands if it has none, until it is
+    /// charged.
     fn recharge(&mut self) -> Status {
         self.recharging = self.charge < self.orders.charged;
         if !self.recharging {
@@ -354,8 +359,8 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
             (self.path, self.step) = (Path::at(here), 0);
         }
         if here != charger && self.rest().is_empty() {
-            let errand = Errand { rank: self.rank(), from: here, via: None, goal: charger, pace: 0 };
-            if let Some(path) = self.router.construct(&self.floor, &self.team, errand) {
+            let request = RouteRequest { rank: self.rank(), from: here, via: None, goal: charger, pace: 0 };
+            if let Some(path) = self.router.construct(&self.floor, &self.team, request) {
                 self.path = path;
             }
         }

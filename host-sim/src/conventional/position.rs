@@ -1,8 +1,9 @@
-//! Where the robot is: its last certain cell, the move under way, and which readings are believed.
+//! The position of a robot without a belief: its last certain cell, the move under way, and the
+//! readings it accepts.
 //!
-//! A reading is believed at once where the last move should have led. Any other reading is believed when it comes twice in a
-//! row: a drive that has failed, a robot that was mistaken. Until then a robot that was moving takes itself to be in either
-//! of two cells and stands still.
+//! A reading of the cell where the last move leads is accepted at once. Any other reading is
+//! accepted when it comes twice in a row: the drive has failed, or the robot was wrong. Until then
+//! a moving robot counts as in either of two cells and stands still.
 
 use iibt_core::grid::Cell;
 

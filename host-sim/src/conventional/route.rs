@@ -4,29 +4,30 @@ use super::teammate::{Rank, Teammate};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Map, Move, Path, Planner, TimedPlanner, first_conflict};
 
-/// The planners, and the room they need.
+/// The planners and their arenas.
 #[derive(Clone, Debug)]
 pub(super) struct Router<const S: usize, const W: usize> {
     pub(super) planner: Planner<S>,
     timed: TimedPlanner<W>,
 }
 
-/// What a path is to be constructed for.
+/// A request for a path.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Errand {
+pub(super) struct RouteRequest {
     /// The robot's rank.
     pub(super) rank: Rank,
-    /// Where it stands.
+    /// The robot's cell.
     pub(super) from: Cell,
-    /// Where it is to go first, if anywhere.
+    /// The way-point to visit first, if any.
     pub(super) via: Option<Cell>,
-    /// Where it is to go.
+    /// The goal.
     pub(super) goal: Cell,
-    /// How many moves later it is to be there at the earliest.
+    /// The least number of moves after which to arrive.
     pub(super) pace: usize,
 }
 
-/// How many ticks a teammate with the right of way is taken to wait for a robot that has to get out of its way.
+/// The ticks that a teammate with the right of way is assumed to wait for a robot that moves out of
+/// its way.
 const PATIENCE: usize = 2;
 
 impl<const S: usize, const W: usize> Router<S, W> {
@@ -34,35 +35,41 @@ impl<const S: usize, const W: usize> Router<S, W> {
         Self { planner: Planner::new(), timed: TimedPlanner::new() }
     }
 
-    /// A path for an errand, or `None` when no way leads there by the map.
+    /// Returns a path for a request, or `None` when no way leads there by the map.
     ///
-    /// The best that can be had of: past everybody; past everybody, while those with the right of way wait a little; past those
-    /// who do not give way; past those only who will not go away; past the obstacles only.
-    pub(super) fn construct(&mut self, map: &Map<W>, team: &[Teammate], errand: Errand) -> Option<Path> {
-        let own = errand.rank;
+    /// The first path that exists of these: clear of all teammates; clear of all if those with the
+    /// right of way wait a little; clear of those with the right of way; clear of those that will
+    /// not leave; clear of the obstacles only.
+    pub(super) fn construct(
+        &mut self,
+        map: &Map<W>,
+        team: &[Teammate],
+        request: RouteRequest,
+    ) -> Option<Path> {
+        let own = request.rank;
         let standing = |mate: &Teammate| mate.is_standing(own);
         let polite = others(map, team, own, standing, 0);
         let waited_for = others(map, team, own, standing, PATIENCE);
         let firm = others(map, team, own, |mate| mate.is_stuck(own), 0);
         [polite, waited_for, firm]
             .iter()
-            .find_map(|others| self.past(map, others, errand))
+            .find_map(|others| self.past(map, others, request))
             .or_else(|| {
                 let stuck =
                     team.iter().filter(|mate| mate.is_stuck(own)).flat_map(|mate| mate.stands_in(map));
-                self.shortest(&map.avoiding(stuck.filter(|&cell| cell != errand.from)), errand)
+                self.shortest(&map.avoiding(stuck.filter(|&cell| cell != request.from)), request)
             })
-            .or_else(|| self.shortest(map, errand))
+            .or_else(|| self.shortest(map, request))
     }
 
     /// A path in space and time past teammates that follow theirs, not earlier than the pace.
-    fn past(&mut self, map: &Map<W>, others: &[Path], errand: Errand) -> Option<Path> {
-        let Some(via) = errand.via else {
-            return self.there(map, others, errand.from, errand.goal, errand.pace);
+    fn past(&mut self, map: &Map<W>, others: &[Path], request: RouteRequest) -> Option<Path> {
+        let Some(via) = request.via else {
+            return self.there(map, others, request.from, request.goal, request.pace);
         };
-        let first = self.there(map, others, errand.from, via, 0)?;
+        let first = self.there(map, others, request.from, via, 0)?;
         let after: Vec<Path> = others.iter().map(|other| other.rest(map, first.len())).collect();
-        let second = self.there(map, &after, via, errand.goal, errand.pace.saturating_sub(first.len()))?;
+        let second = self.there(map, &after, via, request.goal, request.pace.saturating_sub(first.len()))?;
         first.then(&second)
     }
 
@@ -72,22 +79,24 @@ impl<const S: usize, const W: usize> Router<S, W> {
         sweep.path_to(to, arrival)
     }
 
-    fn shortest(&mut self, map: &Map<W>, errand: Errand) -> Option<Path> {
-        let Some(via) = errand.via else {
-            return self.planner.shortest(map, errand.from, errand.goal).ok();
+    fn shortest(&mut self, map: &Map<W>, request: RouteRequest) -> Option<Path> {
+        let Some(via) = request.via else {
+            return self.planner.shortest(map, request.from, request.goal).ok();
         };
-        let first = self.planner.shortest(map, errand.from, via).ok()?;
-        first.then(&self.planner.shortest(map, via, errand.goal).ok()?)
+        let first = self.planner.shortest(map, request.from, via).ok()?;
+        first.then(&self.planner.shortest(map, via, request.goal).ok()?)
     }
 }
 
-/// Whether a path gets in the way of a teammate that has the right of way, or leads through one that stands.
+/// Whether a path gets in the way of a teammate that has the right of way, or leads through one
+/// that stands.
 pub(super) fn is_in_the_way<const W: usize>(map: &Map<W>, team: &[Teammate], own: Rank, path: &Path) -> bool {
     let others = others(map, team, own, |mate| mate.is_standing(own), 0);
     others.iter().any(|other| first_conflict(map, path, other).is_some())
 }
 
-/// The paths to keep clear of: of those with the right of way, after so many waits, and the cells of those that stand.
+/// The paths to keep clear of: of those with the right of way, after so many waits, and the cells
+/// of those that stand.
 fn others<const W: usize>(
     map: &Map<W>,
     team: &[Teammate],
@@ -128,8 +137,14 @@ mod tests {
         Map::new(7, 7).unwrap()
     }
 
-    fn errand(from: u16, goal: u16, pace: usize) -> Errand {
-        Errand { rank: Rank::new(1, Stage::Agreed), from: Cell(from), via: None, goal: Cell(goal), pace }
+    fn request(from: u16, goal: u16, pace: usize) -> RouteRequest {
+        RouteRequest {
+            rank: Rank::new(1, Stage::Agreed),
+            from: Cell(from),
+            via: None,
+            goal: Cell(goal),
+            pace,
+        }
     }
 
     fn cells(path: Option<Path>) -> Vec<u16> {
@@ -144,13 +159,13 @@ mod tests {
 
     #[test]
     fn waits_are_made_late_so_as_to_arrive_in_step() {
-        let path = Small::new().construct(&map(), &[], errand(28, 30, 4));
+        let path = Small::new().construct(&map(), &[], request(28, 30, 4));
         assert_eq!(cells(path), [28, 29, 29, 29, 30]);
     }
 
     #[test]
     fn a_way_point_is_visited_first() {
-        let wanted = Errand { via: Some(Cell(21)), ..errand(28, 29, 0) };
+        let wanted = RouteRequest { via: Some(Cell(21)), ..request(28, 29, 0) };
         assert_eq!(cells(Small::new().construct(&map(), &[], wanted)), [28, 21, 22, 29]);
     }
 
@@ -164,15 +179,15 @@ mod tests {
         };
         assert!(!clear(0, &[21, 22]) && clear(2, &[21, 22]));
         let team = [mate(0, &crossing, Stage::Agreed)];
-        let path = Small::new().construct(&map(), &team, errand(21, 23, 0)).unwrap();
+        let path = Small::new().construct(&map(), &team, request(21, 23, 0)).unwrap();
         assert!(!is_in_the_way(&map(), &team, Rank::new(1, Stage::Agreed), &path));
     }
 
     #[test]
     fn goes_around_who_stands_and_through_nothing_else() {
         let stands = [mate(2, &[29], Stage::Away)];
-        assert_eq!(cells(Small::new().construct(&map(), &stands, errand(28, 30, 0))).len(), 5);
+        assert_eq!(cells(Small::new().construct(&map(), &stands, request(28, 30, 0))).len(), 5);
         let walled = map().avoiding([Cell(23), Cell(29), Cell(31), Cell(37)]);
-        assert_eq!(Small::new().construct(&walled, &[], errand(28, 30, 0)), None);
+        assert_eq!(Small::new().construct(&walled, &[], request(28, 30, 0)), None);
     }
 }

@@ -1,13 +1,17 @@
-//! What a robot makes of its teammates' frames: where they can be, what they are about to do, and who has the right of way.
+//! The state of a teammate from its frames: its possible cells, its next move, and the right of
+//! way.
 //!
-//! A conventional robot says [`Stage::Agreed`] when it makes the next step of its path in this tick, and
-//! [`Stage::Announced`] when it stands and will make it later. It enters no cell that it has not announced a tick before.
+//! A conventional robot announces [`Stage::Agreed`] when it makes the next step of its path in this
+//! tick, and [`Stage::Announced`] when it stands and will make it later. It enters only cells that
+//! it announced a tick before.
 
 use iibt_core::grid::{Cell, Map, Path};
 use iibt_core::navigation::{Said, Stage};
 
-/// Who goes first where two robots want the same cell: the lesser of the two. Robots on their way to a charger go before all
-/// others, then the lower number. A robot counts as what it has announced, so that both judge alike.
+/// The right of way between two robots that want the same cell: the lesser rank goes first.
+///
+/// Robots on their way to a charger go before all others, then the lower number. The rank of a
+/// robot is the announced one, so that both robots compare the same values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Rank {
     is_here: bool,
@@ -43,20 +47,21 @@ pub(super) struct Teammate {
     pub(super) still: u32,
 }
 
-/// After so many ticks in one cell, a robot that gives way is taken to stand there.
+/// The ticks in one cell after which a robot without the right of way counts as standing.
 const STANDING: u32 = 4;
 
-/// After so many, one that has the right of way is, too.
+/// The ticks in one cell after which a robot with the right of way counts as standing.
 const STUCK: u32 = 8;
 
-/// For so many ticks a robot that is not heard is taken to go on as it said.
+/// The ticks for which a robot that is not heard is assumed to continue as announced.
 const TRUSTED: u32 = 4;
 
-/// How many cells further a robot that is lost may stand: the frames that told of its last moves may be lost as well.
+/// The cells that a lost robot may have moved unheard, because the frames of its last moves may be
+/// lost as well.
 const UNHEARD_MOVES: usize = 4;
 
 impl Teammate {
-    /// A robot that nobody has heard yet.
+    /// Returns the state of a robot that has not been heard yet.
     pub(super) const fn unheard(robot: usize, start: Cell) -> Self {
         Self {
             robot,
@@ -71,7 +76,7 @@ impl Teammate {
         }
     }
 
-    /// What it said, `age` ticks ago.
+    /// Returns the state of a robot from its message of `age` ticks ago.
     pub(super) fn heard<const W: usize>(map: &Map<W>, from: &Said, age: u32) -> Self {
         let said = &from.message;
         let (step, moves) = (usize::from(said.step), usize::from(said.stage == Stage::Agreed));
@@ -90,16 +95,16 @@ impl Teammate {
         }
     }
 
-    /// How many moves it has to go, if it went on as it said; `None` when it is not on its way to a goal, or was not heard
-    /// for too long to say.
+    /// How many moves it has to go, if it went on as it said; `None` when it is not on its way to a
+    /// goal, or was not heard for too long to say.
     pub(super) fn remaining(&self) -> Option<usize> {
         let age = self.age.filter(|&age| age <= TRUSTED)?;
         let since = if self.stage == Stage::Agreed { age as usize - 1 } else { 0 };
         self.announced().map(|moves| moves.saturating_sub(since))
     }
 
-    /// How many moves it had to go by its own word, the one it was making not counted; `None` when it is not on its way to
-    /// a goal.
+    /// How many moves it had to go by its own word, the one it was making not counted; `None` when
+    /// it is not on its way to a goal.
     pub(super) fn announced(&self) -> Option<usize> {
         match self.stage {
             Stage::Agreed | Stage::Announced if self.goal.is_some() => Some(self.rest.len()),
@@ -110,8 +115,8 @@ impl Teammate {
 
     /// Whether a robot of this rank may enter `target` now, as far as this teammate is concerned.
     ///
-    /// The teammate was heard in the last tick: then not where it can be, nor where it goes next if it has the right of
-    /// way. It was not: then nowhere that it can have come to.
+    /// The teammate was heard in the last tick: then not where it can be, nor where it goes next if
+    /// it has the right of way. It was not: then nowhere that it can have come to.
     pub(super) fn lets<const W: usize>(&self, map: &Map<W>, own: Rank, target: Cell) -> bool {
         match self.age {
             _ if self.is_lost => !self.stands_in(map).any(|cell| cell == target),
@@ -129,7 +134,8 @@ impl Teammate {
         Rank::new(self.robot, self.stage)
     }
 
-    /// The cells that it may stand in if it goes no further. One that was lost may have made some moves unheard.
+    /// The cells that it may stand in if it goes no further. One that was lost may have made some
+    /// moves unheard.
     pub(super) fn stands_in<'a, const W: usize>(
         &'a self,
         map: &'a Map<W>,

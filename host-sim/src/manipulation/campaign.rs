@@ -2,21 +2,21 @@
 
 use super::run::{Detail, RunError, run};
 use super::terms::Terms;
+use crate::parallel::parallel_map;
 use crate::statistics::{Distribution, Share};
-use crate::workers::share_out;
 use serde::Serialize;
 use std::num::NonZeroUsize;
 
 /// The seeds `terms.seed`, `terms.seed + 1` and so on, `seeds` in all.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Campaign {
+pub struct CampaignRuns {
     /// What every run has in common.
     pub terms: Terms,
     /// How many runs.
     pub seeds: u32,
 }
 
-/// What came of a campaign.
+/// The findings of a campaign.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Findings {
     /// How often the bottle is on the plate, in truth.
@@ -41,14 +41,14 @@ struct Brief {
     actions: u32,
 }
 
-impl Campaign {
+impl CampaignRuns {
     /// Runs all seeds, on as many threads as there are cores if that is left open; the findings do not depend on how many.
     ///
     /// # Errors
     /// [`RunError`] when the terms are none.
     pub fn run(&self, threads: Option<NonZeroUsize>) -> Result<Findings, RunError> {
         let briefs: Result<Vec<_>, _> =
-            share_out(self.seeds as usize, threads, |index| self.brief(index)).into_iter().collect();
+            parallel_map(self.seeds as usize, threads, |index| self.brief(index)).into_iter().collect();
         Ok(Findings::of(&briefs?))
     }
 

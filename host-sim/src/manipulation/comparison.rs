@@ -1,12 +1,12 @@
 //! Inference trees and conventional ones on the same mission, with the same seeds and the same disturbances.
 
-use super::campaign::{Campaign, Findings};
+use super::campaign::{CampaignRuns, Findings};
 use super::run::RunError;
 use super::tables::Order;
 use super::terms::{Disturbances, Terms, Trees, Trust};
 use serde::Serialize;
 
-/// Somebody who takes part.
+/// A contender.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contender {
     /// What it is, in words.
@@ -26,7 +26,7 @@ pub struct Compared {
     pub contender: &'static str,
     /// The share of grasps that fail, and of readings that are wrong.
     pub level: f64,
-    /// What came of its runs.
+    /// The findings of its runs.
     pub findings: Findings,
 }
 
@@ -64,7 +64,7 @@ pub fn compare(seed: u64, seeds: u32) -> Result<Vec<Compared>, RunError> {
         let disturbances = Disturbances { wrong_readings: level, failed_grasps: level, ..Disturbances::NONE };
         let Contender { name, trees, order, trust } = contender;
         let terms = Terms { trees, order, trust, disturbances, ..Terms::new(seed) };
-        let findings = Campaign { terms, seeds }.run(None)?;
+        let findings = CampaignRuns { terms, seeds }.run(None)?;
         Ok(Compared { contender: name, level, findings })
     };
     pairs.map(one).collect()

@@ -1,4 +1,4 @@
-//! What came of a run.
+//! The record of a run.
 
 use super::tables::{IN_TURN, PLACE};
 use super::terms::{Disturbances, Trees};

@@ -12,7 +12,7 @@ use iibt_core::team::{Invalid, Peers};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::{Full, Halt, Leaves, NodeMemory, Status};
 
-/// A precondition that stays unmet for so many ticks fails the node.
+/// The ticks for which a precondition may stay unmet before the node fails.
 const TIMEOUT: Duration = Duration(50);
 
 /// A robot whose tree has inference nodes.

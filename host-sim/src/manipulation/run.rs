@@ -1,4 +1,4 @@
-//! A run: the mission flown with two trees, and what came of it.
+//! A run: the mission flown with two trees, and its record.
 
 use super::conventional::Conventional;
 use super::record::{Actions, Decided, RobotTick, Run, Thought, Tick, operator_name, place_name, state_name};
@@ -10,7 +10,7 @@ use super::tables::{
 };
 use super::terms::{Disturbances, Terms, Trees, Trust};
 use crate::scenario;
-use crate::task::{Flight, Flown, Goal, HostTask, Station, Truth, Worker};
+use crate::task::{Flown, Goal, HostTask, Station, TaskFlight, Truth, Worker};
 use crate::tree::{BoundTree, Diagnostic};
 use bumpalo::Bump;
 use firmware::Robot;
@@ -55,7 +55,7 @@ pub fn run(terms: &Terms, detail: Detail) -> Result<Run, RunError> {
     let robots = vec![Hand::new(terms, &tables, 0, left)?, Hand::new(terms, &tables, 1, right)?];
     let radio = scenario::Radio { loss: terms.disturbances.loss, ..scenario::Radio::default() };
     let mut history = Vec::new();
-    let flight = Flight::new(&tables, &truth, radio, terms.seed, robots).map_err(RunError::Team)?;
+    let flight = TaskFlight::new(&tables, &truth, radio, terms.seed, robots).map_err(RunError::Team)?;
     let flown = flight.fly(terms.max_ticks, |statuses| statuses[0] == Status::Success, &mut |flight| {
         if detail == Detail::History {
             history.push(noted(flight));
@@ -184,7 +184,7 @@ impl<'t> Worker<'t> for Hand<'t> {
     }
 }
 
-fn noted<'t>(flight: &Flight<'t, Hand<'t>>) -> Tick {
+fn noted<'t>(flight: &TaskFlight<'t, Hand<'t>>) -> Tick {
     let world = &flight.world;
     let robots = [0, 1].map(|index| {
         let (robot, place) = (flight.robots().nth(index), world.state(index, PLACE.into()));

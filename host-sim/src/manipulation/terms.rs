@@ -21,7 +21,7 @@ pub enum Trees {
 /// What the leaves of a conventional tree take for true.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Trust {
-    /// What so many equal readings in a row say, one at the least.
+    /// A number of equal readings in a row, at least one.
     Equal(u8),
     /// What the inference nodes' belief is sure of: the same filter under another tree.
     Belief,
@@ -71,7 +71,7 @@ pub struct Terms {
     pub order: Order,
     /// What conventional leaves trust.
     pub trust: Trust,
-    /// The run ends after so many ticks.
+    /// The limit of a run in ticks.
     pub max_ticks: u32,
 }
 

@@ -1,18 +1,18 @@
 //! The core's model of a notebook: forms chosen, tables borrowed.
 
-use super::fault::Fault;
+use super::fault::NotebookFault;
 use super::model::Notebook;
 use super::structure::{self, Forms, LikelihoodForm, LikelihoodOf, TransitionForm, TransitionOf};
 use iibt_core::inference::{Control, Factor, Modality, Model, Shape};
 
 /// The forms of all tables of a notebook.
-pub(super) struct Assembly<'n> {
+pub(super) struct ModelAssembly<'n> {
     notebook: &'n Notebook,
     pub(super) likelihoods: Vec<LikelihoodForm>,
     pub(super) transitions: Vec<TransitionForm>,
 }
 
-impl<'n> Assembly<'n> {
+impl<'n> ModelAssembly<'n> {
     pub(super) fn new(notebook: &'n Notebook, forms: Forms) -> Self {
         let likelihoods = notebook.likelihoods.iter().map(|of| structure::likelihood(&of.table, forms));
         let transitions = notebook.transitions.iter().map(|of| structure::transition(of, forms));
@@ -28,34 +28,40 @@ impl<'n> Assembly<'n> {
     }
 
     /// Calls `then` with the model.
-    pub(super) fn with_model<T>(&self, then: impl FnOnce(&Model) -> Result<T, Fault>) -> Result<T, Fault> {
+    pub(super) fn with_model<T>(
+        &self,
+        then: impl FnOnce(&Model) -> Result<T, NotebookFault>,
+    ) -> Result<T, NotebookFault> {
         let labels: Vec<Vec<&[u8]>> = self.likelihoods.iter().map(labels).collect();
         let numbered = self.likelihoods.iter().zip(&labels).enumerate();
         let likelihoods = numbered
             .map(|(number, (form, labels))| {
-                LikelihoodOf::new(form, labels).map_err(|error| Fault::new(format!("A[{number}]: {error}")))
+                LikelihoodOf::new(form, labels)
+                    .map_err(|error| NotebookFault::new(format!("A[{number}]: {error}")))
             })
             .collect::<Result<Vec<_>, _>>()?;
         let numbered = self.transitions.iter().enumerate();
         let transitions = numbered
             .map(|(number, form)| {
-                TransitionOf::new(form).map_err(|error| Fault::new(format!("B[{number}]: {error}")))
+                TransitionOf::new(form).map_err(|error| NotebookFault::new(format!("B[{number}]: {error}")))
             })
             .collect::<Result<Vec<_>, _>>()?;
         let factors = self.factors(&transitions)?;
         let modalities = self.modalities(&likelihoods)?;
-        let model = Model::try_new(&factors, &modalities).map_err(|error| Fault::new(error.to_string()))?;
+        let model =
+            Model::try_new(&factors, &modalities).map_err(|error| NotebookFault::new(error.to_string()))?;
         then(&model)
     }
 
-    fn factors<'a>(&'a self, transitions: &'a [TransitionOf<'a>]) -> Result<Vec<Factor<'a>>, Fault> {
+    fn factors<'a>(&'a self, transitions: &'a [TransitionOf<'a>]) -> Result<Vec<Factor<'a>>, NotebookFault> {
         let parts = transitions.iter().zip(&self.notebook.transitions).zip(&self.notebook.priors).enumerate();
         parts
             .map(|(number, ((form, of), prior))| {
                 let shape = Shape::new(of.states(), &of.table.shape()[2..]);
                 let factor = shape.and_then(|shape| Factor::try_new(form.form(), shape, prior));
-                let factor =
-                    factor.ok_or_else(|| Fault::new(format!("B[{number}] and D[{number}] are no factor")))?;
+                let factor = factor.ok_or_else(|| {
+                    NotebookFault::new(format!("B[{number}] and D[{number}] are no factor"))
+                })?;
                 let uncontrolled = self.notebook.is_uncontrolled(number);
                 let control = if uncontrolled { Control::None } else { Control::Own };
                 Ok(factor.coupled_to(&of.coupled_to).controlled_by(control))
@@ -63,7 +69,10 @@ impl<'n> Assembly<'n> {
             .collect()
     }
 
-    fn modalities<'a>(&'a self, likelihoods: &'a [LikelihoodOf<'a>]) -> Result<Vec<Modality<'a>>, Fault> {
+    fn modalities<'a>(
+        &'a self,
+        likelihoods: &'a [LikelihoodOf<'a>],
+    ) -> Result<Vec<Modality<'a>>, NotebookFault> {
         let parts =
             likelihoods.iter().zip(&self.notebook.likelihoods).zip(&self.notebook.preferences).enumerate();
         parts
@@ -72,7 +81,7 @@ impl<'n> Assembly<'n> {
                 let shape = Shape::new(outcomes[0], states);
                 shape
                     .and_then(|shape| Modality::try_new(form.form(), shape, &of.factors, preference))
-                    .ok_or_else(|| Fault::new(format!("A[{number}] and C[{number}] are no modality")))
+                    .ok_or_else(|| NotebookFault::new(format!("A[{number}] and C[{number}] are no modality")))
             })
             .collect()
     }

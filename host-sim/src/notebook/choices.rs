@@ -59,7 +59,8 @@ impl Choices {
         self.sequences.iter().map(Vec::as_slice).collect()
     }
 
-    /// The rows in the core's numbers: there are no more sequences than policies, which are [`MAX_POLICIES`] at the most.
+    /// The rows in the core's numbers: there are no more sequences than policies, which are
+    /// [`MAX_POLICIES`] at the most.
     pub(super) fn numbers(&self) -> Vec<u16> {
         self.rows.iter().flatten().map(|&place| place as u16).collect()
     }

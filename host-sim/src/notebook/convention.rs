@@ -1,4 +1,4 @@
-//! By whose conventions a model is run.
+//! The conventions of the tools whose models are read.
 
 use super::sweeps::Sweeps;
 use iibt_core::inference::{Scoring, Terms};
@@ -9,7 +9,8 @@ pub enum Convention {
     /// Exact beliefs; the information gain is the sum of each modality's own
     #[default]
     Default,
-    /// numpy pymdp 0.0.7: parallel sweeps, the information gain of all modalities at once, its floors under logarithms
+    /// numpy pymdp 0.0.7: parallel sweeps, the information gain of all modalities at once, its
+    /// floors under logarithms
     #[value(alias = "numpy-pymdp")]
     Joint,
     /// JAX pymdp 1.0: parallel sweeps, the information gain is the sum of each modality's own

@@ -2,12 +2,14 @@
 
 use std::fmt;
 
-/// Why a model was refused. Its display is `FILE: reason`, or `FILE:LINE:COLUMN: reason` where the text itself is no JSON.
+/// Why a model was refused. Its display is `FILE: reason`, or `FILE:LINE:COLUMN: reason` where the
+/// text itself is no JSON.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NotebookError {
     /// The file, as it was named.
     pub file: String,
-    /// The line and column, from one, of an error of syntax; other reasons name their place in the model.
+    /// The line and column, from one, of an error of syntax; other reasons name their place in the
+    /// model.
     pub place: Option<(usize, usize)>,
     /// What is wrong and what would be right.
     pub reason: String,
@@ -26,12 +28,12 @@ impl std::error::Error for NotebookError {}
 
 /// A [`NotebookError`] before the file is known.
 #[derive(Debug)]
-pub(super) struct Fault {
+pub(super) struct NotebookFault {
     place: Option<(usize, usize)>,
     reason: String,
 }
 
-impl Fault {
+impl NotebookFault {
     pub(super) fn new(reason: impl Into<String>) -> Self {
         Self { place: None, reason: reason.into() }
     }
@@ -57,6 +59,6 @@ impl Fault {
 
 /// Refuses with a formatted reason.
 macro_rules! refuse {
-    ($($reason:tt)*) => { return Err($crate::notebook::fault::Fault::new(format!($($reason)*))) };
+    ($($reason:tt)*) => { return Err($crate::notebook::fault::NotebookFault::new(format!($($reason)*))) };
 }
 pub(super) use refuse;

@@ -1,25 +1,26 @@
 //! JSON as notebooks write it: with the tokens NaN, Infinity and -Infinity, which Python adds.
 //!
-//! It is read as JSON5, which has these tokens, and comments and commas at the end of a list as well.
+//! It is read as JSON5, which has these tokens, and comments and commas at the end of a list as
+//! well.
 
-use super::fault::Fault;
+use super::fault::NotebookFault;
 use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 
 /// A value of a JSON text.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Value {
+pub(super) enum JsonValue {
     Null,
     Bool(bool),
     /// A number; not finite for Python's tokens and for numbers that no `f64` holds.
     Number(f64),
     Text(String),
-    List(Vec<Value>),
+    List(Vec<JsonValue>),
     /// Keys in the order of the text, each once.
-    Object(Vec<(String, Value)>),
+    Object(Vec<(String, JsonValue)>),
 }
 
-impl Value {
+impl JsonValue {
     /// What it is, in words.
     pub(super) fn kind(&self) -> &'static str {
         match self {
@@ -58,17 +59,17 @@ const MAX_DEPTH: usize = 64;
 ///
 /// # Errors
 /// What is wrong, with its line and column.
-pub(super) fn read(text: &[u8]) -> Result<Value, Fault> {
+pub(super) fn read(text: &[u8]) -> Result<JsonValue, NotebookFault> {
     let utf8 = str::from_utf8(text)
-        .map_err(|error| Fault::of_syntax(text, error.valid_up_to(), "this is not UTF-8"))?;
+        .map_err(|error| NotebookFault::of_syntax(text, error.valid_up_to(), "this is not UTF-8"))?;
     json5::from_str(utf8).map_err(|error| fault(utf8, &error))
 }
 
 /// What the reader found wrong, and the sign at that place.
-fn fault(text: &str, error: &json5::Error) -> Fault {
+fn fault(text: &str, error: &json5::Error) -> NotebookFault {
     let Some(place) = error.position().filter(|_| !is_at_end(error)) else {
         let reason = error.code().map_or_else(|| error.to_string(), |code| code.to_string());
-        return Fault::of_syntax(text.as_bytes(), text.len(), reason);
+        return NotebookFault::of_syntax(text.as_bytes(), text.len(), reason);
     };
     let (line, column) = (place.line + 1, place.column + 1);
     let reason = match error.code() {
@@ -78,25 +79,26 @@ fn fault(text: &str, error: &json5::Error) -> Fault {
         }
         None => error.to_string().trim_end_matches(&format!(" at {place}")).to_owned(),
     };
-    Fault::at_place((line, column), reason)
+    NotebookFault::at_place((line, column), reason)
 }
 
-/// Whether the text ends too early; the reader then names where its last list or object begins, if anything.
+/// Whether the text ends too early; the reader then names where its last list or object begins, if
+/// anything.
 fn is_at_end(error: &json5::Error) -> bool {
     error.code().is_some_and(|code| code.to_string().starts_with("EOF"))
 }
 
-impl<'de> Deserialize<'de> for Value {
+impl<'de> Deserialize<'de> for JsonValue {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        Level(0).deserialize(from)
+        NestingLevel(0).deserialize(from)
     }
 }
 
-/// A reader of values that lie in so many lists and objects.
+/// A reader of values at a depth of nesting, which is limited so that no file overflows the stack.
 #[derive(Clone, Copy)]
-struct Level(usize);
+struct NestingLevel(usize);
 
-impl Level {
+impl NestingLevel {
     fn deeper<E: Error>(self) -> Result<Self, E> {
         match self.0 {
             MAX_DEPTH => Err(E::custom(format!("nested deeper than {MAX_DEPTH} levels"))),
@@ -105,66 +107,66 @@ impl Level {
     }
 }
 
-impl<'de> DeserializeSeed<'de> for Level {
-    type Value = Value;
+impl<'de> DeserializeSeed<'de> for NestingLevel {
+    type Value = JsonValue;
 
-    fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<Value, D::Error> {
+    fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<JsonValue, D::Error> {
         from.deserialize_any(self)
     }
 }
 
-impl<'de> Visitor<'de> for Level {
-    type Value = Value;
+impl<'de> Visitor<'de> for NestingLevel {
+    type Value = JsonValue;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a value")
     }
 
-    fn visit_unit<E>(self) -> Result<Value, E> {
-        Ok(Value::Null)
+    fn visit_unit<E>(self) -> Result<JsonValue, E> {
+        Ok(JsonValue::Null)
     }
 
-    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
-        Ok(Value::Bool(value))
+    fn visit_bool<E>(self, value: bool) -> Result<JsonValue, E> {
+        Ok(JsonValue::Bool(value))
     }
 
-    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
-        Ok(Value::Number(value as f64))
+    fn visit_u64<E>(self, value: u64) -> Result<JsonValue, E> {
+        Ok(JsonValue::Number(value as f64))
     }
 
-    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
-        Ok(Value::Number(value as f64))
+    fn visit_i64<E>(self, value: i64) -> Result<JsonValue, E> {
+        Ok(JsonValue::Number(value as f64))
     }
 
-    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
-        Ok(Value::Number(value))
+    fn visit_f64<E>(self, value: f64) -> Result<JsonValue, E> {
+        Ok(JsonValue::Number(value))
     }
 
-    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
-        Ok(Value::Text(value.to_owned()))
+    fn visit_str<E>(self, value: &str) -> Result<JsonValue, E> {
+        Ok(JsonValue::Text(value.to_owned()))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<JsonValue, A::Error> {
         let level = self.deeper()?;
         let mut list = Vec::new();
         while let Some(item) = items.next_element_seed(level)? {
             list.push(item);
         }
-        Ok(Value::List(list))
+        Ok(JsonValue::List(list))
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<JsonValue, A::Error> {
         let level = self.deeper()?;
         let mut object = Vec::new();
         while let Some(key) = entries.next_key_seed(NewKey(&object))? {
             object.push((key, entries.next_value_seed(level)?));
         }
-        Ok(Value::Object(object))
+        Ok(JsonValue::Object(object))
     }
 }
 
 /// A reader of a key that an object does not have yet.
-struct NewKey<'a>(&'a [(String, Value)]);
+struct NewKey<'a>(&'a [(String, JsonValue)]);
 
 impl<'de> DeserializeSeed<'de> for NewKey<'_> {
     type Value = String;
@@ -200,21 +202,26 @@ mod tests {
     #[test]
     fn values_are_read_as_json_has_them() {
         let text = " {\"a\": [1, -2.5e-1, null, true], \"b\\u00e9\\ud83d\\ude00\": {}} ";
-        let list = vec![Value::Number(1.0), Value::Number(-0.25), Value::Null, Value::Bool(true)];
-        let object =
-            vec![("a".to_owned(), Value::List(list)), ("b\u{e9}\u{1f600}".to_owned(), Value::Object(vec![]))];
-        assert_eq!(read(text.as_bytes()).ok(), Some(Value::Object(object)));
+        let list =
+            vec![JsonValue::Number(1.0), JsonValue::Number(-0.25), JsonValue::Null, JsonValue::Bool(true)];
+        let object = vec![
+            ("a".to_owned(), JsonValue::List(list)),
+            ("b\u{e9}\u{1f600}".to_owned(), JsonValue::Object(vec![])),
+        ];
+        assert_eq!(read(text.as_bytes()).ok(), Some(JsonValue::Object(object)));
     }
 
     #[test]
     fn what_python_writes_for_no_number_is_read() {
-        let Ok(Value::List(items)) = read(b"[NaN, Infinity, -Infinity, 1e999]") else { panic!("no list") };
-        assert!(items.iter().all(|item| matches!(item, Value::Number(number) if !number.is_finite())));
+        let Ok(JsonValue::List(items)) = read(b"[NaN, Infinity, -Infinity, 1e999]") else {
+            panic!("no list")
+        };
+        assert!(items.iter().all(|item| matches!(item, JsonValue::Number(number) if !number.is_finite())));
     }
 
     #[test]
     fn comments_and_a_last_comma_are_read() {
-        let list = Value::List(vec![Value::Number(1.0), Value::Number(2.0)]);
+        let list = JsonValue::List(vec![JsonValue::Number(1.0), JsonValue::Number(2.0)]);
         assert_eq!(read(b"// states\n[1, /* and */ 2,]").ok(), Some(list));
     }
 

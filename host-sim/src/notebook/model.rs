@@ -12,6 +12,27 @@ pub(super) const MAX_POLICIES: usize = 4096;
 pub(super) const MAX_STEPS: usize = 10_000;
 
 /// A model as a notebook has it, ready to run.
+///
+/// ```
+/// use host_sim::notebook::{Forms, InferenceRun, Notebook};
+///
+/// // A lamp that is seen right nine times in ten, and a switch for it.
+/// let model = Notebook::read(
+///     "lamp.json",
+///     br#"{
+///         "A": [[[0.9, 0.1], [0.1, 0.9]]],
+///         "B": [[[[1, 1], [0, 0]], [[0, 0], [1, 1]]]],
+///         "C": [[0, 2]], "D": [[0.5, 0.5]], "policies": [[[0]], [[1]]], "obs": [0]
+///     }"#,
+/// )?;
+/// let report = model.infer(InferenceRun::default(), &mut |_| ())?;
+/// assert!((report.result.steps()[0].qs[0][0] - 0.9).abs() < 1e-6);
+/// assert!(model.to_rust(Forms::default()).is_ok());
+///
+/// let wrong = Notebook::read("wrong.json", br#"{"A": [[[0.9, 0.1], [0.2, 0.9]]]}"#).unwrap_err();
+/// assert!(wrong.to_string().contains("wrong.json"), "{wrong}");
+/// # Ok::<(), host_sim::notebook::NotebookError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Notebook {
     pub(super) file: String,
@@ -71,8 +92,8 @@ pub(super) enum Observations {
 /// One time step of a record.
 #[derive(Clone, Debug)]
 pub(super) struct Step {
-    /// What was done before the observation, by factor, and nothing for a factor that was left alone; without it no
-    /// time went by.
+    /// What was done before the observation, by factor, and nothing for a factor that was left
+    /// alone; without it no time went by.
     pub(super) action: Option<Vec<Option<u8>>>,
     pub(super) observation: Vec<Observation>,
 }

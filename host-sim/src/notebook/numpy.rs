@@ -1,9 +1,10 @@
 //! What the floors of numpy pymdp 0.0.7 do to the joint information gain.
 //!
-//! Its gain is H[q(o)] + Σ_s q(s) Σ_o p ln(p + e^-16) with p = Π_m A_m(o_m | s), over the combinations of states with q(s)
-//! above e^-16; without both it is the mutual information that the core works out.
+//! Its gain is H[q(o)] + Σ_s q(s) Σ_o p ln(p + e^-16) with p = Π_m A_m(o_m | s), over the
+//! combinations of states with q(s) above e^-16; without both it is the mutual information that the
+//! core works out.
 
-use super::fault::{Fault, refuse};
+use super::fault::{NotebookFault, refuse};
 use super::model::Notebook;
 use super::tensor::Tensor;
 
@@ -44,7 +45,7 @@ impl Joined<'_> {
 
 impl<'n> Floors<'n> {
     /// The floors for a notebook's model; refused when there are too many combinations.
-    pub(super) fn new(notebook: &'n Notebook) -> Result<Self, Fault> {
+    pub(super) fn new(notebook: &'n Notebook) -> Result<Self, NotebookFault> {
         let states: Vec<_> = notebook.transitions.iter().map(|of| of.table.shape()[1]).collect();
         let outcomes =
             notebook.likelihoods.iter().map(|of| of.table.shape()[0]).fold(1, usize::saturating_mul);
@@ -87,7 +88,8 @@ impl<'n> Floors<'n> {
         steps.fold(0, usize::saturating_add)
     }
 
-    /// Fills in Σ_o p ln p for every combination of states, equal numbers of a column taken together.
+    /// Fills in Σ_o p ln p for every combination of states, equal numbers of a column taken
+    /// together.
     fn sum_columns(&mut self) {
         let all: Vec<&Joined> = self.modalities.iter().flatten().collect();
         let values = |of: &&Joined| (0..of.table.columns()).map(|column| counted(of.table, column)).collect();
@@ -161,8 +163,8 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Writes to `predicted[0]` the mass of every combination of outcomes of the modalities from `factor` on, for
-    /// states that are fixed up to there and have this mass and number.
+    /// Writes to `predicted[0]` the mass of every combination of outcomes of the modalities from
+    /// `factor` on, for states that are fixed up to there and have this mass and number.
     fn predict(&mut self, mass: f64, number: usize, predicted: &mut [Vec<f64>]) {
         let (now, later) = predicted.split_first_mut().expect("a list of outcomes for each factor");
         now.fill(0.0);

@@ -1,15 +1,15 @@
 //! What was observed and done, as a notebook writes it.
 
 use super::entries::{Entries, list};
-use super::fault::{Fault, refuse};
-use super::json::Value;
+use super::fault::{NotebookFault, refuse};
+use super::json::JsonValue;
 use super::model::{MAX_STEPS, Notebook, Observation, Observations, Step};
 use super::policies;
 use super::tensor::{finite, place};
 use iibt_core::inference::Evidence;
 
 /// `obs` or `steps` of a model whose tables are read.
-pub(super) fn read(entries: &Entries, model: &Notebook) -> Result<Observations, Fault> {
+pub(super) fn read(entries: &Entries, model: &Notebook) -> Result<Observations, NotebookFault> {
     match (entries.get("obs"), entries.get("steps")) {
         (Some(_), Some(_)) => refuse!("obs and steps are both there: one of them says what was observed"),
         (Some(value), None) => observation(value, "obs", model).map(Observations::Once),
@@ -25,9 +25,9 @@ pub(super) fn read(entries: &Entries, model: &Notebook) -> Result<Observations, 
     }
 }
 
-fn step(value: &Value, number: usize, model: &Notebook) -> Result<Step, Fault> {
+fn step(value: &JsonValue, number: usize, model: &Notebook) -> Result<Step, NotebookFault> {
     let name = place("steps", &[number]);
-    let Value::Object(entries) = value else { refuse!("{name} is {}, not an object", value.kind()) };
+    let JsonValue::Object(entries) = value else { refuse!("{name} is {}, not an object", value.kind()) };
     let mut step = Step { action: None, observation: Vec::new() };
     let mut observed = false;
     for (key, value) in entries {
@@ -48,7 +48,7 @@ fn step(value: &Value, number: usize, model: &Notebook) -> Result<Step, Fault> {
     Ok(step)
 }
 
-fn action(value: &Value, name: &str, model: &Notebook) -> Result<Vec<Option<u8>>, Fault> {
+fn action(value: &JsonValue, name: &str, model: &Notebook) -> Result<Vec<Option<u8>>, NotebookFault> {
     let items = list(value, || name.to_owned())?;
     if items.len() != model.transitions.len() {
         refuse!("{name} has {} entries, B has {} factors", items.len(), model.transitions.len());
@@ -56,7 +56,7 @@ fn action(value: &Value, name: &str, model: &Notebook) -> Result<Vec<Option<u8>>
     let mut actions = Vec::new();
     for (factor, (item, transition)) in items.iter().zip(&model.transitions).enumerate() {
         let action = policies::action(item, transition);
-        if action.is_none() && *item != Value::Null {
+        if action.is_none() && *item != JsonValue::Null {
             let (at, count) = (place(name, &[factor]), transition.actions());
             refuse!("{at} is {}, but B[{factor}] has {count} actions, from 0", item.shown());
         }
@@ -66,7 +66,11 @@ fn action(value: &Value, name: &str, model: &Notebook) -> Result<Vec<Option<u8>>
 }
 
 /// One entry for each modality.
-pub(super) fn observation(value: &Value, name: &str, model: &Notebook) -> Result<Vec<Observation>, Fault> {
+pub(super) fn observation(
+    value: &JsonValue,
+    name: &str,
+    model: &Notebook,
+) -> Result<Vec<Observation>, NotebookFault> {
     let items = list(value, || name.to_owned())?;
     if items.len() != model.likelihoods.len() {
         refuse!("{name} has {} entries, A has {} modalities", items.len(), model.likelihoods.len());
@@ -79,16 +83,26 @@ pub(super) fn observation(value: &Value, name: &str, model: &Notebook) -> Result
         .collect()
 }
 
-fn outcome(value: &Value, name: &str, modality: usize, outcomes: usize) -> Result<Observation, Fault> {
+fn outcome(
+    value: &JsonValue,
+    name: &str,
+    modality: usize,
+    outcomes: usize,
+) -> Result<Observation, NotebookFault> {
     match (value, value.as_count()) {
-        (Value::Null, _) => Ok(Observation::Missing),
-        (Value::List(items), _) => soft(items, name, modality, outcomes),
+        (JsonValue::Null, _) => Ok(Observation::Missing),
+        (JsonValue::List(items), _) => soft(items, name, modality, outcomes),
         (_, Some(outcome)) if outcome < outcomes => Ok(Observation::Outcome(outcome)),
         _ => refuse!("{name} is {}, but A[{modality}] has {outcomes} outcomes, from 0", value.shown()),
     }
 }
 
-fn soft(items: &[Value], name: &str, modality: usize, outcomes: usize) -> Result<Observation, Fault> {
+fn soft(
+    items: &[JsonValue],
+    name: &str,
+    modality: usize,
+    outcomes: usize,
+) -> Result<Observation, NotebookFault> {
     if items.len() != outcomes {
         refuse!("{name} has {} weights, A[{modality}] has {outcomes} outcomes", items.len());
     }

@@ -1,15 +1,19 @@
 //! The policies of a notebook: read, or generated.
 
 use super::entries::{Entries, list};
-use super::fault::{Fault, refuse};
-use super::json::Value;
+use super::fault::{NotebookFault, refuse};
+use super::json::JsonValue;
 use super::model::{MAX_POLICIES, Transition};
 use super::tensor::{Tensor, place};
 use iibt_core::actions::HORIZON;
 use iibt_core::math;
 
-/// By policy and step an action for each factor: those of the file, or all sequences of `policy_len` steps.
-pub(super) fn read(entries: &Entries, transitions: &[Transition]) -> Result<Vec<Vec<Vec<u8>>>, Fault> {
+/// By policy and step an action for each factor: those of the file, or all sequences of
+/// `policy_len` steps.
+pub(super) fn read(
+    entries: &Entries,
+    transitions: &[Transition],
+) -> Result<Vec<Vec<Vec<u8>>>, NotebookFault> {
     match (entries.get("policies"), entries.get("policy_len")) {
         (Some(_), Some(_)) => {
             refuse!("policies and policy_len are both there: one of them says what to choose from")
@@ -20,11 +24,11 @@ pub(super) fn read(entries: &Entries, transitions: &[Transition]) -> Result<Vec<
 }
 
 /// How many steps are looked at.
-pub(super) fn horizon(entries: &Entries, policies: &[Vec<Vec<u8>>]) -> Result<usize, Fault> {
+pub(super) fn horizon(entries: &Entries, policies: &[Vec<Vec<u8>>]) -> Result<usize, NotebookFault> {
     steps(entries.get("horizon"), "horizon", policies.first().map_or(1, Vec::len))
 }
 
-fn steps(value: Option<&Value>, key: &str, default: usize) -> Result<usize, Fault> {
+fn steps(value: Option<&JsonValue>, key: &str, default: usize) -> Result<usize, NotebookFault> {
     match value.map(|value| (value, value.as_count())) {
         None => Ok(default),
         Some((_, Some(steps))) if (1..=HORIZON).contains(&steps) => Ok(steps),
@@ -32,7 +36,7 @@ fn steps(value: Option<&Value>, key: &str, default: usize) -> Result<usize, Faul
     }
 }
 
-fn listed(value: &Value, transitions: &[Transition]) -> Result<Vec<Vec<Vec<u8>>>, Fault> {
+fn listed(value: &JsonValue, transitions: &[Transition]) -> Result<Vec<Vec<Vec<u8>>>, NotebookFault> {
     let items = list(value, || "policies".to_owned())?;
     if items.is_empty() || items.len() > MAX_POLICIES {
         refuse!("policies has {} entries: this program takes 1 to {MAX_POLICIES}", items.len());
@@ -58,10 +62,10 @@ fn listed(value: &Value, transitions: &[Transition]) -> Result<Vec<Vec<Vec<u8>>>
 }
 
 fn actions(
-    row: &Value,
+    row: &JsonValue,
     (policy, step): (usize, usize),
     transitions: &[Transition],
-) -> Result<Vec<u8>, Fault> {
+) -> Result<Vec<u8>, NotebookFault> {
     let at = || place("policies", &[policy, step]);
     let items = list(row, at)?;
     if items.len() != transitions.len() {
@@ -72,7 +76,7 @@ fn actions(
         .map(|(factor, (item, transition))| {
             action(item, transition).ok_or_else(|| {
                 let (shown, actions) = (item.shown(), transition.actions());
-                Fault::new(format!(
+                NotebookFault::new(format!(
                     "policy {policy} step {step} factor {factor} has action {shown}, but B[{factor}] has {actions} \
                      actions, from 0"
                 ))
@@ -82,7 +86,7 @@ fn actions(
 }
 
 /// The number of an action that a factor has.
-pub(super) fn action(value: &Value, transition: &Transition) -> Option<u8> {
+pub(super) fn action(value: &JsonValue, transition: &Transition) -> Option<u8> {
     value
         .as_count()
         .filter(|&action| action < transition.actions())
@@ -90,7 +94,7 @@ pub(super) fn action(value: &Value, transition: &Transition) -> Option<u8> {
 }
 
 /// All sequences of joint actions, the last factor of the last step running fastest.
-fn all(steps: usize, transitions: &[Transition]) -> Result<Vec<Vec<Vec<u8>>>, Fault> {
+fn all(steps: usize, transitions: &[Transition]) -> Result<Vec<Vec<Vec<u8>>>, NotebookFault> {
     let actions: Vec<_> = transitions.iter().map(Transition::actions).collect();
     let joint = actions.iter().try_fold(1_usize, |count, &actions| count.checked_mul(actions));
     let count =
@@ -115,7 +119,7 @@ fn all(steps: usize, transitions: &[Transition]) -> Result<Vec<Vec<Vec<u8>>>, Fa
 }
 
 /// ln E, from a probability for each policy.
-pub(super) fn habits(entries: &Entries, policies: usize) -> Result<Option<Vec<f32>>, Fault> {
+pub(super) fn habits(entries: &Entries, policies: usize) -> Result<Option<Vec<f32>>, NotebookFault> {
     let Some(value) = entries.get("E") else { return Ok(None) };
     let mut habits = Tensor::read(value, "E")?;
     if habits.shape() != [policies] {

@@ -1,8 +1,8 @@
 //! From JSON to a model: which keys there are, what they hold, and whether it fits together.
 
 use super::entries::{Entries, list};
-use super::fault::{Fault, refuse};
-use super::json::Value;
+use super::fault::{NotebookFault, refuse};
+use super::json::JsonValue;
 use super::model::{Likelihood, MAX_STATES, Notebook, Observations, Transition};
 use super::observations;
 use super::policies;
@@ -36,8 +36,8 @@ const IGNORED: [&str; 2] = ["conventions", "model"];
 const PRECISION: f64 = 16.0;
 
 /// A model from a JSON value.
-pub(super) fn model(file: &str, value: &Value) -> Result<Notebook, Fault> {
-    let Value::Object(entries) = value else { refuse!("a model is an object, not {}", value.kind()) };
+pub(super) fn model(file: &str, value: &JsonValue) -> Result<Notebook, NotebookFault> {
+    let JsonValue::Object(entries) = value else { refuse!("a model is an object, not {}", value.kind()) };
     for (key, _) in entries {
         if !KEYS.contains(&key.as_str()) && !IGNORED.contains(&key.as_str()) && !key.starts_with('_') {
             refuse!("\"{key}\" is no key of a model; the keys are {}", KEYS.join(", "));
@@ -70,16 +70,16 @@ pub(super) fn model(file: &str, value: &Value) -> Result<Notebook, Fault> {
 }
 
 /// γ, checked.
-pub(super) fn precision(gamma: f64) -> Result<f32, Fault> {
+pub(super) fn precision(gamma: f64) -> Result<f32, NotebookFault> {
     if !(0.0..=1e6).contains(&gamma) {
         refuse!("gamma is {gamma}: a precision is from 0 to 1000000");
     }
     Ok(gamma as f32)
 }
 
-fn name(file: &str, value: Option<&Value>) -> Result<String, Fault> {
+fn name(file: &str, value: Option<&JsonValue>) -> Result<String, NotebookFault> {
     match value {
-        Some(Value::Text(name)) => Ok(name.clone()),
+        Some(JsonValue::Text(name)) => Ok(name.clone()),
         Some(other) => refuse!("name is {}, not a text", other.shown()),
         None => {
             let stem = std::path::Path::new(file).file_stem();
@@ -88,7 +88,7 @@ fn name(file: &str, value: Option<&Value>) -> Result<String, Fault> {
     }
 }
 
-fn transitions(entries: &Entries) -> Result<Vec<Transition>, Fault> {
+fn transitions(entries: &Entries) -> Result<Vec<Transition>, NotebookFault> {
     let tables = entries.required("B", "B[f][s'][s][u], the transitions")?;
     if tables.is_empty() || tables.len() > MAX_FACTORS {
         refuse!("B has {} factors: a model has 1 to {MAX_FACTORS}", tables.len());
@@ -110,7 +110,12 @@ fn transitions(entries: &Entries) -> Result<Vec<Transition>, Fault> {
     parts.map(|(factor, (tensor, on))| transition(factor, tensor, &on, &states)).collect()
 }
 
-fn transition(factor: usize, mut table: Tensor, on: &[usize], states: &[usize]) -> Result<Transition, Fault> {
+fn transition(
+    factor: usize,
+    mut table: Tensor,
+    on: &[usize],
+    states: &[usize],
+) -> Result<Transition, NotebookFault> {
     let name = place("B", &[factor]);
     if table.shape().len() != on.len() + 2 {
         let (axes, wanted) = (table.shape().len(), on.len() + 2);
@@ -146,7 +151,7 @@ fn and(others: usize) -> String {
 }
 
 /// Whether axis `1 + i` has the states of factor `on[i]`.
-fn check_axes(table: &Tensor, name: &str, on: &[usize], states: &[usize]) -> Result<(), Fault> {
+fn check_axes(table: &Tensor, name: &str, on: &[usize], states: &[usize]) -> Result<(), NotebookFault> {
     for (axis, &factor) in on.iter().enumerate() {
         let found = table.shape()[axis + 1];
         if found != states[factor] {
@@ -160,7 +165,7 @@ fn check_axes(table: &Tensor, name: &str, on: &[usize], states: &[usize]) -> Res
     Ok(())
 }
 
-fn likelihoods(entries: &Entries, states: &[usize]) -> Result<Vec<Likelihood>, Fault> {
+fn likelihoods(entries: &Entries, states: &[usize]) -> Result<Vec<Likelihood>, NotebookFault> {
     let reduced = entries.get("A_red").is_some();
     if reduced && entries.get("A").is_some() {
         refuse!("A and A_red are both there: one of them is the likelihood");
@@ -192,7 +197,7 @@ fn likelihood(
     mut table: Tensor,
     mut factors: Vec<usize>,
     states: &[usize],
-) -> Result<Likelihood, Fault> {
+) -> Result<Likelihood, NotebookFault> {
     if table.shape().len() != factors.len() + 1 {
         let axes = table.shape().len();
         refuse!("{name} has {axes} axes, not {}: the outcome and a state of each factor", factors.len() + 1);
@@ -216,11 +221,11 @@ fn likelihood(
 
 /// For each of `tables` the factors that it depends on, each once.
 fn dependencies(
-    value: &Value,
+    value: &JsonValue,
     key: &str,
     (tables, of): (usize, &str),
     factors: usize,
-) -> Result<Vec<Vec<usize>>, Fault> {
+) -> Result<Vec<Vec<usize>>, NotebookFault> {
     let items = list(value, || key.to_owned())?;
     if items.len() != tables {
         refuse!("{key} has {} entries, {of} has {tables}", items.len());
@@ -250,7 +255,7 @@ fn vectors(
     (key, what): (&str, &str),
     (of, each): (&str, &str),
     lengths: &[usize],
-) -> Result<Vec<Tensor>, Fault> {
+) -> Result<Vec<Tensor>, NotebookFault> {
     let items = entries.required(key, what)?;
     if items.len() != lengths.len() {
         refuse!("{key} has {} entries, {of} has {}", items.len(), lengths.len());
@@ -270,7 +275,7 @@ fn vectors(
     Ok(vectors)
 }
 
-fn preferences(entries: &Entries, outcomes: &[usize]) -> Result<Vec<Vec<f32>>, Fault> {
+fn preferences(entries: &Entries, outcomes: &[usize]) -> Result<Vec<Vec<f32>>, NotebookFault> {
     let vectors = vectors(entries, ("C", "C[m][o], the preferences"), ("A", "outcomes"), outcomes)?;
     let mut preferences = Vec::new();
     for (number, vector) in vectors.iter().enumerate() {
@@ -283,7 +288,7 @@ fn preferences(entries: &Entries, outcomes: &[usize]) -> Result<Vec<Vec<f32>>, F
     Ok(preferences)
 }
 
-fn priors(entries: &Entries, states: &[usize]) -> Result<Vec<Vec<f32>>, Fault> {
+fn priors(entries: &Entries, states: &[usize]) -> Result<Vec<Vec<f32>>, NotebookFault> {
     let mut vectors = vectors(entries, ("D", "D[f][s], the priors"), ("B", "states"), states)?;
     for (number, vector) in vectors.iter_mut().enumerate() {
         vector.normalise_columns(&place("D", &[number]))?;

@@ -1,4 +1,4 @@
-//! What came of running a model, as it is printed.
+//! The report of running a model, as it is printed.
 
 use super::convention::Convention;
 use super::tally::Tally;
@@ -7,10 +7,10 @@ use serde::Serialize;
 
 /// Everything about a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
+pub struct InferenceReport {
     /// What the model is called.
     pub name: String,
-    /// By whose conventions it was run.
+    /// The conventions it was run with.
     pub convention: &'static str,
     /// γ.
     pub gamma: f32,
@@ -18,13 +18,13 @@ pub struct Report {
     pub structure: StructureReport,
     /// What was inferred and decided.
     #[serde(flatten)]
-    pub result: Outcome,
+    pub result: InferenceOutcome,
 }
 
 /// The result of one observation, or of a record of several.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Outcome {
+pub enum InferenceOutcome {
     /// Of the observation `obs`; its entries stand at the top.
     Once(Box<StepReport>),
     /// Of the record `steps`.
@@ -34,7 +34,7 @@ pub enum Outcome {
     },
 }
 
-impl Outcome {
+impl InferenceOutcome {
     /// All steps.
     #[must_use]
     pub fn steps(&self) -> &[StepReport] {

@@ -1,13 +1,13 @@
 //! A model run through the core: beliefs by observation, decisions by policy.
 
-use super::assembly::Assembly;
+use super::assembly::ModelAssembly;
 use super::choices::Choices;
 use super::convention::{self, Convention};
-use super::fault::{Fault, NotebookError};
+use super::fault::{NotebookError, NotebookFault};
 use super::model::{MAX_STATES, Notebook, Observation, Observations, Step};
 use super::numpy::Floors;
 use super::observing::{Observed, observe};
-use super::report::{Outcome, PolicyReport, Ranking, Report, StepReport, StructureReport};
+use super::report::{InferenceOutcome, InferenceReport, PolicyReport, Ranking, StepReport, StructureReport};
 use super::structure::Forms;
 use super::tally::Tally;
 use iibt_core::inference::{
@@ -18,8 +18,8 @@ use iibt_core::math;
 
 /// How a model is run.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Run {
-    /// By whose conventions.
+pub struct InferenceRun {
+    /// The conventions.
     pub convention: Convention,
     /// How beliefs are updated, in place of the convention's way.
     pub beliefs: Option<convention::Beliefs>,
@@ -29,7 +29,7 @@ pub struct Run {
 
 /// How far a run is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
+pub struct InferenceProgress {
     /// The observations that are done.
     pub step: usize,
     /// All observations.
@@ -57,19 +57,20 @@ const PLANES: usize = 4;
 const BATCH: usize = ROWS * PLANES;
 
 impl Notebook {
-    /// Runs the model and says what came of it, telling `progress` about it on the way.
+    /// Runs the model and returns the report; `progress` receives the progress.
     ///
     /// # Errors
-    /// A [`NotebookError`] when there is no observation, or too many combinations for the joint information gain.
+    /// A [`NotebookError`] when there is no observation, or too many combinations for the joint
+    /// information gain.
     pub fn infer(
         &self,
-        run: Run,
-        progress: &mut (dyn FnMut(Progress) + Send),
-    ) -> Result<Report, NotebookError> {
+        run: InferenceRun,
+        progress: &mut (dyn FnMut(InferenceProgress) + Send),
+    ) -> Result<InferenceReport, NotebookError> {
         let work = || self.run(run, progress).map_err(|fault| fault.in_file(&self.file));
         std::thread::scope(|scope| {
             let worker = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
-            let failed = |reason: &str| Fault::new(reason).in_file(&self.file);
+            let failed = |reason: &str| NotebookFault::new(reason).in_file(&self.file);
             worker
                 .map_err(|error| failed(&error.to_string()))?
                 .join()
@@ -77,15 +78,21 @@ impl Notebook {
         })
     }
 
-    fn run(&self, run: Run, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Report, Fault> {
+    fn run(
+        &self,
+        run: InferenceRun,
+        progress: &mut (dyn FnMut(InferenceProgress) + Send),
+    ) -> Result<InferenceReport, NotebookFault> {
         let (steps, once) = match &self.observations {
-            Observations::None => return Err(Fault::new("obs and steps are missing: what was observed?")),
+            Observations::None => {
+                return Err(NotebookFault::new("obs and steps are missing: what was observed?"));
+            }
             Observations::Once(observation) => {
                 (vec![Step { action: None, observation: observation.clone() }], true)
             }
             Observations::Steps(steps) => (steps.clone(), false),
         };
-        let assembly = Assembly::new(self, run.forms);
+        let assembly = ModelAssembly::new(self, run.forms);
         let floors = if run.convention == Convention::Joint { Some(Floors::new(self)?) } else { None };
         let structure = StructureReport {
             A: assembly.likelihoods.iter().map(|form| form.name()).collect(),
@@ -104,18 +111,18 @@ impl Notebook {
         })?;
         let (name, convention) = (self.name.clone(), run.convention.name());
         let result = match <[StepReport; 1]>::try_from(reports) {
-            Ok([report]) if once => Outcome::Once(Box::new(report)),
-            Ok(reports) => Outcome::Record { steps: reports.into() },
-            Err(steps) => Outcome::Record { steps },
+            Ok([report]) if once => InferenceOutcome::Once(Box::new(report)),
+            Ok(reports) => InferenceOutcome::Record { steps: reports.into() },
+            Err(steps) => InferenceOutcome::Record { steps },
         };
-        Ok(Report { name, convention, gamma: self.precision, structure, result })
+        Ok(InferenceReport { name, convention, gamma: self.precision, structure, result })
     }
 }
 
 struct Runner<'a> {
     notebook: &'a Notebook,
     model: &'a Model<'a>,
-    run: Run,
+    run: InferenceRun,
     scoring: Scoring,
     floors: Option<&'a Floors<'a>>,
 }
@@ -125,9 +132,9 @@ impl Runner<'_> {
     fn all<const S: usize>(
         &self,
         steps: &[Step],
-        progress: &mut (dyn FnMut(Progress) + Send),
-    ) -> Result<Vec<StepReport>, Fault> {
-        let misfit = |error: OutOfRange| Fault::new(error.to_string());
+        progress: &mut (dyn FnMut(InferenceProgress) + Send),
+    ) -> Result<Vec<StepReport>, NotebookFault> {
+        let misfit = |error: OutOfRange| NotebookFault::new(error.to_string());
         let mut beliefs = Beliefs::<S, MAX_FACTORS>::try_prior(self.model).map_err(misfit)?;
         let mut evaluation = Box::new(Evaluation::<S, MAX_FACTORS, ROWS, PLANES>::new());
         let mut reports = Vec::new();
@@ -139,7 +146,8 @@ impl Runner<'_> {
             }
             let observed = self.observe(&mut beliefs, &step.observation);
             let policies = self.notebook.policies.len();
-            let mut tell = |policy| progress(Progress { step: number, steps: steps.len(), policy, policies });
+            let mut tell =
+                |policy| progress(InferenceProgress { step: number, steps: steps.len(), policy, policies });
             let decided = self.decide(&beliefs, &mut evaluation, &mut tell).map_err(misfit)?;
             reports.push(self.report(&beliefs, observed, decided));
         }
@@ -163,9 +171,9 @@ impl Runner<'_> {
         beliefs: &Beliefs<S, MAX_FACTORS>,
         evaluation: &mut Evaluation<S, MAX_FACTORS, ROWS, PLANES>,
         tell: &mut dyn FnMut(usize),
-    ) -> Result<Decided, OutOfRange> {
+    ) -> Result<DecidedStep, OutOfRange> {
         let notebook = self.notebook;
-        let mut decided = Decided { terms: Vec::new(), tallies: Vec::new() };
+        let mut decided = DecidedStep { terms: Vec::new(), tallies: Vec::new() };
         for batch in notebook.policies.chunks(BATCH) {
             let choices = Choices::new(notebook, batch, self.model.controls());
             let (lists, rows) = (choices.lists(), choices.numbers());
@@ -193,7 +201,7 @@ impl Runner<'_> {
         &self,
         beliefs: &Beliefs<S, MAX_FACTORS>,
         observed: Observed,
-        decided: Decided,
+        decided: DecidedStep,
     ) -> StepReport {
         let habits = self.notebook.habits.as_deref();
         let ln_prior = |policy: usize| habits.map_or(0.0, |habits| habits[policy]);
@@ -234,7 +242,7 @@ impl Runner<'_> {
 }
 
 /// What is known about every policy.
-struct Decided {
+struct DecidedStep {
     terms: Vec<Terms>,
     tallies: Vec<Tally>,
 }

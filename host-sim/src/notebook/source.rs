@@ -1,9 +1,9 @@
 //! A model as Rust source: tables for the firmware, each in its smallest form.
 
-use super::assembly::Assembly;
+use super::assembly::ModelAssembly;
 use super::choices::Choices;
 use super::convention::Convention;
-use super::fault::{Fault, NotebookError};
+use super::fault::{NotebookError, NotebookFault};
 use super::model::Notebook;
 use super::structure::{Forms, LikelihoodForm, TransitionForm};
 use iibt_core::actions::BYTES;
@@ -30,8 +30,8 @@ impl Notebook {
         self
     }
 
-    fn write(&self, forms: Forms) -> Result<String, Fault> {
-        let assembly = Assembly::new(self, forms);
+    fn write(&self, forms: Forms) -> Result<String, NotebookFault> {
+        let assembly = ModelAssembly::new(self, forms);
         let (choices, room) = assembly.with_model(|model| {
             let choices = Choices::new(self, &self.policies, model.controls());
             let room = Room::for_candidates(model, &choices.candidates(&choices.lists(), &choices.numbers()));
@@ -51,7 +51,7 @@ impl Notebook {
         Ok(self.heading(&assembly, &room, &choices) + &source.uses() + &source.text)
     }
 
-    fn heading(&self, assembly: &Assembly, room: &Room, choices: &Choices) -> String {
+    fn heading(&self, assembly: &ModelAssembly, room: &Room, choices: &Choices) -> String {
         let states = assembly.transitions.iter().zip(&self.transitions).enumerate();
         let factors = states.map(|(number, (form, of))| {
             format!(
@@ -173,7 +173,7 @@ impl Source {
         }
     }
 
-    fn factors(&mut self, notebook: &Notebook, assembly: &Assembly) {
+    fn factors(&mut self, notebook: &Notebook, assembly: &ModelAssembly) {
         self.used.insert("Factor");
         for (number, prior) in notebook.priors.iter().enumerate() {
             self.numbers(format_args!("static D_{number}: [f32; {}]", prior.len()), prior);
@@ -195,7 +195,7 @@ impl Source {
         self.line("];\n");
     }
 
-    fn modalities(&mut self, notebook: &Notebook, assembly: &Assembly) {
+    fn modalities(&mut self, notebook: &Notebook, assembly: &ModelAssembly) {
         self.used.extend(["Modality", "Model"]);
         for (number, preference) in notebook.preferences.iter().enumerate() {
             self.numbers(format_args!("static C_{number}: [f32; {}]", preference.len()), preference);

@@ -94,7 +94,8 @@ impl TransitionForm {
     }
 }
 
-/// A likelihood whose every column has one probability at its own state and another everywhere else.
+/// A likelihood whose every column has one probability at its own state and another everywhere
+/// else.
 fn identity_noise(table: &Tensor) -> Option<LikelihoodForm> {
     let &[outcomes, states] = table.shape() else { return None };
     if outcomes != states || states < 2 {
@@ -145,7 +146,8 @@ struct Kinds {
 }
 
 impl Kinds {
-    /// Gives the states of one condition that are never told apart one label; returns the label of each state.
+    /// Gives the states of one condition that are never told apart one label; returns the label of
+    /// each state.
     fn merge(&mut self, condition: usize) -> Option<Vec<u8>> {
         let states = self.shape[condition];
         let inner: usize = self.shape[condition + 1..].iter().product();
@@ -178,7 +180,8 @@ impl Kinds {
     }
 }
 
-/// A transition whose every column has one next state, or one and its own state with the same slip throughout.
+/// A transition whose every column has one next state, or one and its own state with the same slip
+/// throughout.
 fn next_state(table: &Tensor) -> Option<TransitionForm> {
     let &[actions, states, own] = table.shape() else { return None };
     if states != own {

@@ -3,11 +3,11 @@
 use iibt_core::inference::{Beliefs, Evidence, Modality, Model, Update, likelihood};
 use iibt_core::math;
 
-/// Simultaneous mean-field sweeps from uniform beliefs: q_f ∝ exp(ln D_f + E ln P(o | s)), all factors from the beliefs before
-/// the sweep.
+/// Simultaneous mean-field sweeps from uniform beliefs: q_f ∝ exp(ln D_f + E ln P(o | s)), all
+/// factors from the beliefs before the sweep.
 ///
-/// This approximation can oscillate and lose a robot's own position; robots use [`Beliefs::update`]. Nothing is impossible
-/// to it, because every probability has a floor.
+/// This approximation can oscillate and lose a robot's own position; robots use
+/// [`Beliefs::update`]. Nothing is impossible to it, because every probability has a floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweeps {
     /// How many at the most.
@@ -15,19 +15,20 @@ pub struct Sweeps {
     /// They end when the free energy has changed by less than this, in nats.
     pub tolerance: f32,
     /// Where the floor is.
-    pub floor: Floor,
+    pub floor: ProbabilityFloor,
 }
 
 /// Where a floor keeps the logarithms finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Floor {
-    /// Under the product of all modalities' likelihoods: ln(Π A + 1e-16). Costs a visit of every combination of states.
+pub enum ProbabilityFloor {
+    /// Under the product of all modalities' likelihoods: ln(Π A + 1e-16). Costs a visit of every
+    /// combination of states.
     Product,
     /// Under each modality's likelihood: Σ ln max(A, 2.2e-16).
     Each,
 }
 
-impl Floor {
+impl ProbabilityFloor {
     /// ln p of a belief or prior, kept finite.
     fn ln(self, p: f32) -> f32 {
         match self {
@@ -40,7 +41,8 @@ impl Floor {
 /// The floor of numpy pymdp.
 const FLOOR: f32 = 1e-16;
 
-/// What counts as no change for sweeps without a tolerance, when they say whether they came to rest.
+/// What counts as no change for sweeps without a tolerance, when they say whether they came to
+/// rest.
 const AT_REST: f32 = 1e-3;
 
 /// The beliefs about each factor.
@@ -48,13 +50,14 @@ type Marginals = Vec<Vec<f32>>;
 
 impl Sweeps {
     /// One sweep: what the paper's numbers need.
-    pub const PAPER: Self = Self { most: 1, tolerance: 0.0, floor: Floor::Product };
+    pub const PAPER: Self = Self { most: 1, tolerance: 0.0, floor: ProbabilityFloor::Product };
 
-    /// numpy pymdp 0.0.7: ten sweeps at the most, ended when the free energy changes by less than 0.001.
-    pub const NUMPY_PYMDP: Self = Self { most: 10, tolerance: 1e-3, floor: Floor::Product };
+    /// numpy pymdp 0.0.7: ten sweeps at the most, ended when the free energy changes by less than
+    /// 0.001.
+    pub const NUMPY_PYMDP: Self = Self { most: 10, tolerance: 1e-3, floor: ProbabilityFloor::Product };
 
     /// JAX pymdp 1.0: sixteen sweeps.
-    pub const JAX_PYMDP: Self = Self { most: 16, tolerance: 0.0, floor: Floor::Each };
+    pub const JAX_PYMDP: Self = Self { most: 16, tolerance: 0.0, floor: ProbabilityFloor::Each };
 
     /// Updates beliefs by an observation, with evidence for each modality.
     ///
@@ -68,7 +71,7 @@ impl Sweeps {
     ) -> Update {
         let factors = 0..model.factors().len();
         let prior: Marginals = factors.clone().map(|factor| beliefs.of(model, factor).to_vec()).collect();
-        let observed = Observed { model, evidence, floor: self.floor };
+        let observed = SweptEvidence { model, evidence, floor: self.floor };
         let mut q: Marginals = prior.iter().map(|p| vec![1.0 / p.len() as f32; p.len()]).collect();
         let mut update =
             Update { free_energy: self.complexity(&q, &prior), exact: false, converged: false, sweeps: 0 };
@@ -97,18 +100,18 @@ impl Sweeps {
 }
 
 /// What was observed, and how its logarithm is taken.
-struct Observed<'a, 'm, 'e> {
+struct SweptEvidence<'a, 'm, 'e> {
     model: &'a Model<'m>,
     evidence: &'a [Evidence<'e>],
-    floor: Floor,
+    floor: ProbabilityFloor,
 }
 
-impl<'m, 'e> Observed<'_, 'm, 'e> {
+impl<'m, 'e> SweptEvidence<'_, 'm, 'e> {
     /// Every factor's best belief given the others' old ones.
     fn sweep(&self, q: &Marginals, prior: &Marginals) -> Marginals {
         let mut scores = match self.floor {
-            Floor::Product => self.messages_of_product(q),
-            Floor::Each => self.messages_of_each(q),
+            ProbabilityFloor::Product => self.messages_of_product(q),
+            ProbabilityFloor::Each => self.messages_of_each(q),
         };
         for (scores, prior) in scores.iter_mut().zip(prior) {
             scores.iter_mut().zip(prior).for_each(|(score, p)| *score += self.floor.ln(*p));
@@ -125,12 +128,12 @@ impl<'m, 'e> Observed<'_, 'm, 'e> {
     /// E_q ln P(o | s).
     fn accuracy(&self, q: &Marginals) -> f32 {
         match self.floor {
-            Floor::Product => {
+            ProbabilityFloor::Product => {
                 let mut total = 0.0;
                 self.for_each_state(q, |_, mass, ln| total += mass * ln);
                 total
             }
-            Floor::Each => {
+            ProbabilityFloor::Each => {
                 let of = |(modality, evidence): (&Modality, Evidence)| {
                     let first = &q[modality.factors()[0]];
                     let mut scores = vec![0.0; first.len()];

@@ -1,7 +1,7 @@
 //! Tables of numbers with any number of axes, row-major.
 
-use super::fault::{Fault, refuse};
-use super::json::Value;
+use super::fault::{NotebookFault, refuse};
+use super::json::JsonValue;
 
 /// How far a column may be from summing to one; it is then scaled.
 const TOLERANCE: f64 = 1e-4;
@@ -17,11 +17,12 @@ pub(super) struct Tensor {
 }
 
 impl Tensor {
-    /// A table from nested lists of equal lengths, all its numbers finite. `name` is what messages call it.
-    pub(super) fn read(value: &Value, name: &str) -> Result<Self, Fault> {
+    /// A table from nested lists of equal lengths, all its numbers finite. `name` is what messages
+    /// call it.
+    pub(super) fn read(value: &JsonValue, name: &str) -> Result<Self, NotebookFault> {
         let mut tensor = Self { shape: Vec::new(), values: Vec::new() };
         let mut first = value;
-        while let Value::List(items) = first {
+        while let JsonValue::List(items) = first {
             tensor.shape.push(items.len());
             let Some(item) = items.first() else {
                 refuse!("{} is empty", place(name, &vec![0; tensor.shape.len() - 1]));
@@ -32,13 +33,13 @@ impl Tensor {
         Ok(tensor)
     }
 
-    fn fill(&mut self, value: &Value, name: &str, at: &mut Vec<usize>) -> Result<(), Fault> {
+    fn fill(&mut self, value: &JsonValue, name: &str, at: &mut Vec<usize>) -> Result<(), NotebookFault> {
         let Some(&length) = self.shape.get(at.len()) else {
             self.values.push(finite(value, || place(name, at))?);
             return Ok(());
         };
         let first = || place(name, &vec![0; at.len()]);
-        let Value::List(items) = value else {
+        let JsonValue::List(items) = value else {
             refuse!(
                 "{name} is ragged: {} is {}, {} a list of {length}",
                 place(name, at),
@@ -88,7 +89,7 @@ impl Tensor {
     }
 
     /// Checks that every column is a distribution, and scales it to sum to one.
-    pub(super) fn normalise_columns(&mut self, name: &str) -> Result<(), Fault> {
+    pub(super) fn normalise_columns(&mut self, name: &str) -> Result<(), NotebookFault> {
         let columns = self.columns();
         for column in 0..columns {
             let mut sum = 0.0;
@@ -131,7 +132,8 @@ impl Tensor {
         Self { shape, values: blocks.flat_map(|block| &block[..inner]).copied().collect() }
     }
 
-    /// The table with its axes in another order: axis `i` of the result is axis `order[i]` of this one.
+    /// The table with its axes in another order: axis `i` of the result is axis `order[i]` of this
+    /// one.
     pub(super) fn transposed(&self, order: &[usize]) -> Self {
         let stride = |axis: usize| self.shape[axis + 1..].iter().product::<usize>();
         let shape: Vec<_> = order.iter().map(|&axis| self.shape[axis]).collect();
@@ -170,11 +172,13 @@ pub(super) fn place(name: &str, at: &[usize]) -> String {
 }
 
 /// A finite number, or a refusal that names its place.
-pub(super) fn finite(value: &Value, place: impl Fn() -> String) -> Result<f64, Fault> {
+pub(super) fn finite(value: &JsonValue, place: impl Fn() -> String) -> Result<f64, NotebookFault> {
     match value {
-        Value::Number(number) if number.is_finite() => Ok(*number),
-        Value::Number(number) => refuse!("{} is {number}, not a finite number", place()),
-        Value::List(_) => refuse!("{} is a list where its like are numbers: the table is ragged", place()),
+        JsonValue::Number(number) if number.is_finite() => Ok(*number),
+        JsonValue::Number(number) => refuse!("{} is {number}, not a finite number", place()),
+        JsonValue::List(_) => {
+            refuse!("{} is a list where its like are numbers: the table is ragged", place())
+        }
         other => refuse!("{} is {}, not a number", place(), other.kind()),
     }
 }

@@ -1,9 +1,10 @@
-//! Beyond the paper: teams of unlike robots, and preferences learned online, which it names as future work.
+//! Beyond the paper: teams of unlike robots, and preferences learned online, which it names as
+//! future work.
 
-use super::figure::{Estimate, Figure, IntervalRow, Intervals, Lines, Panel, Series};
+use super::figure::{DataSeries, Estimate, Figure, IntervalRow, Intervals, Lines, Panel};
 use super::report::{Item, Section, number};
-use super::{Effort, Run};
-use crate::beyond::{Learned, Mixed, Unlike};
+use super::{Effort, Reproduction};
+use crate::beyond::{LearnedPreferences, Mixed, Unlike};
 use crate::campaign::Score;
 use crate::library::built_in;
 use crate::statistics::Difference;
@@ -14,7 +15,7 @@ const SEEDS: u64 = 300;
 const SERVED: &str = "part of the robots that was served";
 
 /// What both come to.
-pub(super) fn measure(run: &Run<'_>) -> Section {
+pub(super) fn measure(run: &Reproduction<'_>) -> Section {
     let mut section = Section::new("beyond", "Beyond the paper: unlike robots, learned preferences");
     section.say(
         "Robots that differ in pace and in sensors: the scenario `mixed` with starts and goals drawn for each seed. The teams that \
@@ -33,7 +34,7 @@ pub(super) fn measure(run: &Run<'_>) -> Section {
         mixed.push(Mixed::fly(&built_in("mixed"), unlike, seeds));
     }
     (run.progress)(mixed.len(), steps);
-    let learned = Learned::fly(&built_in("deliveries"), seeds);
+    let learned = LearnedPreferences::fly(&built_in("deliveries"), seeds);
     let judged = run.effort == Effort::Full;
     section.items = mixed.iter().flat_map(|mixed| mixed_items(mixed, judged)).collect();
     section.items.extend(learned_items(&learned, judged));
@@ -61,7 +62,9 @@ fn mixed_items(mixed: &Mixed, judged: bool) -> [Item; 3] {
     let collided = |scores: &[Score]| scores.iter().filter(|score| score.has_collided()).count();
     let collided = collided(&mixed.known) + collided(&mixed.alike);
     let done = [&mixed.known, &mixed.alike].map(|scores| Mixed::accomplished(scores));
-    // What knowing the sensors is worth is measured and not claimed: localisers that err anywhere fool nobody for long.
+    // The benefit of knowing the sensors is measured and not claimed: a wrong reading of any cell
+    // at random is corrected by the next one, so no large difference is
+    // expected.
     let claimed = judged && mixed.unlike != Unlike::Sensors;
     [
         gain(format!("unlike {what}: ticks that knowing it saves"), &mixed.saved(), " ticks", claimed),
@@ -78,10 +81,10 @@ fn mixed_items(mixed: &Mixed, judged: bool) -> [Item; 3] {
     ]
 }
 
-fn learned_items(learned: &Learned, judged: bool) -> [Item; 4] {
+fn learned_items(learned: &LearnedPreferences, judged: bool) -> [Item; 4] {
     let [learning, not] = [&learned.learning, &learned.not];
-    let shares = [learning, not].map(|series| number(Learned::last_third(series).mean));
-    let ticks = [learning, not].map(|series| number(Learned::ticks(series).mean));
+    let shares = [learning, not].map(|series| number(LearnedPreferences::last_third(series).mean));
+    let ticks = [learning, not].map(|series| number(LearnedPreferences::ticks(series).mean));
     let collided: usize = learning.iter().chain(not).map(|series| series.collided).sum();
     [
         gain(
@@ -119,19 +122,21 @@ fn ticks(mixed: &[Mixed]) -> Figure {
     )
 }
 
-fn curve(learned: &Learned) -> Figure {
+fn curve(learned: &LearnedPreferences) -> Figure {
     let series = [("learning", &learned.learning), ("not learning", &learned.not)];
     let lines = Lines {
         title: "Robots served".to_owned(),
         x: "mission".to_owned(),
         y: SERVED.to_owned(),
-        at: (1..=Learned::curve(&learned.learning).len()).map(|mission| mission as f64).collect(),
-        series: series.map(|(name, series)| Series::new(name, Learned::curve(series))).into(),
+        at: (1..=LearnedPreferences::curve(&learned.learning).len()).map(|mission| mission as f64).collect(),
+        series: series.map(|(name, series)| DataSeries::new(name, LearnedPreferences::curve(series))).into(),
     };
     let row = IntervalRow {
         label: "deliveries".to_owned(),
         values: series
-            .map(|(name, series)| (name.to_owned(), Estimate::of_mean(&Learned::last_third(series))))
+            .map(|(name, series)| {
+                (name.to_owned(), Estimate::of_mean(&LearnedPreferences::last_third(series)))
+            })
             .into(),
     };
     Figure::new(

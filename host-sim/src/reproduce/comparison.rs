@@ -1,10 +1,11 @@
-//! The comparison that the paper does not have: inference trees and conventional ones on the same missions.
+//! The comparison that the paper does not have: inference trees and conventional ones on the same
+//! missions.
 
-use super::Run;
+use super::Reproduction;
 use super::figure::{Estimate, Figure, IntervalRow, Intervals, Panel};
 use super::report::{Item, Section, number, with_interval};
 use crate::Pilot;
-use crate::campaign::{Campaign, Comparison, Disturbance, Report, Row, Summary, cost};
+use crate::campaign::{Campaign, CampaignReport, CampaignRow, Comparison, Disturbance, Summary, cost};
 use crate::library::built_in;
 use crate::statistics::{Difference, Share};
 use std::env;
@@ -17,7 +18,7 @@ const PILOTS: [Pilot; 2] = [Pilot::Inference, Pilot::Conventional];
 const MISSIONS: [&str; 2] = ["two-goals", "factory"];
 
 /// What the comparison comes to.
-pub(super) fn compare(run: &Run<'_>) -> Section {
+pub(super) fn compare(run: &Reproduction<'_>) -> Section {
     let mut section = Section::new("comparison", "Inference and conventional trees on the same missions");
     section.say(
         "The conventional tree is figure 8's, with leaves as an engineer would write them by hand for the same sensors, radio and \
@@ -36,7 +37,7 @@ pub(super) fn compare(run: &Run<'_>) -> Section {
     section
 }
 
-fn fly(mission: &str, run: &Run<'_>) -> Report {
+fn fly(mission: &str, run: &Reproduction<'_>) -> CampaignReport {
     let scenario = built_in(mission);
     let seeds = run.seeds(SEEDS) as u32;
     let campaign = Campaign { scenario: &scenario, disturbances: &Disturbance::ALL, pilots: &PILOTS, seeds };
@@ -44,7 +45,7 @@ fn fly(mission: &str, run: &Run<'_>) -> Report {
 }
 
 /// One mission under one disturbance.
-fn items(mission: &str, row: &Row) -> Vec<Item> {
+fn items(mission: &str, row: &CampaignRow) -> Vec<Item> {
     let name = row.disturbance.name();
     let seeds = row.summaries.first().map_or(0, |summary| summary.accomplished.of);
     let side_by_side =
@@ -95,7 +96,8 @@ fn ticks(summary: &Summary) -> String {
     with_interval(ticks.mean, ticks.interval)
 }
 
-/// Who is better beyond chance in what, by the differences of inference and conventional tree on the same seeds.
+/// Who is better beyond chance in what, by the differences of inference and conventional tree on
+/// the same seeds.
 fn winner(comparison: &Comparison) -> String {
     let success = who(&comparison.accomplished, true);
     if comparison.ticks.pairs == 0 {
@@ -129,9 +131,9 @@ fn instructions(mission: &str, pilot: Pilot) -> Item {
     }
 }
 
-fn figure(mission: &str, report: &Report) -> Figure {
+fn figure(mission: &str, report: &CampaignReport) -> Figure {
     let rows = |estimate: fn(&Summary) -> Option<Estimate>| {
-        let row = |row: &Row| IntervalRow {
+        let row = |row: &CampaignRow| IntervalRow {
             label: row.disturbance.name().to_owned(),
             values: row
                 .summaries

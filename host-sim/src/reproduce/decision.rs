@@ -18,38 +18,39 @@ pub(super) const WIDTH: u16 = 7;
 /// The most candidates a robot has.
 const CANDIDATES: usize = 10;
 
-/// What a collision is worth by default, on the log scale of C.
+/// The default preference for a collision, on the log scale of C.
 const COLLISION: f32 = -4.0;
 
-/// Which arithmetic to use.
+/// The arithmetic of a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Mode {
+pub enum DecisionMode {
     /// The paper's own, artefacts included.
     AsPublished,
     /// The product's.
     Default,
 }
 
-/// What two robots can do, and what they would like.
+/// The joint decision of two robots: their candidates and preferences.
 #[derive(Clone, Debug)]
-pub struct Decision {
-    /// The candidate paths of both robots, at least one each, by the names that the paper gives them.
+pub struct PaperDecision {
+    /// The candidate paths of both robots, at least one each, by the names that the paper gives
+    /// them.
     pub candidates: [Vec<(&'static str, Path)>; 2],
     /// The goals, in the order of their labels.
     pub goals: Vec<Cell>,
-    /// C of both robots' places.
+    /// C of both robots' positions.
     pub preferences: [[f32; CELLS]; 2],
-    /// The probability that each robot's place is read right.
+    /// The probability that each robot's localiser is right.
     pub sensors: [f32; 2],
-    /// The steps that are looked at.
+    /// The horizon in steps.
     pub horizon: usize,
 }
 
-/// A judged decision.
+/// An evaluated decision.
 #[derive(Clone, Debug)]
 pub struct Judged {
-    /// The beliefs of both robots' places after the first observation.
+    /// The beliefs over both robots' positions after the first observation.
     pub beliefs: [Vec<f32>; 2],
     /// The posterior over the joint policies, a row for each path of the first robot.
     pub posterior: Vec<f32>,
@@ -57,8 +58,8 @@ pub struct Judged {
     pub scores: Vec<f32>,
 }
 
-impl Decision {
-    /// Two robots that want to be at any goal, with the sensors of section 5.1.
+impl PaperDecision {
+    /// Creates the decision of two robots that prefer any goal, with the sensors of section 5.1.
     #[must_use]
     pub fn new(candidates: [&[(&'static str, &[u16])]; 2], goals: &[u16], horizon: usize) -> Self {
         let drawn =
@@ -74,15 +75,15 @@ impl Decision {
         }
     }
 
-    /// The same with an obstacle that both would rather not enter.
+    /// Adds an obstacle with a negative preference for both robots.
     #[must_use]
     pub fn around(mut self, obstacle: Cell) -> Self {
         self.preferences.iter_mut().for_each(|preference| preference[obstacle.index()] = -1.0);
         self
     }
 
-    /// The joint policies, row by row, in which both robots arrive in the same step at different goals, past all that is
-    /// disliked.
+    /// Returns the joint policies, row by row, in which both robots arrive in the same step at
+    /// different goals without entering a cell of negative preference.
     #[must_use]
     pub fn simultaneous(&self) -> Vec<usize> {
         let map = map();
@@ -97,13 +98,13 @@ impl Decision {
         (0..self.pairs()).filter(fits).collect()
     }
 
-    /// How many joint policies there are.
+    /// Returns the number of joint policies.
     #[must_use]
     pub fn pairs(&self) -> usize {
         self.candidates[0].len() * self.candidates[1].len()
     }
 
-    /// A joint policy by its place: what both robots do.
+    /// Returns the paths of both robots in a joint policy.
     ///
     /// # Panics
     /// When there is no such joint policy.
@@ -113,7 +114,7 @@ impl Decision {
         [self.candidates[0][index / columns], self.candidates[1][index % columns]]
     }
 
-    /// Whether the robots meet in a cell or change places in a joint policy.
+    /// Returns whether the robots meet in a cell or swap cells in a joint policy.
     ///
     /// # Panics
     /// When there is no such joint policy.
@@ -123,7 +124,7 @@ impl Decision {
         first_conflict(&map(), &first, &second).is_some()
     }
 
-    /// The name of a joint policy.
+    /// Returns the name of a joint policy.
     ///
     /// # Panics
     /// When there is no such joint policy.
@@ -132,9 +133,9 @@ impl Decision {
         self.pair(index).map(|(name, _)| name).join(" with ")
     }
 
-    /// The posterior over the joint policies.
+    /// Evaluates the joint policies.
     #[must_use]
-    pub fn judge(&self, mode: Mode) -> Judged {
+    pub fn judge(&self, mode: DecisionMode) -> Judged {
         let kinds = self.goals.len() + 1;
         let label = |cell: usize| self.goals.iter().position(|goal| goal.index() == cell);
         let labels: [u8; CELLS] = core::array::from_fn(|cell| label(cell).map_or(0, |goal| goal as u8 + 1));
@@ -162,7 +163,7 @@ impl Decision {
         let problem = Problem {
             horizon: self.horizon,
             negative_preferences: &[&negative_preferences[0], &negative_preferences[1]],
-            pair_preferences: if mode == Mode::Default { &[&Collision] } else { &[] },
+            pair_preferences: if mode == DecisionMode::Default { &[&Collision] } else { &[] },
             ..Problem::new(&model, &beliefs, Candidates::all(&sequences), mode.scoring())
         };
         let mut evaluation = Evaluation::<CELLS, 2, CANDIDATES, CANDIDATES>::new();
@@ -175,22 +176,22 @@ impl Decision {
         }
     }
 
-    /// What a robot does on a path. As published, a robot that arrives before the horizon goes on with action zero, which is
-    /// "up", and so walks off again.
-    fn policy(&self, mode: Mode, path: &Path) -> Policy {
+    /// Returns the actions of a path. As published, a robot that arrives before the horizon
+    /// continues with action zero, "up", and so leaves its goal again.
+    fn policy(&self, mode: DecisionMode, path: &Path) -> Policy {
         let mut policy = path.actions;
-        while mode == Mode::AsPublished && policy.len() < self.horizon {
+        while mode == DecisionMode::AsPublished && policy.len() < self.horizon {
             policy.push(Move::Up.code()).expect("a horizon is a policy's length");
         }
         policy
     }
 
-    fn beliefs(&self, mode: Mode, model: &Model) -> Beliefs<CELLS, 2> {
+    fn beliefs(&self, mode: DecisionMode, model: &Model) -> Beliefs<CELLS, 2> {
         let [first, second] =
             self.candidates.each_ref().map(|list| Evidence::Outcome(list[0].1.start.index()));
         let seen = [first, second, Evidence::Outcome(0)];
         let mut beliefs = Beliefs::prior(model);
-        if mode == Mode::AsPublished {
+        if mode == DecisionMode::AsPublished {
             Sweeps::PAPER.update(&mut beliefs, model, &seen);
         } else {
             beliefs.update(model, &seen).expect("every cell can be read, and nobody is on a goal");
@@ -199,7 +200,7 @@ impl Decision {
     }
 }
 
-impl Mode {
+impl DecisionMode {
     const fn scoring(self) -> Scoring {
         match self {
             Self::Default => Scoring::DEFAULT,
@@ -208,7 +209,7 @@ impl Mode {
     }
 }
 
-impl std::fmt::Display for Mode {
+impl std::fmt::Display for DecisionMode {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::AsPublished => "as published",
@@ -233,7 +234,7 @@ const fn outcome(first: usize, second: usize) -> u8 {
     }
 }
 
-/// What the product takes a collision to be worth.
+/// The preference for a collision in the default mode.
 struct Collision;
 
 impl PairPreference for Collision {

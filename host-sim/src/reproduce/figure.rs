@@ -70,14 +70,14 @@ pub struct Bars {
     /// What each group is about.
     pub labels: Vec<String>,
     /// The bars, one of each series in every group.
-    pub series: Vec<Series>,
+    pub series: Vec<DataSeries>,
     /// How long a bar is.
     pub scale: Scale,
 }
 
 /// One value for each group or place; `None` where there is none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Series {
+pub struct DataSeries {
     /// Whose values.
     pub name: String,
     /// The values.
@@ -106,7 +106,7 @@ pub struct Lines {
     /// The value on the right axis of each place.
     pub at: Vec<f64>,
     /// The curves.
-    pub series: Vec<Series>,
+    pub series: Vec<DataSeries>,
 }
 
 /// Values with their intervals, a line for each.
@@ -220,7 +220,7 @@ impl Figure {
     }
 }
 
-impl Series {
+impl DataSeries {
     /// A value in every place.
     #[must_use]
     pub fn new(name: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Self {

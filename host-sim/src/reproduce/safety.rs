@@ -1,10 +1,10 @@
-//! Every mission that is built in, in the default mode, under the eyes of the validator.
+//! Safety: every built-in mission in the default mode, judged by the validator.
 
-use super::Run;
+use super::Reproduction;
 use super::figure::{Estimate, Figure, IntervalRow, Intervals, Panel};
 use super::report::{Item, Section, number};
 use crate::campaign::{Campaign, Disturbance, Summary};
-use crate::words::counted;
+use crate::text::counted;
 use crate::{Pilot, Scenario, library};
 
 /// The seeds of each mission, with each radio.
@@ -14,8 +14,8 @@ const SEEDS: u64 = 100;
 const RADIOS: [Disturbance; 2] = [Disturbance::None, Disturbance::Loss];
 const NAMES: [&str; 2] = ["a perfect radio", "three frames in ten lost"];
 
-/// What comes of all of them.
-pub(super) fn validate(run: &Run<'_>) -> Section {
+/// Computes the section of all flights.
+pub(super) fn validate(run: &Reproduction<'_>) -> Section {
     let mut section = Section::new("safety", "Nobody collides, whatever the radio does");
     section.say(
         "Every mission that is built in, flown by the inference node in the default mode. The validator looks at nothing but the cells \
@@ -25,7 +25,7 @@ pub(super) fn validate(run: &Run<'_>) -> Section {
     let mut rows = Vec::new();
     for (done, mission) in missions.iter().enumerate() {
         (run.progress)(done, missions.len());
-        let flights = flown(mission, &Run { progress: &|_, _| (), ..*run }, SEEDS);
+        let flights = flown(mission, &Reproduction { progress: &|_, _| (), ..*run }, SEEDS);
         section.items.extend(flights.iter().map(|flights| item(mission, flights)));
         let value = |flights: &Flights| (flights.radio.to_owned(), Estimate::of_mean(&flights.summary.ticks));
         rows.push(IntervalRow { label: mission.name.clone(), values: flights.iter().map(value).collect() });
@@ -48,8 +48,8 @@ pub(super) struct Flights {
     summary: Summary,
 }
 
-/// Flies a mission with each radio, with so many seeds in the full report.
-pub(super) fn flown(scenario: &Scenario, run: &Run<'_>, seeds: u64) -> Vec<Flights> {
+/// Flies a mission with each radio; the full report has `seeds` seeds.
+pub(super) fn flown(scenario: &Scenario, run: &Reproduction<'_>, seeds: u64) -> Vec<Flights> {
     let seeds = run.seeds(seeds) as u32;
     let campaign = Campaign { scenario, disturbances: &RADIOS, pilots: &[Pilot::Inference], seeds };
     let report = campaign.fly(None, run.progress).expect("the mission fits");

@@ -1,11 +1,11 @@
 //! Section 5: two robots, two goals, listed paths; then an obstacle.
 
-use super::Run;
-use super::decision::{Decision, Judged, Mode, WIDTH, map};
-use super::figure::{Bars, Figure, Grid, Panel, Scale, Series, Track, tracks};
+use super::Reproduction;
+use super::decision::{DecisionMode, Judged, PaperDecision, WIDTH, map};
+use super::figure::{Bars, DataSeries, Figure, Grid, Panel, Scale, Track, tracks};
 use super::report::{Item, Section, Tolerance, number};
-use crate::words::route;
-use crate::{Conditions, News, Outcome, Record, fly, library};
+use crate::text::route;
+use crate::{Conditions, FlightEvent, Outcome, Record, fly, library};
 use iibt_core::grid::{Cell, Path};
 use iibt_core::math;
 
@@ -39,7 +39,8 @@ const DETOUR: [Published; 9] = [
     Published(".554e-14", 5.546_443_005_492_866e-15),
 ];
 
-/// The initial beliefs: that robot 1 is on 28, and on any other cell that is no goal; the same of robot 2 and 2.
+/// The initial beliefs: that robot 1 is on 28, and on any other cell that is no goal; the same of
+/// robot 2 and 2.
 const BELIEFS: [(&str, usize, usize, f64); 4] = [
     ("q1(28)", 0, 28, 0.993_314_800_284_670_8),
     ("q1 of any other cell", 0, 0, 1.453_304_285_874_283_8e-4),
@@ -47,9 +48,10 @@ const BELIEFS: [(&str, usize, usize, f64); 4] = [
     ("q2 of any other cell", 1, 0, 2.511_423_166_242_157_7e-3),
 ];
 
-/// Section 5.1's decision. Robot 2's paths are in the order of the paper's numbers, which is not that of its text.
+/// Section 5.1's decision. Robot 2's paths are in the order of the paper's numbers, which is not
+/// that of its text.
 #[must_use]
-pub fn choice() -> Decision {
+pub fn choice() -> PaperDecision {
     let first: [(&str, &[u16]); 4] = [
         ("A", &[28, 29, 30, 31, 24]),
         ("B", &[28, 35, 36, 37, 38, 31, 24]),
@@ -62,12 +64,13 @@ pub fn choice() -> Decision {
         ("c", &[2, 3, 4, 11, 18, 25, 26]),
         ("d", &[2, 3, 4, 5, 12, 19, 26]),
     ];
-    Decision::new([&first, &second], &[24, 26], 10)
+    PaperDecision::new([&first, &second], &[24, 26], 10)
 }
 
-/// Section 5.2's decision, with the waits that the numbers require; X3 and Y3 are the rest of the old plan.
+/// Section 5.2's decision, with the waits that the numbers require; X3 and Y3 are the rest of the
+/// old plan.
 #[must_use]
-pub fn detour() -> Decision {
+pub fn detour() -> PaperDecision {
     let first: [(&str, &[u16]); 3] = [
         ("X1", &[29, 22, 15, 16, 17, 17, 24]),
         ("X2", &[29, 36, 37, 38, 31, 32, 33, 26]),
@@ -78,11 +81,11 @@ pub fn detour() -> Decision {
         ("Y3", &[1, 8, 15, 22, 23, 24]),
         ("Y2", &[1, 8, 9, 10, 11, 18, 19, 26]),
     ];
-    Decision::new([&first, &second], &[24, 26], 7).around(Cell(30))
+    PaperDecision::new([&first, &second], &[24, 26], 7).around(Cell(30))
 }
 
 /// What section 5.1 comes to.
-pub(super) fn choose(_: &Run<'_>) -> Section {
+pub(super) fn choose(_: &Reproduction<'_>) -> Section {
     let mut section = Section::new("5.1", "Two robots, two goals, nobody is told which");
     section.say(
         "Robot 1 weighs each of its four paths with each of robot 2's. As published, its sensors, one sweep of mean-field \
@@ -91,7 +94,8 @@ pub(super) fn choose(_: &Run<'_>) -> Section {
          flight each robot runs its own inference, on its own readings and the other's frames.",
     );
     let decision = choice();
-    let [published, ours] = [Mode::AsPublished, Mode::Default].map(|mode| decision.judge(mode));
+    let [published, ours] =
+        [DecisionMode::AsPublished, DecisionMode::Default].map(|mode| decision.judge(mode));
     section.items = initial_beliefs(&published);
     section.items.extend(probabilities(&decision, &published, &CHOICE));
     section.items.extend(choices(&decision, [&published, &ours], "C with a"));
@@ -103,7 +107,7 @@ pub(super) fn choose(_: &Run<'_>) -> Section {
 }
 
 /// What section 5.2 comes to.
-pub(super) fn detour_around(_: &Run<'_>) -> Section {
+pub(super) fn detour_around(_: &Reproduction<'_>) -> Section {
     let mut section = Section::new("5.2", "An obstacle on the way");
     section.say(
         "One step later an obstacle blocks p30. Its preference falls by one, new paths are weighed beside the rest of the old \
@@ -111,7 +115,8 @@ pub(super) fn detour_around(_: &Run<'_>) -> Section {
          the obstacle on their way and plan their own paths.",
     );
     let decision = detour();
-    let [published, ours] = [Mode::AsPublished, Mode::Default].map(|mode| decision.judge(mode));
+    let [published, ours] =
+        [DecisionMode::AsPublished, DecisionMode::Default].map(|mode| decision.judge(mode));
     section.items = probabilities(&decision, &published, &DETOUR);
     section.items.extend(choices(&decision, [&published, &ours], "X2 with Y1"));
     section.items.push(settled(&flown("detour"), &decision, &ours));
@@ -132,7 +137,7 @@ fn initial_beliefs(published: &Judged) -> Vec<Item> {
     BELIEFS.into_iter().map(item).collect()
 }
 
-fn probabilities(decision: &Decision, published: &Judged, printed: &[Published]) -> Vec<Item> {
+fn probabilities(decision: &PaperDecision, published: &Judged, printed: &[Published]) -> Vec<Item> {
     let item = |(pair, &Published(digits, exact)): (usize, &Published)| {
         let what = format!("P({}), as published", decision.name(pair));
         Item::published(what, digits, exact, f64::from(published.posterior[pair]), TOLERANCE)
@@ -141,7 +146,7 @@ fn probabilities(decision: &Decision, published: &Judged, printed: &[Published])
 }
 
 /// Which pair is chosen in both modes, and what the default mode makes of arriving together.
-fn choices(decision: &Decision, [published, ours]: [&Judged; 2], paper: &str) -> [Item; 3] {
+fn choices(decision: &PaperDecision, [published, ours]: [&Judged; 2], paper: &str) -> [Item; 3] {
     let [by_paper, by_default] = [published, ours].map(|judged| math::argmax(&judged.posterior));
     let together = decision.simultaneous();
     let mass: f64 = together.iter().map(|&pair| f64::from(ours.posterior[pair])).sum();
@@ -158,7 +163,7 @@ fn choices(decision: &Decision, [published, ours]: [&Judged; 2], paper: &str) ->
 }
 
 /// Whether both robots of a flight came to the pair that one of them would choose by itself.
-fn settled(record: &Record, decision: &Decision, ours: &Judged) -> Item {
+fn settled(record: &Record, decision: &PaperDecision, ours: &Judged) -> Item {
     let best = math::argmax(&ours.posterior);
     let expected = decision.pair(best).map(|(_, path)| path);
     let paths: Vec<_> = record.robots.iter().map(|robot| robot.path.clone()).collect();
@@ -171,11 +176,14 @@ fn settled(record: &Record, decision: &Decision, ours: &Judged) -> Item {
 
 /// What became of a flight in which the obstacle appeared on the way.
 fn replanned(record: &Record) -> [Item; 3] {
-    let appeared =
-        record.news.iter().find(|dated| matches!(dated.news, News::Appeared { .. })).map(|dated| dated.tick);
+    let appeared = record
+        .events
+        .iter()
+        .find(|timed| matches!(timed.event, FlightEvent::Appeared { .. }))
+        .map(|timed| timed.tick);
     let moved = appeared.is_some_and(|tick| record.history[tick as usize] != record.history[0]);
-    let chosen = record.news.iter().filter(|dated| matches!(dated.news, News::Chose { .. }));
-    let again = appeared.map_or(0, |tick| chosen.filter(|dated| dated.tick >= tick).count());
+    let chosen = record.events.iter().filter(|timed| matches!(timed.event, FlightEvent::Chose { .. }));
+    let again = appeared.map_or(0, |tick| chosen.filter(|timed| timed.tick >= tick).count());
     let avoided = record.robots.iter().filter(|robot| !robot.path.contains(&Cell(30))).count();
     let together = record.outcome == Outcome::Together;
     [
@@ -204,7 +212,7 @@ fn flown(scenario: &str) -> Record {
     fly(&library::built_in(scenario), Conditions::default(), &mut ()).expect("its mission fits")
 }
 
-fn candidates(decision: &Decision, obstacle: Option<Cell>, record: &Record) -> Figure {
+fn candidates(decision: &PaperDecision, obstacle: Option<Cell>, record: &Record) -> Figure {
     let blocked: Vec<Cell> = obstacle.into_iter().collect();
     let grid = |title: String, paths| {
         Panel::Grid(Grid {
@@ -237,15 +245,15 @@ fn candidates(decision: &Decision, obstacle: Option<Cell>, record: &Record) -> F
     )
 }
 
-fn posteriors(decision: &Decision, [published, ours]: [&Judged; 2], printed: &[Published]) -> Figure {
+fn posteriors(decision: &PaperDecision, [published, ours]: [&Judged; 2], printed: &[Published]) -> Figure {
     let values = |judged: &Judged| judged.posterior.iter().copied().map(f64::from).collect::<Vec<_>>();
     let bars = Bars {
         title: "P of each joint policy".to_owned(),
         labels: (0..decision.pairs()).map(|pair| decision.name(pair)).collect(),
         series: vec![
-            Series::new("paper", printed.iter().map(|published| published.1)),
-            Series::new("ours, as published", values(published)),
-            Series::new("ours, default", values(ours)),
+            DataSeries::new("paper", printed.iter().map(|published| published.1)),
+            DataSeries::new("ours, as published", values(published)),
+            DataSeries::new("ours, default", values(ours)),
         ],
         scale: Scale::Logarithmic,
     };

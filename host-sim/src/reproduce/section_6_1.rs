@@ -3,11 +3,11 @@
 mod published;
 mod shift;
 
-use super::Run;
+use super::Reproduction;
 use super::report::Section;
 
 /// What section 6.1 comes to.
-pub(super) fn mission(run: &Run<'_>) -> Section {
+pub(super) fn mission(run: &Reproduction<'_>) -> Section {
     let mut section = Section::new("6.1", "Three robots: obstacles, way-points, batteries");
     section.say(
         "By default the whole mission is one flight of the firmware's own controllers: a first choice, an obstacle on p23, \

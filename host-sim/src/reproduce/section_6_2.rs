@@ -1,19 +1,20 @@
 //! Section 6.2: a bottle and a plate.
 
-use super::Run;
-use super::figure::{Bars, Estimate, Figure, IntervalRow, Intervals, Lines, Panel, Scale, Series};
+use super::Reproduction;
+use super::figure::{Bars, DataSeries, Estimate, Figure, IntervalRow, Intervals, Lines, Panel, Scale};
 use super::report::{Item, Section, Tolerance, with_interval};
 use crate::manipulation::Preset;
 use crate::manipulation::{
-    self, Campaign, Compared, Detail, Disturbances, LEVELS, Run as Mission, Terms, Thought, run as carry_out,
+    self, CampaignRuns, Compared, Detail, Disturbances, LEVELS, Run as Mission, Terms, Thought,
+    run as carry_out,
 };
-use crate::words::counted;
+use crate::text::counted;
 
 /// The policies whose probabilities the paper prints, and those.
 const REPORTED: [(usize, f64); 4] = [(3, 0.255), (7, 0.205), (12, 0.255), (13, 0.205)];
 
-/// The policies that inference nodes act on, in order: R1 moves and picks, R2 moves and picks, R1 places. Between the last two
-/// both move to goal C, by plain actions of figure 14's trees.
+/// The policies that inference nodes act on, in order: R1 moves and picks, R2 moves and picks, R1
+/// places. Between the last two both move to goal C, by plain actions of figure 14's trees.
 const SEQUENCE: &str = "3 7 12 13 11";
 
 /// The seeds of the mission with one failed grasp and one wrong reading in ten.
@@ -23,7 +24,7 @@ const SEEDS: u64 = 1000;
 const SEEDS_COMPARED: u64 = 500;
 
 /// What section 6.2 comes to.
-pub(super) fn manipulate(run: &Run<'_>) -> Section {
+pub(super) fn manipulate(run: &Reproduction<'_>) -> Section {
     let mut section = Section::new("6.2", "Two robots bring a bottle and a plate together");
     section.say(
         "Robot 1 fetches the bottle at goal A, robot 2 the plate at goal B, and at goal C the bottle is placed on the plate. \
@@ -72,7 +73,8 @@ fn mission(mission: &Mission) -> [Item; 4] {
     let acting: Vec<_> = robots.filter_map(|robot| robot.thought.as_ref()).collect();
     let is_raised = |thought: &&&Thought| thought.raised.is_some_and(|raised| raised != thought.preferences);
     let raised = acting.iter().filter(is_raised).count();
-    // C after an action has begun is the task's own, entry by entry zero or one: nothing of a raise is left.
+    // C after an action has begun is the task's own, entry by entry zero or one: nothing of a raise
+    // is left.
     let is_base =
         |rows: &[[f32; 4]; 2]| rows.as_flattened().iter().all(|&entry| entry == 0.0 || entry == 1.0);
     let exact = acting.iter().all(|thought| is_base(&thought.preferences));
@@ -112,10 +114,10 @@ fn joint_policies(mission: &Mission) -> usize {
 }
 
 /// The mission with one failed grasp and one wrong reading in ten.
-fn campaign(run: &Run<'_>) -> [Item; 4] {
+fn campaign(run: &Reproduction<'_>) -> [Item; 4] {
     let seeds = run.seeds(SEEDS) as u32;
     let terms = Terms { disturbances: Disturbances::TENTH, ..Terms::new(0) };
-    let findings = Campaign { terms, seeds }.run(None).expect("the built-in trees run");
+    let findings = CampaignRuns { terms, seeds }.run(None).expect("the built-in trees run");
     let under = format!("{}, 10 % failed grasps, 10 % wrong readings", counted(seeds, "seed"));
     let success = findings.success;
     [
@@ -139,7 +141,7 @@ fn share(ratio: f64, [low, high]: [f64; 2]) -> String {
     format!("{:.1} % ({:.1} to {:.1})", 100.0 * ratio, 100.0 * low, 100.0 * high)
 }
 
-fn compared(run: &Run<'_>) -> Vec<Compared> {
+fn compared(run: &Reproduction<'_>) -> Vec<Compared> {
     manipulation::compare(0, run.seeds(SEEDS_COMPARED) as u32).expect("the built-in trees run")
 }
 
@@ -165,12 +167,12 @@ fn contenders(compared: &[Compared]) -> Vec<Item> {
 
 fn reported(ours: &Mission, calibrated: &Mission) -> Figure {
     let values = |mission| REPORTED.map(|(policy, _)| acted_on(mission, policy));
-    let series = |name: &str, mission| Series { name: name.to_owned(), values: values(mission).into() };
+    let series = |name: &str, mission| DataSeries { name: name.to_owned(), values: values(mission).into() };
     let bars = Bars {
         title: "The probability of the chosen policy".to_owned(),
         labels: REPORTED.map(|(policy, _)| format!("π{policy}")).into(),
         series: vec![
-            Series::new("paper", REPORTED.map(|(_, paper)| paper)),
+            DataSeries::new("paper", REPORTED.map(|(_, paper)| paper)),
             series("default", ours),
             series("calibrated", calibrated),
         ],
@@ -195,7 +197,7 @@ fn beliefs() -> Figure {
         let series = names
             .iter()
             .enumerate()
-            .map(|(state, name)| Series { name: (*name).to_owned(), values: thought(state).collect() });
+            .map(|(state, name)| DataSeries { name: (*name).to_owned(), values: thought(state).collect() });
         Panel::Lines(Lines {
             title: format!("Robot {}: q(s)", robot + 1),
             x: "tick".to_owned(),

@@ -1,7 +1,7 @@
 //! The report as a table for the terminal.
 
 use super::report::{Item, Section, Verdict};
-use crate::words::counted;
+use crate::text::counted;
 use comfy_table::{ContentArrangement, LineStyle, Table, TableStyle};
 
 /// A line below the header and nothing else.
@@ -10,7 +10,7 @@ const STYLE: TableStyle = TableStyle::new().header_separator(LineStyle::new('─
 /// A terminal narrower than this gets lines that are too long for it.
 const NARROWEST: u16 = 80;
 
-/// One table of all items, wrapped to so many `columns`; remarks and the tally below it.
+/// Returns one table of all items, wrapped to `columns`, with remarks and the tally below it.
 #[must_use]
 pub fn table(sections: &[Section], columns: Option<u16>) -> String {
     let mut table = Table::new();

@@ -1,12 +1,12 @@
 //! Tables 3, 6 and 7 and figure 5: how large the trees are, counted from the trees themselves.
 
-use super::Run;
+use super::Reproduction;
 use super::figure::{Figure, Panel, TreeNode, TreeNodeKind, TreePicture};
 use super::report::{Item, Section};
 use crate::library::built_in;
 use crate::manipulation::{Detail, Disturbances, Terms, Trees, run as carry_out};
 use crate::tree::{Class, Line, library as trees};
-use crate::{Conditions, Pilot, Scenario, When, fly};
+use crate::{Conditions, Pilot, Scenario, Trigger, fly};
 
 /// A tree of the paper and the numbers that the paper prints for it.
 struct Counted {
@@ -92,7 +92,7 @@ const PAIRS: [(&str, [(&str, &str); 2]); 5] = [
 ];
 
 /// What the tables come to.
-pub(super) fn count(_: &Run<'_>) -> Section {
+pub(super) fn count(_: &Reproduction<'_>) -> Section {
     let mut section = Section::new("tables", "Tables 3, 6 and 7: how large the trees are");
     section.say("Counted from the trees that fly the missions, by code; a level more for every parent, the root being the first.");
     section.say(
@@ -156,12 +156,12 @@ fn missions() -> Vec<Item> {
     flights.into_iter().map(flown).chain(Trees::ALL.into_iter().map(handled)).collect()
 }
 
-/// The mission of section 6.1 with events at fixed ticks, for pilots that make no joint plans: two obstacles, two way-points,
-/// two low batteries.
+/// The mission of section 6.1 with events at fixed ticks, for pilots that make no joint plans: two
+/// obstacles, two way-points, two low batteries.
 fn shift_by_the_clock() -> Scenario {
     let mut scenario = Scenario { name: "shift by the clock".to_owned(), ..built_in("shift") };
     for (event, tick) in scenario.events.iter_mut().zip([2, 4, 5, 5, 9, 20]) {
-        event.when = When::Tick(tick);
+        event.when = Trigger::Tick(tick);
     }
     scenario
 }

@@ -1,11 +1,11 @@
 //! From a file as written to a sound scenario, or the first thing that is wrong with it.
 
 use super::drawing::Drawing;
-use super::error::Fault;
-use super::file::{File, Number};
+use super::error::ScenarioFault;
+use super::file::{ScenarioFile, WholeNumber};
 use super::values::{line_of_text, parameter, share, whole};
-use super::{Inference, MAX_TICKS, Radio, Robot, Scenario, Wear, file, reach};
-use crate::words::{self, counted};
+use super::{DriveFault, InferenceSpec, MAX_TICKS, Radio, RobotSpec, Scenario, file, reach};
+use crate::text::{self, counted};
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::MAX_GOALS;
 use std::ops::Range;
@@ -16,16 +16,16 @@ const LONGEST_TITLE: usize = 120;
 const MOST_MISSIONS: u32 = 1000;
 
 /// Checks everything; `text` is what `file` was read from.
-pub(super) fn check(name: &str, text: &str, file: &File) -> Result<Scenario, Fault> {
+pub(super) fn check(name: &str, text: &str, file: &ScenarioFile) -> Result<Scenario, ScenarioFault> {
     let drawing = Drawing::read(text, &file.map)?;
     let goals = drawing.goals(file)?;
     enough(goals.len(), drawing.team_size(file)?).map_err(|reason| {
         let span = file.goals.as_ref().map_or(file.map.span(), Spanned::span);
-        Fault::new(span, reason)
+        ScenarioFault::new(span, reason)
     })?;
     let robots = drawing.team(file, &goals)?;
     reach::goals_for_all(&drawing.map, &goals, &robots)
-        .map_err(|(robot, reason)| Fault::new(start_of(robot, file), reason))?;
+        .map_err(|(robot, reason)| ScenarioFault::new(start_of(robot, file), reason))?;
     let events = file.events.iter().map(|event| drawing.event(event, &robots));
     let serves = services(file, &goals)?;
     Ok(Scenario {
@@ -35,7 +35,11 @@ pub(super) fn check(name: &str, text: &str, file: &File) -> Result<Scenario, Fau
         missions: whole("missions", file.missions.as_ref(), 1..=MOST_MISSIONS, 1)?,
         radio: radio(&file.radio)?,
         inference: inference(&file.inference)?,
-        wear: file.wear.iter().map(|wear| worn(wear, &robots)).collect::<Result<_, _>>()?,
+        drive_faults: file
+            .drive_faults
+            .iter()
+            .map(|fault| drive_fault(fault, &robots))
+            .collect::<Result<_, _>>()?,
         events: events.collect::<Result<_, _>>()?,
         map: drawing.map,
         goals,
@@ -46,7 +50,7 @@ pub(super) fn check(name: &str, text: &str, file: &File) -> Result<Scenario, Fau
 
 impl Drawing {
     /// A free cell of the map.
-    pub(super) fn free(&self, what: &str, number: &Number) -> Result<Cell, Fault> {
+    pub(super) fn free(&self, what: &str, number: &WholeNumber) -> Result<Cell, ScenarioFault> {
         let value = *number.get_ref();
         let cell = u16::try_from(value).ok().map(Cell).filter(|&cell| self.map.contains(cell));
         let reason = match cell {
@@ -57,20 +61,20 @@ impl Drawing {
                 format!("{what} {value} is outside the map, whose cells are 0 to {last}")
             }
         };
-        Err(Fault::new(number.span(), reason))
+        Err(ScenarioFault::new(number.span(), reason))
     }
 
-    fn goals(&self, file: &File) -> Result<Vec<Cell>, Fault> {
+    fn goals(&self, file: &ScenarioFile) -> Result<Vec<Cell>, ScenarioFault> {
         let Some(listed) = &file.goals else { return Ok(self.goals.clone()) };
         if !self.goals.is_empty() {
             let reason = "the map draws goals as 'G' already: leave one of the two out";
-            return Err(Fault::new(listed.span(), reason));
+            return Err(ScenarioFault::new(listed.span(), reason));
         }
         let mut goals = Vec::new();
         for number in listed.get_ref() {
             let goal = self.free("goal", number)?;
             if goals.contains(&goal) {
-                return Err(Fault::new(number.span(), format!("goal {} is listed twice", goal.0)));
+                return Err(ScenarioFault::new(number.span(), format!("goal {} is listed twice", goal.0)));
             }
             goals.push(goal);
         }
@@ -79,16 +83,19 @@ impl Drawing {
 }
 
 /// With which probability each goal serves: one says so at the most once.
-fn services(file: &File, goals: &[Cell]) -> Result<Vec<f64>, Fault> {
+fn services(file: &ScenarioFile, goals: &[Cell]) -> Result<Vec<f64>, ScenarioFault> {
     let mut serves = vec![None; goals.len()];
     for service in &file.services {
         let service = service.get_ref();
         let number = *service.cell.get_ref();
         let Some(goal) = goals.iter().position(|goal| i64::from(goal.0) == number) else {
-            return Err(Fault::new(service.cell.span(), format!("{number} is no goal")));
+            return Err(ScenarioFault::new(service.cell.span(), format!("{number} is no goal")));
         };
         if serves[goal].replace(share("serves", Some(&service.serves), 1.0)?).is_some() {
-            return Err(Fault::new(service.cell.span(), format!("goal {number} has a [[goal]] already")));
+            return Err(ScenarioFault::new(
+                service.cell.span(),
+                format!("goal {number} has a [[goal]] already"),
+            ));
         }
     }
     Ok(serves.into_iter().map(|serves| serves.unwrap_or(1.0)).collect())
@@ -106,22 +113,25 @@ fn enough(goals: usize, robots: usize) -> Result<(), String> {
 }
 
 /// Where the start of a robot is written: as a number, or else on the map.
-fn start_of(robot: usize, file: &File) -> Range<usize> {
+fn start_of(robot: usize, file: &ScenarioFile) -> Range<usize> {
     let written = file.robots.get(robot).and_then(|robot| robot.get_ref().start.as_ref());
     written.map_or(file.map.span(), Spanned::span)
 }
 
-pub(super) fn named(name: &Spanned<String>, robots: &[Robot]) -> Result<usize, Fault> {
+pub(super) fn named(name: &Spanned<String>, robots: &[RobotSpec]) -> Result<usize, ScenarioFault> {
     robots.iter().position(|robot| robot.name == *name.get_ref()).ok_or_else(|| {
         let names: Vec<_> = robots.iter().map(|robot| robot.name.as_str()).collect();
         let reason = format!("no robot is called \"{}\": there are {}", name.get_ref(), names.join(", "));
-        Fault::new(name.span(), reason)
+        ScenarioFault::new(name.span(), reason)
     })
 }
 
-fn worn(wear: &Spanned<file::Wear>, robots: &[Robot]) -> Result<Wear, Fault> {
-    let written = wear.get_ref();
-    Ok(Wear {
+fn drive_fault(
+    fault: &Spanned<file::DriveFaultEntry>,
+    robots: &[RobotSpec],
+) -> Result<DriveFault, ScenarioFault> {
+    let written = fault.get_ref();
+    Ok(DriveFault {
         robot: named(&written.robot, robots)?,
         step: move_called(&written.step)?,
         from: whole("from", written.from.as_ref(), 0..=MAX_TICKS, 0)?,
@@ -129,14 +139,14 @@ fn worn(wear: &Spanned<file::Wear>, robots: &[Robot]) -> Result<Wear, Fault> {
     })
 }
 
-fn move_called(name: &Spanned<String>) -> Result<Move, Fault> {
-    words::move_called(name.get_ref()).filter(|&step| step != Move::Wait).ok_or_else(|| {
+fn move_called(name: &Spanned<String>) -> Result<Move, ScenarioFault> {
+    text::move_called(name.get_ref()).filter(|&step| step != Move::Wait).ok_or_else(|| {
         let reason = format!("no move is called \"{}\": there are up, down, left and right", name.get_ref());
-        Fault::new(name.span(), reason)
+        ScenarioFault::new(name.span(), reason)
     })
 }
 
-fn radio(written: &file::Radio) -> Result<Radio, Fault> {
+fn radio(written: &file::RadioEntry) -> Result<Radio, ScenarioFault> {
     let usual = Radio::default();
     Ok(Radio {
         loss: share("loss", written.loss.as_ref(), usual.loss)?,
@@ -146,12 +156,12 @@ fn radio(written: &file::Radio) -> Result<Radio, Fault> {
     })
 }
 
-fn inference(written: &file::Inference) -> Result<Inference, Fault> {
-    Ok(Inference {
+fn inference(written: &file::InferenceEntry) -> Result<InferenceSpec, ScenarioFault> {
+    Ok(InferenceSpec {
         precision: parameter("precision", written.precision.as_ref(), 0.0..=1000.0)?,
         sensor: parameter("sensor", written.sensor.as_ref(), 0.0..=1.0)?,
         peer_sensor: parameter("peer_sensor", written.peer_sensor.as_ref(), 0.0..=1.0)?,
-        haste: parameter("haste", written.haste.as_ref(), 0.0..=1000.0)?,
+        lateness_cost: parameter("haste", written.lateness_cost.as_ref(), 0.0..=1000.0)?,
         collision: parameter("collision", written.collision.as_ref(), -1000.0..=0.0)?,
         learning: parameter("learning", written.learning.as_ref(), 0.0..=1000.0)?,
         alike: written.alike.unwrap_or(false),

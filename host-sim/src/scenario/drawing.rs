@@ -1,8 +1,8 @@
 //! The drawn map: free cells, obstacles, and where robots and goals are.
 
-use super::error::Fault;
+use super::error::ScenarioFault;
 use super::{Floor, MAX_CELLS};
-use crate::words::counted;
+use crate::text::counted;
 use iibt_core::grid::Cell;
 use iibt_core::team::MAX_TEAM;
 use std::ops::Range;
@@ -18,14 +18,14 @@ pub(super) struct Drawing {
 }
 
 /// One row: its characters, and where they are written.
-struct Row<'t> {
+struct MapRow<'t> {
     marks: &'t str,
     span: Range<usize>,
 }
 
 impl Drawing {
     /// Reads the map written at `drawn` in the file's text.
-    pub(super) fn read(text: &str, drawn: &Spanned<String>) -> Result<Self, Fault> {
+    pub(super) fn read(text: &str, drawn: &Spanned<String>) -> Result<Self, ScenarioFault> {
         let rows = rows(text, drawn.span());
         let mut drawing = Self::blank(&rows, drawn.span())?;
         let marks = rows.iter().flat_map(|row| row.marks.chars().map(move |mark| (row, mark)));
@@ -33,24 +33,30 @@ impl Drawing {
             let cell = Cell(index as u16);
             drawing.mark(cell, mark).map_err(|reason| {
                 let (line, column) = (cell.0 / drawing.map.width(), cell.0 % drawing.map.width());
-                Fault::new(row.span.clone(), format!("row {line}, column {column} of the map: {reason}"))
+                ScenarioFault::new(
+                    row.span.clone(),
+                    format!("row {line}, column {column} of the map: {reason}"),
+                )
             })?;
         }
         Ok(drawing)
     }
 
-    fn blank(rows: &[Row<'_>], span: Range<usize>) -> Result<Self, Fault> {
-        let width = rows.first().map_or(0, Row::width);
+    fn blank(rows: &[MapRow<'_>], span: Range<usize>) -> Result<Self, ScenarioFault> {
+        let width = rows.first().map_or(0, MapRow::width);
         if let Some((number, row)) = rows.iter().enumerate().find(|(_, row)| row.width() != width) {
             let reason = format!(
                 "row {number} of the map has {}, but row 0 has {width}",
                 counted(row.width() as u32, "cell")
             );
-            return Err(Fault::new(row.span.clone(), reason));
+            return Err(ScenarioFault::new(row.span.clone(), reason));
         }
         let map = floor(width, rows.len()).ok_or_else(|| {
             let found = format!("the map has {width} x {} cells", rows.len());
-            Fault::new(span, format!("{found}: draw 2 to {MAX_CELLS}, '.' for free and '#' for blocked"))
+            ScenarioFault::new(
+                span,
+                format!("{found}: draw 2 to {MAX_CELLS}, '.' for free and '#' for blocked"),
+            )
         })?;
         Ok(Self { map, starts: [None; MAX_TEAM], goals: Vec::new() })
     }
@@ -78,13 +84,13 @@ impl Drawing {
     }
 }
 
-impl Row<'_> {
+impl MapRow<'_> {
     fn width(&self) -> usize {
         self.marks.chars().count()
     }
 }
 
-/// A floor without obstacles, if there is one of this size.
+/// Returns a map without obstacles, if this size is possible.
 fn floor(width: usize, height: usize) -> Option<Floor> {
     let fits = (2..=MAX_CELLS).contains(&width.checked_mul(height)?);
     let (width, height) = (u16::try_from(width).ok()?, u16::try_from(height).ok()?);
@@ -92,16 +98,16 @@ fn floor(width: usize, height: usize) -> Option<Floor> {
 }
 
 /// The rows as they stand in the file, without quotes, indentation, and empty lines around them.
-fn rows(text: &str, span: Range<usize>) -> Vec<Row<'_>> {
+fn rows(text: &str, span: Range<usize>) -> Vec<MapRow<'_>> {
     let written = text.get(span.clone()).unwrap_or_default();
     let opened = written.trim_start_matches(['"', '\'']);
     let mut at = span.start + written.len() - opened.len();
     let mut rows = Vec::new();
     for line in opened.trim_end_matches(['"', '\'']).split_inclusive('\n') {
-        rows.push(Row { marks: line.trim(), span: at..at + line.len() });
+        rows.push(MapRow { marks: line.trim(), span: at..at + line.len() });
         at += line.len();
     }
-    let drawn = |row: &Row<'_>| !row.marks.is_empty();
+    let drawn = |row: &MapRow<'_>| !row.marks.is_empty();
     rows.truncate(rows.iter().rposition(drawn).map_or(0, |last| last + 1));
     let first = rows.iter().position(drawn).unwrap_or(0);
     rows.split_off(first)
@@ -110,10 +116,10 @@ fn rows(text: &str, span: Range<usize>) -> Vec<Row<'_>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::file::File;
+    use crate::scenario::file::ScenarioFile;
 
-    fn read(text: &str) -> Result<Drawing, Fault> {
-        let file: File = toml::from_str(text).unwrap();
+    fn read(text: &str) -> Result<Drawing, ScenarioFault> {
+        let file: ScenarioFile = toml::from_str(text).unwrap();
         Drawing::read(text, &file.map)
     }
 

@@ -23,17 +23,17 @@ impl std::error::Error for ScenarioError {}
 
 /// A [`ScenarioError`] before the file is known: the byte where it is, and the reason.
 #[derive(Debug)]
-pub(super) struct Fault {
+pub(super) struct ScenarioFault {
     at: Option<usize>,
     reason: String,
 }
 
-impl Fault {
+impl ScenarioFault {
     pub(super) fn new(span: Range<usize>, reason: impl Into<String>) -> Self {
         Self { at: Some(span.start), reason: reason.into() }
     }
 
-    /// Something that is missing, and so stands nowhere; see [`Fault::or_at`].
+    /// Something that is missing, and so stands nowhere; see [`ScenarioFault::or_at`].
     pub(super) fn anywhere(reason: impl Into<String>) -> Self {
         Self { at: None, reason: reason.into() }
     }
@@ -50,7 +50,7 @@ impl Fault {
     }
 }
 
-impl From<toml::de::Error> for Fault {
+impl From<toml::de::Error> for ScenarioFault {
     fn from(error: toml::de::Error) -> Self {
         let message = error.message().trim().replace('\n', "; ");
         let message = message.replace("i64", "a whole number").replace("f64", "a number");

@@ -2,10 +2,10 @@
 
 use super::check::named;
 use super::drawing::Drawing;
-use super::error::Fault;
-use super::file::{self, Number};
+use super::error::ScenarioFault;
+use super::file::{self, WholeNumber};
 use super::values::whole;
-use super::{Effect, Event, MAX_TICKS, Robot, When, reach};
+use super::{Event, EventEffect, MAX_TICKS, RobotSpec, Trigger, reach};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::Cell;
 use toml::Spanned;
@@ -15,88 +15,116 @@ const WHAT: &str = "say what happens: exactly one of block, charge, visit and st
 
 impl Drawing {
     /// An event, checked against the team.
-    pub(super) fn event(&self, event: &Spanned<file::Event>, robots: &[Robot]) -> Result<Event, Fault> {
+    pub(super) fn event(
+        &self,
+        event: &Spanned<file::EventEntry>,
+        robots: &[RobotSpec],
+    ) -> Result<Event, ScenarioFault> {
         let (written, span) = (event.get_ref(), event.span());
         let when = self.when(written, robots).map_err(|fault| fault.or_at(&span))?;
         Ok(Event { when, effect: self.effect(written, when, robots).map_err(|fault| fault.or_at(&span))? })
     }
 
-    fn when(&self, written: &file::Event, robots: &[Robot]) -> Result<When, Fault> {
+    fn when(&self, written: &file::EventEntry, robots: &[RobotSpec]) -> Result<Trigger, ScenarioFault> {
         let moves = whole("moves", written.moves.as_ref(), 0..=HORIZON as u32, 0)?;
         let when = match (&written.tick, &written.robot, &written.at, &written.plan) {
-            (tick @ Some(_), None, None, None) => When::Tick(whole("tick", tick.as_ref(), 0..=MAX_TICKS, 0)?),
-            (None, Some(name), Some(at), None) => When::Reached(named(name, robots)?, self.free("at", at)?),
-            (None, None, None, plan @ Some(_)) => {
-                return Ok(When::Planned(whole("plan", plan.as_ref(), 1..=1000, 1)?, moves));
+            (tick @ Some(_), None, None, None) => {
+                Trigger::Tick(whole("tick", tick.as_ref(), 0..=MAX_TICKS, 0)?)
             }
-            _ => return Err(Fault::anywhere(WHEN)),
+            (None, Some(name), Some(at), None) => {
+                Trigger::Reached(named(name, robots)?, self.free("at", at)?)
+            }
+            (None, None, None, plan @ Some(_)) => {
+                return Ok(Trigger::Planned(whole("plan", plan.as_ref(), 1..=1000, 1)?, moves));
+            }
+            _ => return Err(ScenarioFault::anywhere(WHEN)),
         };
         match &written.moves {
-            Some(moves) => Err(Fault::new(moves.span(), "moves are those of a plan: write plan = N with it")),
+            Some(moves) => {
+                Err(ScenarioFault::new(moves.span(), "moves are those of a plan: write plan = N with it"))
+            }
             None => Ok(when),
         }
     }
 
-    fn effect(&self, written: &file::Event, when: When, robots: &[Robot]) -> Result<Effect, Fault> {
+    fn effect(
+        &self,
+        written: &file::EventEntry,
+        when: Trigger,
+        robots: &[RobotSpec],
+    ) -> Result<EventEffect, ScenarioFault> {
         let concerned = || whose(written, when, robots);
         let effect = match (&written.block, &written.charge, &written.visit, &written.stop) {
             (Some(cell), None, None, None) => self.obstacle(written, cell, robots)?,
             (None, Some(charge), None, None) => {
-                Effect::Charge(concerned()?, whole("charge", Some(charge), 0..=100, 0)? as u8)
+                EventEffect::Charge(concerned()?, whole("charge", Some(charge), 0..=100, 0)? as u8)
             }
             (None, None, Some(cell), None) => {
                 let robot = concerned()?;
-                Effect::Visit(robot, self.within_reach("way-point", cell, &robots[robot])?)
+                EventEffect::Visit(robot, self.within_reach("way-point", cell, &robots[robot])?)
             }
             (None, None, None, Some(stop)) if *stop.get_ref() => {
                 let ticks = whole("for", written.ticks.as_ref(), 1..=MAX_TICKS, MAX_TICKS)?;
-                return Ok(Effect::Stop(concerned()?, written.ticks.as_ref().map(|_| ticks)));
+                return Ok(EventEffect::Stop(concerned()?, written.ticks.as_ref().map(|_| ticks)));
             }
             (None, None, None, Some(stop)) => {
-                return Err(Fault::new(
+                return Err(ScenarioFault::new(
                     stop.span(),
                     "stop = false says nothing: write true, or leave it out",
                 ));
             }
-            _ => return Err(Fault::anywhere(WHAT)),
+            _ => return Err(ScenarioFault::anywhere(WHAT)),
         };
         match &written.ticks {
-            Some(ticks) => Err(Fault::new(ticks.span(), "only stop takes a time: leave `for` out")),
+            Some(ticks) => Err(ScenarioFault::new(ticks.span(), "only stop takes a time: leave `for` out")),
             None => Ok(effect),
         }
     }
 
-    fn obstacle(&self, written: &file::Event, cell: &Number, robots: &[Robot]) -> Result<Effect, Fault> {
+    fn obstacle(
+        &self,
+        written: &file::EventEntry,
+        cell: &WholeNumber,
+        robots: &[RobotSpec],
+    ) -> Result<EventEffect, ScenarioFault> {
         let (blocked, span) = (self.free("block", cell)?, cell.span());
         if let Some(robot) = robots.iter().find(|robot| robot.start == blocked) {
             let reason =
                 format!("{} is where {} starts: no obstacle can appear there", blocked.0, robot.name);
-            return Err(Fault::new(span, reason));
+            return Err(ScenarioFault::new(span, reason));
         }
         match &written.who {
-            Some(who) => Err(Fault::new(who.span(), "an obstacle is nobody's: leave `who` out")),
-            None => Ok(Effect::Block(blocked)),
+            Some(who) => Err(ScenarioFault::new(who.span(), "an obstacle is nobody's: leave `who` out")),
+            None => Ok(EventEffect::Block(blocked)),
         }
     }
 
     /// A free cell to which a way leads a robot by the drawn map.
-    pub(super) fn within_reach(&self, what: &str, number: &Number, robot: &Robot) -> Result<Cell, Fault> {
+    pub(super) fn within_reach(
+        &self,
+        what: &str,
+        number: &WholeNumber,
+        robot: &RobotSpec,
+    ) -> Result<Cell, ScenarioFault> {
         let cell = self.free(what, number)?;
         if reach::is_near(&self.map, robot, cell) {
             return Ok(cell);
         }
         let (name, start) = (&robot.name, robot.start.0);
-        Err(Fault::new(number.span(), format!("{name} on {start} cannot reach the {what} {}", cell.0)))
+        Err(ScenarioFault::new(
+            number.span(),
+            format!("{name} on {start} cannot reach the {what} {}", cell.0),
+        ))
     }
 }
 
 /// Whom an event concerns: the robot that is named, else the one that sets it off.
-fn whose(written: &file::Event, when: When, robots: &[Robot]) -> Result<usize, Fault> {
+fn whose(written: &file::EventEntry, when: Trigger, robots: &[RobotSpec]) -> Result<usize, ScenarioFault> {
     match (&written.who, when) {
         (Some(who), _) => named(who, robots),
-        (None, When::Reached(robot, _)) => Ok(robot),
-        (None, When::Tick(_) | When::Planned(..)) => {
-            Err(Fault::anywhere("say whom it concerns: who = \"NAME\""))
+        (None, Trigger::Reached(robot, _)) => Ok(robot),
+        (None, Trigger::Tick(_) | Trigger::Planned(..)) => {
+            Err(ScenarioFault::anywhere("say whom it concerns: who = \"NAME\""))
         }
     }
 }

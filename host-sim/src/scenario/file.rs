@@ -5,101 +5,102 @@ use toml::Spanned;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct File {
+pub(super) struct ScenarioFile {
     pub title: Spanned<String>,
     pub map: Spanned<String>,
-    pub goals: Option<Spanned<Vec<Number>>>,
-    pub limit: Option<Number>,
-    pub missions: Option<Number>,
-    pub view: Option<Number>,
-    pub slip: Option<Real>,
+    pub goals: Option<Spanned<Vec<WholeNumber>>>,
+    pub limit: Option<WholeNumber>,
+    pub missions: Option<WholeNumber>,
+    pub view: Option<WholeNumber>,
+    pub slip: Option<RealNumber>,
     #[serde(default)]
-    pub radio: Radio,
+    pub radio: RadioEntry,
     #[serde(default)]
-    pub inference: Inference,
+    pub inference: InferenceEntry,
     #[serde(default, rename = "robot")]
-    pub robots: Vec<Spanned<Robot>>,
+    pub robots: Vec<Spanned<RobotEntry>>,
     #[serde(default, rename = "goal")]
-    pub services: Vec<Spanned<Service>>,
+    pub services: Vec<Spanned<GoalEntry>>,
     #[serde(default, rename = "event")]
-    pub events: Vec<Spanned<Event>>,
-    #[serde(default)]
-    pub wear: Vec<Spanned<Wear>>,
+    pub events: Vec<Spanned<EventEntry>>,
+    #[serde(default, rename = "wear")]
+    pub drive_faults: Vec<Spanned<DriveFaultEntry>>,
 }
 
 /// A whole number and where it is written.
-pub(super) type Number = Spanned<i64>;
+pub(super) type WholeNumber = Spanned<i64>;
 
 /// A real number and where it is written.
-pub(super) type Real = Spanned<f64>;
+pub(super) type RealNumber = Spanned<f64>;
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Radio {
-    pub loss: Option<Real>,
-    pub delay: Option<Number>,
-    pub duplicate: Option<Real>,
+pub(super) struct RadioEntry {
+    pub loss: Option<RealNumber>,
+    pub delay: Option<WholeNumber>,
+    pub duplicate: Option<RealNumber>,
 }
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Inference {
-    pub precision: Option<Real>,
-    pub sensor: Option<Real>,
-    pub peer_sensor: Option<Real>,
-    pub haste: Option<Real>,
-    pub collision: Option<Real>,
-    pub learning: Option<Real>,
+pub(super) struct InferenceEntry {
+    pub precision: Option<RealNumber>,
+    pub sensor: Option<RealNumber>,
+    pub peer_sensor: Option<RealNumber>,
+    #[serde(rename = "haste")]
+    pub lateness_cost: Option<RealNumber>,
+    pub collision: Option<RealNumber>,
+    pub learning: Option<RealNumber>,
     pub alike: Option<bool>,
 }
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Robot {
-    pub start: Option<Number>,
+pub(super) struct RobotEntry {
+    pub start: Option<WholeNumber>,
     pub name: Option<Spanned<String>>,
-    pub battery: Option<Number>,
-    pub charger: Option<Number>,
-    pub drain: Option<Real>,
-    pub charging: Option<Real>,
-    pub slip: Option<Real>,
-    pub localiser: Option<Real>,
-    pub sensor: Option<Real>,
-    pub view: Option<Number>,
-    pub pace: Option<Number>,
-    pub paths: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
+    pub battery: Option<WholeNumber>,
+    pub charger: Option<WholeNumber>,
+    pub drain: Option<RealNumber>,
+    pub charging: Option<RealNumber>,
+    pub slip: Option<RealNumber>,
+    pub localiser: Option<RealNumber>,
+    pub sensor: Option<RealNumber>,
+    pub view: Option<WholeNumber>,
+    pub pace: Option<WholeNumber>,
+    pub paths: Option<Spanned<Vec<Spanned<Vec<WholeNumber>>>>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Event {
-    pub tick: Option<Number>,
+pub(super) struct EventEntry {
+    pub tick: Option<WholeNumber>,
     pub robot: Option<Spanned<String>>,
-    pub at: Option<Number>,
-    pub plan: Option<Number>,
-    pub moves: Option<Number>,
+    pub at: Option<WholeNumber>,
+    pub plan: Option<WholeNumber>,
+    pub moves: Option<WholeNumber>,
     pub who: Option<Spanned<String>>,
-    pub block: Option<Number>,
-    pub charge: Option<Number>,
-    pub visit: Option<Number>,
+    pub block: Option<WholeNumber>,
+    pub charge: Option<WholeNumber>,
+    pub visit: Option<WholeNumber>,
     pub stop: Option<Spanned<bool>>,
     #[serde(rename = "for")]
-    pub ticks: Option<Number>,
+    pub ticks: Option<WholeNumber>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Service {
-    pub cell: Number,
-    pub serves: Real,
+pub(super) struct GoalEntry {
+    pub cell: WholeNumber,
+    pub serves: RealNumber,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Wear {
+pub(super) struct DriveFaultEntry {
     pub robot: Spanned<String>,
     #[serde(rename = "move")]
     pub step: Spanned<String>,
-    pub from: Option<Number>,
-    pub fails: Real,
+    pub from: Option<WholeNumber>,
+    pub fails: RealNumber,
 }

@@ -1,17 +1,17 @@
-//! Whether the robots can get to where they are wanted: by the drawn map, each to a goal of its own.
+//! Reachability: by the drawn map, every robot has a way to a goal of its own.
 //!
-//! Goals are given out by augmenting paths (Kuhn 1955): a robot takes a goal that is free, or whose owner can
-//! take another one.
+//! The assignment uses augmenting paths (Kuhn 1955): a robot takes a goal that is free, or one that
+//! another robot can exchange for a different goal.
 
-use super::{Floor, MAX_CELLS, Robot};
+use super::{Floor, MAX_CELLS, RobotSpec};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Planner};
 
 /// A robot without a goal, by its index, and the reason.
 pub(super) type Stranded = (usize, String);
 
-/// Gives every robot a goal of its own, or names the first for whom none is left.
-pub(super) fn goals_for_all(map: &Floor, goals: &[Cell], robots: &[Robot]) -> Result<(), Stranded> {
+/// Assigns every robot a goal of its own, or names the first robot without one.
+pub(super) fn goals_for_all(map: &Floor, goals: &[Cell], robots: &[RobotSpec]) -> Result<(), Stranded> {
     let reachable: Vec<_> = robots.iter().map(|robot| reachable(map, goals, robot)).collect();
     let mut owners = vec![None; goals.len()];
     for (index, robot) in robots.iter().enumerate() {
@@ -23,12 +23,12 @@ pub(super) fn goals_for_all(map: &Floor, goals: &[Cell], robots: &[Robot]) -> Re
 }
 
 /// Whether a robot's plan can lead from its start to a cell.
-pub(super) fn is_near(map: &Floor, robot: &Robot, cell: Cell) -> bool {
+pub(super) fn is_near(map: &Floor, robot: &RobotSpec, cell: Cell) -> bool {
     !reachable(map, &[cell], robot).is_empty()
 }
 
 /// The goals, by their index, that a robot's plan can lead to from its start.
-fn reachable(map: &Floor, goals: &[Cell], robot: &Robot) -> Vec<usize> {
+fn reachable(map: &Floor, goals: &[Cell], robot: &RobotSpec) -> Vec<usize> {
     let mut planner = Planner::<MAX_CELLS>::new();
     let Ok(distances) = planner.distances(map, robot.start) else { return Vec::new() };
     let is_near = |goal| distances.to(goal).is_some_and(|moves| moves <= farthest(robot));
@@ -36,7 +36,7 @@ fn reachable(map: &Floor, goals: &[Cell], robot: &Robot) -> Vec<usize> {
 }
 
 /// The most moves that a plan of this robot has room for.
-fn farthest(robot: &Robot) -> u16 {
+fn farthest(robot: &RobotSpec) -> u16 {
     HORIZON as u16 / u16::from(robot.steps())
 }
 
@@ -58,7 +58,7 @@ fn takes_a_goal(
     })
 }
 
-fn reason(robot: &Robot, goals: &[Cell], reachable: &[usize]) -> String {
+fn reason(robot: &RobotSpec, goals: &[Cell], reachable: &[usize]) -> String {
     let (name, start) = (&robot.name, robot.start.0);
     if reachable.is_empty() {
         let most = farthest(robot);

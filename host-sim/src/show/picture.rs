@@ -1,6 +1,6 @@
 //! A flight drawn as text: the map with everything on it, and a line for every robot.
 
-use crate::fly::Scene;
+use crate::fly::Snapshot;
 use anstyle::{AnsiColor, Style};
 use iibt_core::grid::Cell;
 use iibt_core::navigation::Report;
@@ -42,48 +42,48 @@ impl Palette {
     }
 }
 
-/// The scene in lines of the same number at every tick.
+/// The snapshot in lines of the same number at every tick.
 ///
-/// Robots are drawn as their numbers, goals as `G`, walls as `##`, obstacles that appeared as `XX`, and the
-/// cells that robots still mean to enter as `*`.
+/// Robots are drawn as their numbers, goals as `G`, walls as `##`, obstacles that appeared as `XX`,
+/// and the cells that robots still mean to enter as `*`.
 #[must_use]
-pub fn picture(scene: &Scene<'_>, palette: Palette) -> Vec<String> {
-    let mut lines = vec![format!("tick {}", scene.tick), String::new()];
-    let width = scene.floor.width();
-    for row in 0..scene.floor.height() {
+pub fn picture(snapshot: &Snapshot<'_>, palette: Palette) -> Vec<String> {
+    let mut lines = vec![format!("tick {}", snapshot.tick), String::new()];
+    let width = snapshot.floor.width();
+    for row in 0..snapshot.floor.height() {
         let cells = (0..width).map(|column| Cell(row * width + column));
-        let drawn: String = cells.map(|cell| square(scene, cell, palette)).collect();
+        let drawn: String = cells.map(|cell| square(snapshot, cell, palette)).collect();
         lines.push(format!("  {}", drawn.trim_end()));
     }
     lines.extend([String::new(), palette.paint(FLOOR, LEGEND)]);
-    lines.extend((0..scene.cells.len()).map(|robot| robot_line(scene, robot, palette)));
+    lines.extend((0..snapshot.cells.len()).map(|robot| robot_line(snapshot, robot, palette)));
     lines
 }
 
 /// One cell, two characters wide.
-fn square(scene: &Scene<'_>, cell: Cell, palette: Palette) -> String {
-    if let Some(robot) = scene.cells.iter().position(|&at| at == cell) {
+fn square(snapshot: &Snapshot<'_>, cell: Cell, palette: Palette) -> String {
+    if let Some(robot) = snapshot.cells.iter().position(|&at| at == cell) {
         return palette.paint(colour(robot).bold(), &format!("{} ", robot + 1));
     }
-    if !scene.scenario.map.is_free(cell) {
+    if !snapshot.scenario.map.is_free(cell) {
         return palette.paint(WALL, "##");
     }
-    if !scene.floor.is_free(cell) {
+    if !snapshot.floor.is_free(cell) {
         return palette.paint(OBSTACLE, "XX");
     }
-    if scene.scenario.goals.contains(&cell) {
+    if snapshot.scenario.goals.contains(&cell) {
         return palette.paint(GOAL, "G ");
     }
     let heading_here =
-        |report: &Report| report.path.cells(scene.floor).skip(report.step + 1).any(|at| at == cell);
-    match scene.reports.iter().position(heading_here) {
+        |report: &Report| report.path.cells(snapshot.floor).skip(report.step + 1).any(|at| at == cell);
+    match snapshot.reports.iter().position(heading_here) {
         Some(robot) => palette.paint(colour(robot), "* "),
         None => palette.paint(FLOOR, ". "),
     }
 }
 
-fn robot_line(scene: &Scene<'_>, robot: usize, palette: Palette) -> String {
-    let (setup, report) = (&scene.scenario.robots[robot], &scene.reports[robot]);
+fn robot_line(snapshot: &Snapshot<'_>, robot: usize, palette: Palette) -> String {
+    let (setup, report) = (&snapshot.scenario.robots[robot], &snapshot.reports[robot]);
     let name = palette.paint(colour(robot).bold(), &format!("{:<4}", setup.name));
     let plan = match report.goal {
         Some(goal) => format!(
@@ -95,12 +95,12 @@ fn robot_line(scene: &Scene<'_>, robot: usize, palette: Palette) -> String {
         ),
         None => "has not chosen".to_owned(),
     };
-    let stopped = scene.stopped[robot].then_some("stopped");
-    let activity = stopped.or(scene.activities[robot]).unwrap_or("-");
+    let stopped = snapshot.stopped[robot].then_some("stopped");
+    let activity = stopped.or(snapshot.activities[robot]).unwrap_or("-");
     let errand = report.waypoint.map_or_else(String::new, |cell| format!(", by way of {}", cell.0));
-    let charge = scene.charges[robot];
+    let charge = snapshot.charges[robot];
     let battery = if charge < 100 { format!(", battery {charge} %") } else { String::new() };
-    format!("  {name} at {:>3}  {activity:<10}  {plan}{errand}{battery}", scene.cells[robot].0)
+    format!("  {name} at {:>3}  {activity:<10}  {plan}{errand}{battery}", snapshot.cells[robot].0)
 }
 
 fn colour(robot: usize) -> Style {
@@ -110,7 +110,7 @@ fn colour(robot: usize) -> Style {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Audience, Conditions, Scenario, fly};
+    use crate::{Conditions, Observer, Scenario, fly};
 
     /// Keeps the picture of one tick.
     struct Photograph {
@@ -119,10 +119,10 @@ mod tests {
         lines: Vec<String>,
     }
 
-    impl Audience for Photograph {
-        fn see(&mut self, scene: &Scene<'_>) {
-            if scene.tick == self.tick {
-                self.lines = picture(scene, self.palette);
+    impl Observer for Photograph {
+        fn observe(&mut self, snapshot: &Snapshot<'_>) {
+            if snapshot.tick == self.tick {
+                self.lines = picture(snapshot, self.palette);
             }
         }
     }

@@ -1,16 +1,16 @@
 //! A flight on a terminal, redrawn in place.
 
 use super::picture::{Palette, picture};
-use crate::fly::{Audience, Scene};
+use crate::fly::{Observer, Snapshot};
 use std::io::{self, Write};
 use std::thread::sleep;
 use std::time::Duration;
 
-/// How long a tick is shown.
+/// The time for which a tick is shown.
 const PAUSE: Duration = Duration::from_millis(90);
 
-/// The latest news shown below the picture.
-const NEWS: usize = 4;
+/// The number of latest events shown below the picture.
+const EVENTS: usize = 4;
 
 /// Draws every tick over the one before, at a pace people can follow.
 #[derive(Debug)]
@@ -19,27 +19,27 @@ pub struct Screen<W> {
     palette: Palette,
     columns: usize,
     drawn: usize,
-    news: Vec<String>,
+    events: Vec<String>,
 }
 
 impl<W: Write> Screen<W> {
-    /// A screen on `out`, a terminal of so many columns.
+    /// Creates a screen on `out`, a terminal with this number of columns.
     pub const fn new(out: W, palette: Palette, columns: usize) -> Self {
-        Self { out, palette, columns, drawn: 0, news: Vec::new() }
+        Self { out, palette, columns, drawn: 0, events: Vec::new() }
     }
 
-    /// The lines a scenario takes on the screen.
+    /// Returns the number of lines that a scenario takes on the screen.
     #[must_use]
     pub fn height(scenario: &crate::Scenario) -> usize {
-        usize::from(scenario.map.height()) + scenario.robots.len() + NEWS + 6
+        usize::from(scenario.map.height()) + scenario.robots.len() + EVENTS + 6
     }
 
-    fn draw(&mut self, scene: &Scene<'_>) -> io::Result<()> {
-        let mut lines = picture(scene, self.palette);
+    fn draw(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
+        let mut lines = picture(snapshot, self.palette);
         lines.push(String::new());
-        let latest = self.news.iter().skip(self.news.len().saturating_sub(NEWS));
-        lines.extend(latest.map(|news| news.chars().take(self.columns.saturating_sub(1)).collect()));
-        lines.resize(Self::height(scene.scenario), String::new());
+        let latest = self.events.iter().skip(self.events.len().saturating_sub(EVENTS));
+        lines.extend(latest.map(|event| event.chars().take(self.columns.saturating_sub(1)).collect()));
+        lines.resize(Self::height(snapshot.scenario), String::new());
         if self.drawn > 0 {
             write!(self.out, "\x1b[{}A", self.drawn)?;
         }
@@ -51,10 +51,11 @@ impl<W: Write> Screen<W> {
     }
 }
 
-impl<W: Write> Audience for Screen<W> {
-    fn see(&mut self, scene: &Scene<'_>) {
-        self.news.extend(scene.news.iter().map(|news| format!("  {}", news.line(scene.scenario))));
-        if self.draw(scene).is_ok() {
+impl<W: Write> Observer for Screen<W> {
+    fn observe(&mut self, snapshot: &Snapshot<'_>) {
+        self.events
+            .extend(snapshot.events.iter().map(|event| format!("  {}", event.line(snapshot.scenario))));
+        if self.draw(snapshot).is_ok() {
             sleep(PAUSE);
         }
     }

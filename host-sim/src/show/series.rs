@@ -1,14 +1,15 @@
 //! A series of missions, a line each.
 
 use super::summary::ending;
-use crate::series::{Mission, Series};
-use crate::words::counted;
+use crate::series::{Series, SeriesMission};
+use crate::text::counted;
 
-/// A line for every mission: who stood where, who was served, and how it ended; with `brief`, one line for all.
+/// A line for every mission: who stood where, who was served, and how it ended; with `brief`, one
+/// line for all.
 #[must_use]
 pub fn series_lines(series: &Series, brief: bool) -> String {
     let missions = series.missions.len();
-    let served: f64 = series.missions.iter().map(Mission::share).sum::<f64>() / missions.max(1) as f64;
+    let served: f64 = series.missions.iter().map(SeriesMission::share).sum::<f64>() / missions.max(1) as f64;
     let done = series.missions.iter().filter(|mission| mission.record.outcome.is_success()).count();
     let collisions: u32 = series.missions.iter().map(|mission| mission.record.collisions.total()).sum();
     let total = format!(
@@ -23,7 +24,7 @@ pub fn series_lines(series: &Series, brief: bool) -> String {
     lines.chain([String::new(), total]).collect::<Vec<_>>().join("\n")
 }
 
-fn line(number: usize, mission: &Mission) -> String {
+fn line(number: usize, mission: &SeriesMission) -> String {
     let robots = mission.record.robots.iter().zip(&mission.served);
     let stood = robots.map(|(robot, served)| match served {
         Some(true) => format!("{} served at {}", robot.name, robot.cell.0),

@@ -1,4 +1,4 @@
-//! What the robots of a failed mission lack, each in a line.
+//! The reasons for a failed mission, a line per robot.
 
 use crate::record::{Record, RobotRecord};
 

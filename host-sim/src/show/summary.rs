@@ -2,7 +2,7 @@
 
 use super::shortfall::shortfall;
 use crate::record::{Outcome, Record, RobotRecord};
-use crate::words::{counted, route};
+use crate::text::{counted, route};
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle};
 
 /// A line below the header and nothing else.
@@ -17,7 +17,8 @@ const LEGEND: &str = "path: the last; prob.: of its joint policy among all weigh
 const PATH: usize = 2;
 const TEXTS: [usize; 3] = [0, PATH, 8];
 
-/// A table of the robots, the outcome below it, and what the robots lack if the mission failed. In a terminal of so many `columns`, paths are wrapped.
+/// A table of the robots, the outcome below it, and what the robots lack if the mission failed. In
+/// a terminal of so many `columns`, paths are wrapped.
 #[must_use]
 pub fn summary(record: &Record, columns: Option<u16>) -> String {
     let mut table = Table::new();

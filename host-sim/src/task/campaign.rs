@@ -1,17 +1,17 @@
-//! A task file flown many times at several levels of trouble.
+//! Campaigns of a task file at several levels of disturbance.
 
 use super::flight::Flown;
 use super::mission::{TaskError, Trouble};
 use super::read::TableMission;
+use crate::parallel::parallel_map;
 use crate::statistics::{Distribution, Share};
-use crate::workers::share_out;
 use serde::Serialize;
 use std::num::NonZeroUsize;
 
 /// The share of wrong readings and of failed actions of each level.
 pub const LEVELS: [f64; 4] = [0.0, 0.1, 0.2, 0.3];
 
-/// What came of the flights at one level.
+/// The result of the flights at one level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Level {
     /// The share of readings that are wrong and of actions that fail.
@@ -38,7 +38,7 @@ impl TableMission<'_> {
 
     fn level(&self, level: f64, seeds: u32, threads: Option<NonZeroUsize>) -> Result<Level, TaskError> {
         let trouble = Trouble { wrong: Some(level), fails: Some(level), loss: None };
-        let flights = share_out(seeds as usize, threads, |seed| self.fly(seed as u64, trouble));
+        let flights = parallel_map(seeds as usize, threads, |seed| self.fly(seed as u64, trouble));
         let flights: Vec<Flown> = flights.into_iter().collect::<Result<_, _>>()?;
         let of = |number: fn(&Flown) -> f64| {
             Distribution::of(flights.iter().filter(|flown| flown.success).map(number))

@@ -16,16 +16,16 @@ pub(super) struct File {
     pub precision: Option<Real>,
     pub confidence: Option<Real>,
     #[serde(default)]
-    pub radio: Radio,
+    pub radio: TaskRadioEntry,
     #[serde(rename = "robot")]
     pub robots: Vec<Spanned<Robot>>,
     #[serde(rename = "goal")]
-    pub goals: Vec<Spanned<Goal>>,
+    pub goals: Vec<Spanned<GoalTable>>,
 }
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Radio {
+pub(super) struct TaskRadioEntry {
     pub loss: Option<Real>,
     pub delay: Option<Number>,
     pub duplicate: Option<Real>,
@@ -48,7 +48,7 @@ pub(super) struct Robot {
     pub remedies: Vec<Spanned<Remedy>>,
     #[serde(rename = "aim")]
     pub aims: Vec<Spanned<Aim>>,
-    pub outcome: Option<Spanned<Outcome>>,
+    pub outcome: Option<Spanned<OutcomeTable>>,
 }
 
 #[derive(Deserialize)]
@@ -139,7 +139,7 @@ pub(super) struct Aim {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Outcome {
+pub(super) struct OutcomeTable {
     pub names: Vec<Text>,
     pub prefer: BTreeMap<String, Real>,
     pub table: Vec<Text>,
@@ -148,7 +148,7 @@ pub(super) struct Outcome {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Goal {
+pub(super) struct GoalTable {
     pub robot: Text,
     pub factor: Text,
     pub is: Vec<Text>,

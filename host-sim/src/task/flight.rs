@@ -2,7 +2,7 @@
 
 use super::HostTask;
 use super::station::Station;
-use super::world::{Truth, World};
+use super::world::{TaskWorld, Truth};
 use crate::radio::Traffic;
 use crate::scenario;
 use crate::testbed::Testbed;
@@ -34,7 +34,7 @@ pub struct Operated {
     pub policy: Option<(u16, f32)>,
 }
 
-/// What came of a flight.
+/// The result of a flight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Flown {
     /// Whether all goals are reached in truth, and the robots believe it.
@@ -50,8 +50,8 @@ pub struct Flown {
 }
 
 /// A flight under way.
-pub(crate) struct Flight<'t, R: Worker<'t>> {
-    pub(crate) world: World<'t>,
+pub(crate) struct TaskFlight<'t, R: Worker<'t>> {
+    pub(crate) world: TaskWorld<'t>,
     pub(crate) statuses: Vec<Status>,
     /// The tick that is flown.
     pub(crate) tick: u32,
@@ -59,7 +59,7 @@ pub(crate) struct Flight<'t, R: Worker<'t>> {
     operated: Vec<Operated>,
 }
 
-impl<'t, R: Worker<'t>> Flight<'t, R> {
+impl<'t, R: Worker<'t>> TaskFlight<'t, R> {
     pub(crate) fn new(
         tables: &'t Tables<'t>,
         truth: &'t Truth,
@@ -70,7 +70,7 @@ impl<'t, R: Worker<'t>> Flight<'t, R> {
         let statuses = vec![Status::Running; robots.len()];
         let team = robots.into_iter().map(|robot| (robot, Station::default()));
         let testbed = Testbed::new(team, radio, seed)?;
-        let world = World::new(tables, truth, seed);
+        let world = TaskWorld::new(tables, truth, seed);
         Ok(Self { world, statuses, tick: 0, testbed, operated: Vec::new() })
     }
 

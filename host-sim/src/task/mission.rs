@@ -1,6 +1,6 @@
 //! A task file flown: each robot's tree is a sequence of its aims, an inference node each.
 
-use super::flight::{Flight, Flown, Worker};
+use super::flight::{Flown, TaskFlight, Worker};
 use super::read::TableMission;
 use super::{HostTask, Station};
 use firmware::Robot;
@@ -11,7 +11,8 @@ use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
 use std::fmt;
 
-/// A precondition that stays unmet for so many ticks fails a node, and the sequence begins again.
+/// The ticks for which a precondition may stay unmet before a node fails and the sequence begins
+/// again.
 const TIMEOUT: Duration = Duration(50);
 
 /// What goes wrong, in place of what the file says.
@@ -68,7 +69,7 @@ impl TableMission<'_> {
                 Ok(Sequence { task, aims, aim: 0, node: Node::new(TIMEOUT), percept: Percept::default() })
             })
             .collect();
-        let flight = Flight::new(&self.tables, &truth, radio, seed, robots?).map_err(TaskError::Team)?;
+        let flight = TaskFlight::new(&self.tables, &truth, radio, seed, robots?).map_err(TaskError::Team)?;
         let done = |statuses: &[Status]| statuses.iter().all(|&status| status == Status::Success);
         Ok(flight.fly(self.limit, done, &mut |_| ()))
     }

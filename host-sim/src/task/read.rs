@@ -282,7 +282,7 @@ impl<'a> Reader<'a, '_> {
         self.each(&self.file.robots, row).map(Wish::Rows)
     }
 
-    fn outcome(&self, outcome: &file::Outcome, robot: &file::Robot) -> Read<JointOutcome<'a>> {
+    fn outcome(&self, outcome: &file::OutcomeTable, robot: &file::Robot) -> Read<JointOutcome<'a>> {
         let names = texts(&outcome.names);
         let possible = outcome.possible.as_ref();
         let at = outcome.names.first().map_or(robot.name.span(), Spanned::span);

@@ -50,7 +50,7 @@ impl Truth {
 
 /// The world while a task is flown.
 #[derive(Debug)]
-pub(crate) struct World<'t> {
+pub(crate) struct TaskWorld<'t> {
     tables: &'t Tables<'t>,
     truth: &'t Truth,
     states: Vec<Vec<usize>>,
@@ -60,7 +60,7 @@ pub(crate) struct World<'t> {
     failures: Vec<Random>,
 }
 
-impl<'t> World<'t> {
+impl<'t> TaskWorld<'t> {
     pub(crate) fn new(tables: &'t Tables<'t>, truth: &'t Truth, seed: u64) -> Self {
         let team = tables.robots();
         // A stream for each robot, so that one robot's actions leave the other's luck as it was.
@@ -84,7 +84,7 @@ impl<'t> World<'t> {
             states: tables.roles().iter().enumerate().map(start).collect(),
             doing: vec![None; team],
             readings: streams(Stream::Reading),
-            failures: streams(Stream::Deed),
+            failures: streams(Stream::Action),
         }
     }
 

@@ -3,7 +3,7 @@
 
 use super::diagnostic::{Diagnostic, Place};
 use super::instance::{Instance, Node};
-use super::lower::{Rules, Task};
+use super::lower::{HookTask, Rules};
 use iibt_core::tree::{Full, OwnedTree, Row};
 
 /// A tree whose leaves are the program's `L`, linked once. Robots share it; each has a memory of
@@ -54,7 +54,7 @@ impl Instance {
     ) -> Result<BoundTree<L>, Diagnostic> {
         let lowered = self.lower(Rules::Ours)?;
         let bound = lowered.hooks.iter().map(|hook| match (&hook.task, self.nodes.get(hook.node)) {
-            (Task::Leaf, Some(node)) => {
+            (HookTask::Leaf, Some(node)) => {
                 find(&LeafNode::of(node)).map_err(|reason| Diagnostic::error(&node.place, reason))
             }
             _ => {

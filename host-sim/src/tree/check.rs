@@ -1,5 +1,5 @@
-//! What is wrong with a tree file: all that BehaviorTree.CPP complains about when it loads the file, and what
-//! it finds only when the tree runs.
+//! What is wrong with a tree file: all that BehaviorTree.CPP complains about when it loads the
+//! file, and what it finds only when the tree runs.
 
 use super::diagnostic::{Diagnostic, Remarks, Severity};
 use super::document::Document;
@@ -9,8 +9,8 @@ use super::parameter::Given;
 use super::value::{Fit, pointer};
 use std::collections::BTreeSet;
 
-/// The remarks on a document whose main tree is `wanted`, else the one that the file names, in the order of
-/// their places.
+/// The remarks on a document whose main tree is `wanted`, else the one that the file names, in the
+/// order of their places.
 ///
 /// Trees that the main tree does not use are looked at as well; what BehaviorTree.CPP would not
 /// notice because it never puts them together is a warning there.
@@ -113,8 +113,8 @@ fn parameters(instance: &Instance, node: &Node, remarks: &mut Remarks) -> Result
     }
 }
 
-/// A value that is given must be right; one from the blackboard is left to the run, and a literal of another type
-/// was found when the port was read.
+/// A value that is given must be right; one from the blackboard is left to the run, and a literal
+/// of another type was found when the port was read.
 fn known<T>(
     value: Result<T, Diagnostic>,
     instance: &Instance,

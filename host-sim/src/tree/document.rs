@@ -178,7 +178,8 @@ impl Document {
         }
     }
 
-    /// The tree to execute: the one that is asked for, else the one that the file names, else its only one.
+    /// The tree to execute: the one that is asked for, else the one that the file names, else its
+    /// only one.
     ///
     /// # Errors
     /// When there is no such tree, or several and none is named.

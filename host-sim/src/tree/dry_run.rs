@@ -2,7 +2,7 @@
 
 use super::diagnostic::Diagnostic;
 use super::instance::{Instance, Node};
-use super::lower::{Lowered, Rules, Task};
+use super::lower::{HookTask, Lowered, Rules};
 use super::player::Player;
 use super::statuses::{Statuses, name};
 use iibt_core::time::Instant;
@@ -69,7 +69,7 @@ impl DryRun<'_> {
 
     fn find_leaves(&self, instance: &Instance, lowered: &Lowered) -> Result<(), Diagnostic> {
         let leaves = || {
-            let hooks = lowered.hooks.iter().filter(|hook| matches!(hook.task, Task::Leaf));
+            let hooks = lowered.hooks.iter().filter(|hook| matches!(hook.task, HookTask::Leaf));
             hooks.filter_map(|hook| instance.nodes.get(hook.node))
         };
         let is_called = |leaf: &Node, name: &str| leaf.name == name || leaf.id() == name;

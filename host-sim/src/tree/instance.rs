@@ -16,8 +16,8 @@ pub(super) const MAX_NODES: usize = 1 << 15;
 /// The most levels of a tree with all its SubTrees: what the engine walks.
 pub(super) const MAX_LEVELS: usize = 256;
 
-/// A tree whose SubTrees are expanded. The nodes are in preorder, so that a node's place in the list, plus one,
-/// is its unique identifier in BehaviorTree.CPP.
+/// A tree whose SubTrees are expanded. The nodes are in preorder, so that a node's place in the
+/// list, plus one, is its unique identifier in BehaviorTree.CPP.
 #[derive(Clone, Debug)]
 pub struct Instance {
     pub(super) main: String,

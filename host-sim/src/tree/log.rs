@@ -14,12 +14,13 @@ const MAGIC: &[u8] = b"BTCPP4-FileLogger2";
 const PROTOCOL: u8 = 1;
 
 impl Instance {
-    /// A log of this tree for Groot2, from transitions whose times count milliseconds and whose nodes are named by their
-    /// places in the tree, from zero: what a dry run records, or the records of a robot that ticks
-    /// the table of [`codegen`](Self::codegen) where no conditions stand before nodes.
+    /// A log of this tree for Groot2, from transitions whose times count milliseconds and whose
+    /// nodes are named by their places in the tree, from zero: what a dry run records, or the
+    /// records of a robot that ticks the table of [`codegen`](Self::codegen) where no conditions
+    /// stand before nodes.
     ///
-    /// The engine does not mention that a finished node is idle again; here it is, at the next time at which
-    /// anything happens.
+    /// The engine does not mention that a finished node is idle again; here it is, at the next time
+    /// at which anything happens.
     #[must_use]
     pub fn btlog(&self, transitions: &[Transition]) -> Vec<u8> {
         let start = transitions.first().map_or(Instant(0), |first| first.time);
@@ -46,7 +47,8 @@ impl Instance {
         log
     }
 
-    /// The tree with its SubTrees expanded, with unique identifiers and the models of all its nodes.
+    /// The tree with its SubTrees expanded, with unique identifiers and the models of all its
+    /// nodes.
     fn log_xml(&self) -> String {
         let mut xml = "<root BTCPP_format=\"4\">\n".to_owned();
         for tree in &self.trees {

@@ -28,11 +28,11 @@ pub(super) struct Lowered {
 pub(super) struct Hook {
     /// The node of the tree.
     pub node: usize,
-    pub task: Task,
+    pub task: HookTask,
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum Task {
+pub(super) enum HookTask {
     /// An action or condition of the program's own.
     Leaf,
     /// Run a script and succeed.
@@ -110,7 +110,8 @@ impl Lowered {
     }
 }
 
-/// Why `run` and `codegen` refuse a tree that BehaviorTree.CPP loads, and nodes that no tick reaches.
+/// Why `run` and `codegen` refuse a tree that BehaviorTree.CPP loads, and nodes that no tick
+/// reaches.
 pub(super) fn remarks(instance: &Instance) -> Vec<Diagnostic> {
     let lowered = match instance.lower(Rules::Ours) {
         Ok(lowered) => lowered,
@@ -145,7 +146,7 @@ impl<'i> Lowering<'i> {
             self.node(child)?;
         }
         for _ in 0..ends {
-            let skip = self.hook(index, Task::Skip);
+            let skip = self.hook(index, HookTask::Skip);
             self.push(index, Row::Action(skip));
         }
         Ok(())
@@ -156,7 +157,7 @@ impl<'i> Lowering<'i> {
         self.lowered.nodes.push(node);
     }
 
-    fn hook(&mut self, node: usize, task: Task) -> u16 {
+    fn hook(&mut self, node: usize, task: HookTask) -> u16 {
         self.lowered.hooks.push(Hook { node, task });
         (self.lowered.hooks.len() - 1) as u16
     }
@@ -187,7 +188,7 @@ impl<'i> Lowering<'i> {
 
     fn guard(&mut self, index: usize, guard: &Guard, asks_while_running: bool) -> u16 {
         let (script, passes_if) = (guard.script.clone(), asks_while_running);
-        self.hook(index, Task::Guard { script, passes_if, asks_while_running })
+        self.hook(index, HookTask::Guard { script, passes_if, asks_while_running })
     }
 
     fn row(&mut self, index: usize, node: &'i Node) -> Result<Row<u16>, Diagnostic> {
@@ -214,15 +215,15 @@ impl<'i> Lowering<'i> {
             "Precondition" => self.precondition(index, node),
             "Script" => {
                 let script = self.instance.script(node, "code")?;
-                Ok(Row::Action(self.hook(index, Task::Script(script))))
+                Ok(Row::Action(self.hook(index, HookTask::Script(script))))
             }
             "ScriptCondition" => {
                 let script = self.instance.script(node, "code")?;
-                Ok(Row::Condition(self.hook(index, Task::Condition(script))))
+                Ok(Row::Condition(self.hook(index, HookTask::Condition(script))))
             }
-            "SetBlackboard" => Ok(Row::Action(self.hook(index, Task::Set))),
-            "UnsetBlackboard" => Ok(Row::Action(self.hook(index, Task::Unset))),
-            super::model::SCRIPTED => Ok(Row::Action(self.hook(index, Task::Leaf))),
+            "SetBlackboard" => Ok(Row::Action(self.hook(index, HookTask::Set))),
+            "UnsetBlackboard" => Ok(Row::Action(self.hook(index, HookTask::Unset))),
+            super::model::SCRIPTED => Ok(Row::Action(self.hook(index, HookTask::Leaf))),
             _ => self.composite(index, node),
         }
     }
@@ -231,9 +232,9 @@ impl<'i> Lowering<'i> {
     fn own(&mut self, index: usize, node: &Node) -> Result<Row<u16>, Diagnostic> {
         use super::model::Class;
         match node.model.class {
-            Class::Action if node.is_inference => Ok(Row::Inference(self.hook(index, Task::Leaf))),
-            Class::Action => Ok(Row::Action(self.hook(index, Task::Leaf))),
-            Class::Condition => Ok(Row::Condition(self.hook(index, Task::Leaf))),
+            Class::Action if node.is_inference => Ok(Row::Inference(self.hook(index, HookTask::Leaf))),
+            Class::Action => Ok(Row::Action(self.hook(index, HookTask::Leaf))),
+            Class::Condition => Ok(Row::Condition(self.hook(index, HookTask::Leaf))),
             class => {
                 let message = format!(
                     "'{}' is {} of your own, and the table has only built-in ones",
@@ -279,7 +280,7 @@ impl<'i> Lowering<'i> {
                     )
                 })?)
             }
-            id if id.starts_with("Switch") => Row::Switch(children, self.hook(index, Task::Switch)),
+            id if id.starts_with("Switch") => Row::Switch(children, self.hook(index, HookTask::Switch)),
             id => return Err(Diagnostic::error(&node.place, format!("the engine has no {id}"))),
         })
     }
@@ -299,7 +300,7 @@ impl<'i> Lowering<'i> {
                 ));
             }
         };
-        Ok(Row::Precondition { condition: self.hook(index, Task::Precondition(script)), otherwise })
+        Ok(Row::Precondition { condition: self.hook(index, HookTask::Precondition(script)), otherwise })
     }
 
     fn times(&self, node: &Node, port: &str) -> Result<Times, Diagnostic> {

@@ -165,7 +165,8 @@ const LOOPS: [(&str, &str); 4] =
 /// All kinds of nodes, by their names.
 pub(super) type Models = BTreeMap<String, Arc<Model>>;
 
-/// The kinds of nodes that need no declaration: BehaviorTree.CPP's, four of Nav2's, and the scripted leaf.
+/// The kinds of nodes that need no declaration: BehaviorTree.CPP's, four of Nav2's, and the
+/// scripted leaf.
 pub(super) fn built_in() -> Models {
     let groups = [
         (Class::Control, CONTROLS),

@@ -3,7 +3,7 @@
 use super::blackboard::Blackboard;
 use super::diagnostic::Diagnostic;
 use super::instance::{Instance, Node};
-use super::lower::{Lowered, Task};
+use super::lower::{HookTask, Lowered};
 use super::script::Script;
 use super::statuses::{Statuses, letter};
 use super::timers::Timers;
@@ -64,11 +64,11 @@ impl<'i> Player<'i> {
         };
         let instance = self.instance;
         let done = match &task.task {
-            Task::Leaf => return self.play(hook, node),
-            Task::Skip => return Status::Skipped,
-            Task::Script(script) => script.run(&mut self.board.view(node)).map(|_| ()),
-            Task::Set => self.board.copy(instance, node),
-            Task::Unset => self.board.remove(instance, node),
+            HookTask::Leaf => return self.play(hook, node),
+            HookTask::Skip => return Status::Skipped,
+            HookTask::Script(script) => script.run(&mut self.board.view(node)).map(|_| ()),
+            HookTask::Set => self.board.copy(instance, node),
+            HookTask::Unset => self.board.remove(instance, node),
             _ => Ok(()),
         };
         match done {
@@ -129,10 +129,10 @@ impl Leaves<u16> for Player<'_> {
             return false;
         };
         match &task.task {
-            Task::Guard { script, passes_if, asks_while_running } => {
+            HookTask::Guard { script, passes_if, asks_while_running } => {
                 (self.is_running(index) && !asks_while_running) || self.is_true(node, script) == *passes_if
             }
-            Task::Condition(script) | Task::Precondition(script) => self.is_true(node, script),
+            HookTask::Condition(script) | HookTask::Precondition(script) => self.is_true(node, script),
             _ => self.play(*hook, node) == Status::Success,
         }
     }
@@ -146,8 +146,11 @@ impl Leaves<u16> for Player<'_> {
     }
 
     fn on_halted(&mut self, hook: &u16, _: Instant) -> Halt {
-        let is_leaf =
-            self.lowered.hooks.get(usize::from(*hook)).is_some_and(|hook| matches!(hook.task, Task::Leaf));
+        let is_leaf = self
+            .lowered
+            .hooks
+            .get(usize::from(*hook))
+            .is_some_and(|hook| matches!(hook.task, HookTask::Leaf));
         if let Some((node, _)) = self.node(*hook).filter(|_| is_leaf) {
             self.events.push(format!("halt({})", node.name));
         }

@@ -9,8 +9,8 @@ use std::collections::BTreeSet;
 const SIZE: usize = 9;
 
 impl Instance {
-    /// The transitions in what a robot that ticks the table of [`codegen`](Self::codegen) wrote with
-    /// [`Transition::btlog`], one record after the other.
+    /// The transitions in what a robot that ticks the table of [`codegen`](Self::codegen) wrote
+    /// with [`Transition::btlog`], one record after the other.
     ///
     /// # Errors
     /// What is wrong, and with which record, counted from 1.

@@ -5,8 +5,8 @@
 //! statement  = name (":=" | "=" | "+=" | "-=" | "*=" | "/=") expression | expression
 //! expression = condition [ "?" expression ":" expression ]
 //! ```
-//! with, from loose to tight, `||`, `&&`, comparisons (which chain), `|` `^`, `&`, `+` `-` `..`, `*` `/`, and
-//! `-` `~` `!` before a value. Values are numbers and text; truth is a number.
+//! with, from loose to tight, `||`, `&&`, comparisons (which chain), `|` `^`, `&`, `+` `-` `..`,
+//! `*` `/`, and `-` `~` `!` before a value. Values are numbers and text; truth is a number.
 
 mod parser;
 mod run;
@@ -26,7 +26,7 @@ enum Expression {
     Prefix(Prefix, Box<Expression>),
     Binary(Binary, Box<Expression>, Box<Expression>),
     /// A first operand and what it is compared with, one after another.
-    Comparison(Box<Expression>, Vec<(Comparison, Expression)>),
+    ComparisonOperator(Box<Expression>, Vec<(ComparisonOperator, Expression)>),
     Choice(Box<[Expression; 3]>),
     Assignment(Assignment, String, Box<Expression>),
 }
@@ -53,7 +53,7 @@ enum Binary {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Comparison {
+enum ComparisonOperator {
     Equal,
     Unequal,
     Less,
@@ -110,7 +110,7 @@ impl Expression {
                 left.collect_writes(names);
                 right.collect_writes(names);
             }
-            Self::Comparison(first, others) => {
+            Self::ComparisonOperator(first, others) => {
                 first.collect_writes(names);
                 others.iter().for_each(|(_, other)| other.collect_writes(names));
             }

@@ -2,7 +2,7 @@
 
 use super::instance::{Instance, Node};
 use super::model::Class;
-use crate::words::counted;
+use crate::text::counted;
 use std::fmt::Write;
 
 /// A node of a tree as it is drawn.
@@ -15,7 +15,8 @@ pub(crate) struct Line {
 }
 
 impl Instance {
-    /// The tree as indented text, one node a line, and below it how many nodes of which kind there are.
+    /// The tree as indented text, one node a line, and below it how many nodes of which kind there
+    /// are.
     #[must_use]
     pub fn outline(&self) -> String {
         let counts = self.counts();
@@ -44,7 +45,8 @@ impl Instance {
         }
     }
 
-    /// The nodes in preorder, SubTrees left out: level, class, whether it infers, kind, and name with ports.
+    /// The nodes in preorder, SubTrees left out: level, class, whether it infers, kind, and name
+    /// with ports.
     pub(crate) fn lines(&self) -> impl Iterator<Item = Line> + '_ {
         let mut left_out = Vec::new();
         self.nodes.iter().filter_map(move |node| {

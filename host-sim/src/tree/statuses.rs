@@ -3,8 +3,8 @@
 use iibt_core::tree::Status;
 use std::str::FromStr;
 
-/// Statuses, one for each tick of a leaf; the last repeats. Written in letters: S success, F failure,
-/// R running, K skipped.
+/// Statuses, one for each tick of a leaf; the last repeats. Written in letters: S success, F
+/// failure, R running, K skipped.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Statuses(Vec<Status>);
 

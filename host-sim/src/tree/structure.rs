@@ -91,7 +91,8 @@ fn node(element: &Element, depth: usize, models: &Models, remarks: &mut Remarks)
     element.children.iter().for_each(|child| node(child, depth + 1, models, remarks));
 }
 
-/// The kind of node that an element stands for: its tag in the compact form, its ID in the explicit one.
+/// The kind of node that an element stands for: its tag in the compact form, its ID in the explicit
+/// one.
 fn identity<'e>(element: &'e Element, models: &Models, remarks: &mut Remarks) -> Option<&'e str> {
     let tag = element.tag.as_str();
     if Class::with_tag(tag).is_none() {

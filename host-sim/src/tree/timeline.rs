@@ -19,8 +19,9 @@ line{stroke:#e4e6e9}text{font-size:12px}.key span{margin-right:1.5em}.key b{disp
 margin-right:.4em;vertical-align:-.1em}";
 
 impl Instance {
-    /// A page, complete in itself, with a line for each node: when it was running, and a mark where it ended or
-    /// was halted. Times count milliseconds; nodes are named as for [`btlog`](Self::btlog).
+    /// A page, complete in itself, with a line for each node: when it was running, and a mark where
+    /// it ended or was halted. Times count milliseconds; nodes are named as for
+    /// [`btlog`](Self::btlog).
     #[must_use]
     pub fn timeline(&self, transitions: &[Transition]) -> String {
         let start = transitions.first().map_or(Instant(0), |first| first.time);

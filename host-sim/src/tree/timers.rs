@@ -1,8 +1,9 @@
 //! The timers of a tree as BehaviorTree.CPP sees them: one that goes off wakes the tree.
 //!
-//! There, `tickOnce` goes through the tree once more if a timer has gone off since the last tick and the tree is still
-//! running; a wake-up that found no use waits for the next tick. Traces show it, so a dry run does the same. On a
-//! robot it is of no use: the tick that a deadline asks for has come already.
+//! There, `tickOnce` goes through the tree once more if a timer has gone off since the last tick
+//! and the tree is still running; a wake-up that found no use waits for the next tick. Traces show
+//! it, so a dry run does the same. On a robot it is of no use: the tick that a deadline asks for
+//! has come already.
 
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::{Node, Status, Transition};

@@ -1,8 +1,8 @@
 //! Reading XML, each element and attribute with its place.
 //!
-//! As lenient as the reader of BehaviorTree.CPP, so that its files load: attribute values may hold `<` and a bare `&`,
-//! which scripts do; entities that are not XML's own stay as they are written. Entities are never
-//! defined by a file, so a small file cannot grow.
+//! As lenient as the reader of BehaviorTree.CPP, so that its files load: attribute values may hold
+//! `<` and a bare `&`, which scripts do; entities that are not XML's own stay as they are written.
+//! Entities are never defined by a file, so a small file cannot grow.
 
 use super::diagnostic::{Diagnostic, Place};
 use std::sync::Arc;
@@ -49,10 +49,10 @@ impl Element {
 /// What is not well-formed, and where.
 pub(super) fn read(file: &str, text: &str) -> Result<Element, Diagnostic> {
     let skipped = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
-    Reader { file: file.into(), text, at: skipped, counted: 0, line: 1, line_start: skipped }.document()
+    XmlReader { file: file.into(), text, at: skipped, counted: 0, line: 1, line_start: skipped }.document()
 }
 
-struct Reader<'t> {
+struct XmlReader<'t> {
     file: Arc<str>,
     text: &'t str,
     /// The byte that is read next.
@@ -63,7 +63,7 @@ struct Reader<'t> {
     line_start: usize,
 }
 
-impl<'t> Reader<'t> {
+impl<'t> XmlReader<'t> {
     fn document(&mut self) -> Result<Element, Diagnostic> {
         let mut open: Vec<Element> = Vec::new();
         let mut root = None;

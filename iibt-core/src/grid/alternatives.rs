@@ -1,21 +1,23 @@
 //! Several different ways to one goal, for a robot to choose among.
 //!
-//! The penalty method known from road networks (see Bader et al., Alternative Route Graphs in Road Networks,
-//! 2011): the cells of every way found become dearer by one, and the next search finds what is cheapest now.
-//! Since penalties only grow, they drive the search off a way that it cannot vary in small.
+//! The penalty method known from road networks (see Bader et al., Alternative Route Graphs in Road
+//! Networks, 2011): the cells of every way found become dearer by one, and the next search finds
+//! what is cheapest now. Since penalties only grow, they drive the search off a way that it cannot
+//! vary in small.
 
 use super::{Cell, CellSet, Map, Path, PlanError, Planner};
 use heapless::Vec;
 
 /// How different alternatives are, and how long at most.
+#[doc(alias = "k shortest paths")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Variety {
     /// How many more moves than the shortest path an alternative may have.
     pub slack: u8,
-    /// The least share of an alternative's interior cells, in per cent, that are new against each of the
-    /// other paths. The interior is all of a path but its start and its goal. Above 100 nothing differs
-    /// enough.
+    /// The least share of an alternative's interior cells, in per cent, that are new against each
+    /// of the other paths. The interior is all of a path but its start and its goal. Above 100
+    /// nothing differs enough.
     pub new_percent: u8,
 }
 
@@ -23,8 +25,8 @@ pub struct Variety {
 const ATTEMPTS: usize = 4;
 
 impl<const S: usize> Planner<S> {
-    /// Up to `K` paths to one goal: first a shortest one, then others as `variety` wants them, in the order in
-    /// which rising penalties turn them up. None has a wait; none passes a cell twice.
+    /// Up to `K` paths to one goal: first a shortest one, then others as `variety` wants them, in
+    /// the order in which rising penalties turn them up. None has a wait; none passes a cell twice.
     ///
     /// Fewer than `K` come back when the map has no more of them or the search does not find them:
     /// it gives up after `4 K` attempts, which also bounds the cost to that many times
@@ -32,6 +34,18 @@ impl<const S: usize> Planner<S> {
     ///
     /// # Errors
     /// Every [`PlanError`], for the same reasons as [`shortest`](Self::shortest).
+    ///
+    /// ```
+    /// use iibt_core::grid::{Cell, Map, Planner, Variety, words};
+    ///
+    /// let map = Map::<{ words(7, 7) }>::new(7, 7)?;
+    /// let mut planner = Planner::<49>::new();
+    /// let paths = planner.alternatives::<_, 3>(&map, Cell(28), Cell(26), Variety::default())?;
+    /// assert_eq!(paths.len(), 3);
+    /// assert_eq!(paths[0].len(), 6); // a shortest one comes first
+    /// assert!(paths.iter().all(|path| path.end(&map) == Cell(26) && path.len() <= 10));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn alternatives<const W: usize, const K: usize>(
         &mut self,
         map: &Map<W>,

@@ -16,7 +16,8 @@ impl Cell {
     }
 }
 
-/// What a robot on a grid can do in one step; the codes are the action codes of its transition model.
+/// What a robot on a grid can do in one step; the codes are the action codes of its transition
+/// model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]

@@ -1,10 +1,10 @@
 //! Conflicts between two robots that follow their paths step by step.
 //!
-//! A robot is at `a(k)` at step `k` and stays on its last cell for ever after. Beside the two conflicts that
-//! are collisions when all goes to plan, a robot must not enter a cell in the same step in which the other
-//! leaves it: if the other is delayed by one step, it is still there. Plans without any of the three are
-//! 1-robust (Atzmon et al., Robust Multi-Agent Path Finding, SoCS 2018), with the difference that a swap, which
-//! is two such entries at once, keeps its own name.
+//! A robot is at `a(k)` at step `k` and stays on its last cell for ever after. Beside the two
+//! conflicts that are collisions when all goes to plan, a robot must not enter a cell in the same
+//! step in which the other leaves it: if the other is delayed by one step, it is still there. Plans
+//! without any of the three are 1-robust (Atzmon et al., Robust Multi-Agent Path Finding, SoCS
+//! 2018), with the difference that a swap, which is two such entries at once, keeps its own name.
 
 use super::{Cell, Map, Path};
 use core::fmt;
@@ -17,7 +17,8 @@ pub enum ConflictKind {
     Same,
     /// They exchange their cells: `a(k) = b(k - 1)` and `b(k) = a(k - 1)`.
     Swap,
-    /// One enters the cell that the other leaves in this step: `a(k) = b(k - 1)` or `b(k) = a(k - 1)`.
+    /// One enters the cell that the other leaves in this step: `a(k) = b(k - 1)` or `b(k) = a(k -
+    /// 1)`.
     Follow,
 }
 
@@ -27,7 +28,8 @@ pub enum ConflictKind {
 pub struct Conflict {
     /// What happens.
     pub kind: ConflictKind,
-    /// The step at whose end it has happened, 0 to [`HORIZON`](crate::actions::HORIZON); the start is step 0.
+    /// The step at whose end it has happened, 0 to [`HORIZON`](crate::actions::HORIZON); the start
+    /// is step 0.
     pub step: u8,
     /// The cell that both want; of a swap, the cell that the first robot enters.
     pub cell: Cell,
@@ -36,6 +38,21 @@ pub struct Conflict {
 /// The first conflict of two paths that begin in the same step, or `None`.
 ///
 /// Cost: linear in the length of the longer path.
+///
+/// ```
+/// use iibt_core::grid::{Cell, Conflict, ConflictKind, Map, Path, first_conflict, words};
+///
+/// let map = Map::<{ words(7, 7) }>::new(7, 7)?;
+/// let through = |cells: [u16; 3]| Path::through(&map, &cells.map(Cell)).ok_or("no neighbours");
+/// let (right, left) = (through([28, 29, 30])?, through([30, 29, 28])?);
+/// let meeting = Conflict { kind: ConflictKind::Same, step: 1, cell: Cell(29) };
+/// assert_eq!(first_conflict(&map, &right, &left), Some(meeting));
+/// assert_eq!(first_conflict(&map, &right, &through([14, 15, 16])?), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "collision")]
+#[doc(alias = "vertex conflict")]
+#[doc(alias = "edge conflict")]
 #[must_use]
 pub fn first_conflict<const W: usize>(map: &Map<W>, a: &Path, b: &Path) -> Option<Conflict> {
     let mut before = None;

@@ -28,11 +28,12 @@ pub enum DrawingError {
 }
 
 impl<const W: usize> Map<W> {
-    /// The map that a drawing shows: one line per row, all equally long; a line feed after the last row is
-    /// optional. Meant for a `const`, where a wrong drawing stops the build.
+    /// The map that a drawing shows: one line per row, all equally long; a line feed after the last
+    /// row is optional. Meant for a `const`, where a wrong drawing stops the build.
     ///
     /// # Errors
-    /// [`DrawingError`]: the first fault in reading order, else whether there is a cell and all fit `W` words.
+    /// [`DrawingError`]: the first fault in reading order, else whether there is a cell and all fit
+    /// `W` words.
     ///
     /// ```
     /// use iibt_core::grid::{Cell, Map, words};

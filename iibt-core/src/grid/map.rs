@@ -11,6 +11,22 @@ pub const fn words(width: usize, height: usize) -> usize {
 }
 
 /// A rectangle of free and blocked cells in `W` words of 32 cells each; see [`words`].
+///
+/// ```
+/// use iibt_core::grid::{Cell, Map, Move, words};
+///
+/// let mut map = Map::<{ words(7, 7) }>::new(7, 7)?;
+/// assert!(map.block(Cell(30)));
+/// assert!(!map.is_free(Cell(30)) && !map.is_free(Cell(49))); // blocked; outside
+/// assert_eq!(map.neighbour(Cell(28), Move::Right), Cell(29));
+/// assert_eq!(map.neighbour(Cell(28), Move::Left), Cell(28)); // the border
+/// assert_eq!(map.move_between(Cell(28), Cell(21)), Some(Move::Up));
+/// assert_eq!(map.manhattan(Cell(28), Cell(26)), 6);
+/// assert_eq!(map.free_neighbours(Cell(29)).count(), 3); // one of four is blocked
+/// # Ok::<(), iibt_core::grid::MapError>(())
+/// ```
+#[doc(alias = "occupancy grid")]
+#[doc(alias = "grid world")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Map<const W: usize> {
@@ -33,8 +49,8 @@ impl<const W: usize> Map<W> {
     /// A map without obstacles.
     ///
     /// # Errors
-    /// [`MapError::Empty`] for a zero width or height, [`MapError::TooLarge`] when the cells do not fit
-    /// `W` words.
+    /// [`MapError::Empty`] for a zero width or height, [`MapError::TooLarge`] when the cells do not
+    /// fit `W` words.
     pub const fn new(width: u16, height: u16) -> Result<Self, MapError> {
         let (Some(width), Some(height)) = (NonZeroU16::new(width), NonZeroU16::new(height)) else {
             return Err(MapError::Empty);
@@ -105,8 +121,8 @@ impl<const W: usize> Map<W> {
         self.contains(cell) && self.blocked.insert(cell)
     }
 
-    /// The cell one move away; at the border and outside of the map, the same cell. Obstacles are not looked
-    /// at.
+    /// The cell one move away; at the border and outside of the map, the same cell. Obstacles are
+    /// not looked at.
     #[must_use]
     pub const fn neighbour(&self, cell: Cell, step: Move) -> Cell {
         if !self.contains(cell) {
@@ -122,7 +138,8 @@ impl<const W: usize> Map<W> {
         }
     }
 
-    /// The free cells next to a cell with the moves that lead there, in the order of the move codes.
+    /// The free cells next to a cell with the moves that lead there, in the order of the move
+    /// codes.
     pub fn free_neighbours(&self, cell: Cell) -> impl Iterator<Item = (Move, Cell)> + '_ {
         let moves = [Move::Up, Move::Down, Move::Left, Move::Right];
         let neighbours = moves.into_iter().map(move |step| (step, self.neighbour(cell, step)));

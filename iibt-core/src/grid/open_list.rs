@@ -4,8 +4,8 @@ use super::Cell;
 
 /// Cells by priority, at most one entry per cell, for the cells `0..S`.
 ///
-/// Entering, moving forward and taking out cost `log2(S)` steps. Entries of equal priority come out in the
-/// order of their cells.
+/// Entering, moving forward and taking out cost `log2(S)` steps. Entries of equal priority come out
+/// in the order of their cells.
 #[derive(Clone, Debug)]
 pub(super) struct OpenList<const S: usize> {
     heap: [Entry; S],

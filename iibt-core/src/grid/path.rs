@@ -5,6 +5,23 @@ use crate::actions::{ActionError, Actions};
 use serde::{Deserialize, Serialize};
 
 /// A start cell and at most [`HORIZON`](crate::actions::HORIZON) moves.
+///
+/// ```
+/// use iibt_core::grid::{Cell, Map, Path, WaitPlace, words};
+///
+/// let map = Map::<{ words(7, 7) }>::new(7, 7)?;
+/// let path = Path::through(&map, &[28, 29, 30].map(Cell)).ok_or("no neighbours")?;
+/// assert_eq!((path.len(), path.end(&map)), (2, Cell(30)));
+/// assert_eq!(path.rest(&map, 1).start, Cell(29)); // after one move
+///
+/// // The same way, arriving two steps later.
+/// let later = path.with_waits(4, WaitPlace::AtStart).ok_or("too long")?;
+/// assert!(later.cells(&map).eq([28, 28, 28, 29, 30].map(Cell)));
+/// assert_eq!(Path::through(&map, &[28, 30].map(Cell)), None); // a jump
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "trajectory")]
+#[doc(alias = "route")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Path {
@@ -21,9 +38,11 @@ impl Path {
         Self { start, actions: Actions::EMPTY }
     }
 
-    /// The path through `cells`, each the same as the one before (a wait) or its neighbour on `map`.
+    /// The path through `cells`, each the same as the one before (a wait) or its neighbour on
+    /// `map`.
     ///
-    /// Returns `None` for no cells, for cells that are not neighbours, and for more moves than the horizon.
+    /// Returns `None` for no cells, for cells that are not neighbours, and for more moves than the
+    /// horizon.
     #[must_use]
     pub const fn through<const W: usize>(map: &Map<W>, cells: &[Cell]) -> Option<Self> {
         let [start, rest @ ..] = cells else { return None };
@@ -73,7 +92,8 @@ impl Path {
         }))
     }
 
-    /// The cell at every step from the start on, without end: whoever has arrived stays.
+    /// Returns the cell at every step from the start on, without end: after its last move a robot
+    /// stays.
     pub fn timeline<'a, const W: usize>(&'a self, map: &'a Map<W>) -> impl Iterator<Item = Cell> + 'a {
         let mut here = self.start;
         let mut cells = self.cells(map);
@@ -105,8 +125,8 @@ impl Path {
         rest
     }
 
-    /// This path and then the moves of another one, which should begin where this one ends; `None` when they are more
-    /// than the horizon has room for.
+    /// This path and then the moves of another one, which should begin where this one ends; `None`
+    /// when they are more than the horizon has room for.
     #[must_use]
     pub fn then(&self, next: &Self) -> Option<Self> {
         let mut whole = *self;
@@ -116,8 +136,8 @@ impl Path {
         Some(whole)
     }
 
-    /// Whether a robot can follow the path: it starts on a free cell, every code is a move, and every move
-    /// leads to a free cell of the map rather than into an obstacle or the border.
+    /// Whether a robot can follow the path: it starts on a free cell, every code is a move, and
+    /// every move leads to a free cell of the map rather than into an obstacle or the border.
     #[must_use]
     pub fn is_open<const W: usize>(&self, map: &Map<W>) -> bool {
         let mut here = self.start;
@@ -130,8 +150,8 @@ impl Path {
             })
     }
 
-    /// The cells between the first and the last one, which are not among them even when the path passes
-    /// them on its way.
+    /// The cells between the first and the last one, which are not among them even when the path
+    /// passes them on its way.
     pub(super) fn interior<const W: usize>(&self, map: &Map<W>) -> CellSet<W> {
         let ends = [self.start, self.end(map)].into_iter().collect();
         self.cells(map).collect::<CellSet<W>>().without(&ends)

@@ -4,7 +4,8 @@ use super::{Cell, Map, Path, words};
 use std::string::{String, ToString};
 use std::vec::Vec;
 
-/// A map of up to 1024 cells: `#` is blocked, every other sign a free cell, so that a picture can mark some.
+/// A map of up to 1024 cells: `#` is blocked, every other sign a free cell, so that a picture can
+/// mark some.
 pub(super) fn drawn(rows: &[&str]) -> Map<32> {
     let free = |sign| if sign == '#' { '#' } else { '.' };
     let drawing: String =
@@ -22,8 +23,8 @@ pub(super) fn paper(obstacles: &[u16]) -> Map<{ words(7, 7) }> {
     Map::new(7, 7).unwrap().avoiding(obstacles.iter().copied().map(Cell))
 }
 
-/// A path drawn on its map: at each cell the step (0 to 9, then a, b, ...) at which it was entered last, so
-/// that a wait shows as a gap between neighbours.
+/// A path drawn on its map: at each cell the step (0 to 9, then a, b, ...) at which it was entered
+/// last, so that a wait shows as a gap between neighbours.
 pub(super) fn picture<const W: usize>(map: &Map<W>, path: &Path) -> Vec<String> {
     let mut signs: Vec<char> = (0..map.len() as u16).map(|cell| sign(map, Cell(cell))).collect();
     let mut before = None;

@@ -1,17 +1,18 @@
 //! Shortest ways and distances, in an arena of fixed size.
 //!
-//! The search is A* (Hart, Nilsson, Raphael 1968) from the goal back to the start, with the Manhattan
-//! distance as the estimate, which is consistent on a grid of unit moves. All that ties with the shortest way
-//! is expanded, so that the way can be read off from the start: at every cell, the first move in the order of
-//! the codes (up, down, left, right) on any shortest way. The path is thus a property of the map alone, not of
-//! the order in which cells were searched.
+//! The search is A* (Hart, Nilsson, Raphael 1968) from the goal back to the start, with the
+//! Manhattan distance as the estimate, which is consistent on a grid of unit moves. All that ties
+//! with the shortest way is expanded, so that the way can be read off from the start: at every
+//! cell, the first move in the order of the codes (up, down, left, right) on any shortest way. The
+//! path is thus a property of the map alone, not of the order in which cells were searched.
 
 use super::open_list::OpenList;
 use super::spread::Spread;
 use super::{Cell, CellSet, Map, Path};
 use core::fmt;
 
-/// Plans over maps of up to `S` cells; needs 9 bytes per cell and keeps nothing from one call to the next.
+/// Plans over maps of up to `S` cells; needs 9 bytes per cell and keeps nothing from one call to
+/// the next.
 ///
 /// ```
 /// use iibt_core::grid::{Cell, Map, Planner, words};
@@ -23,6 +24,9 @@ use core::fmt;
 /// let around = planner.shortest(&map.avoiding([Cell(23)]), Cell(28), Cell(26)).unwrap();
 /// assert_eq!(around.len(), 6);
 /// ```
+#[doc(alias = "A*")]
+#[doc(alias = "a-star")]
+#[doc(alias = "shortest path")]
 #[derive(Clone, Debug)]
 pub struct Planner<const S: usize> {
     /// The cost of the cheapest way found to the goal, or [`UNREACHED`].
@@ -61,7 +65,8 @@ pub struct Distances<'a> {
 const UNREACHED: u16 = u16::MAX;
 
 /// The most that entering a cell costs more than one. Large enough to make any detour within a
-/// [`Variety`](super::Variety) the cheaper way, small enough for sums of 16 bits over a whole horizon.
+/// [`Variety`](super::Variety) the cheaper way, small enough for sums of 16 bits over a whole
+/// horizon.
 const MOST_PENALTY: u8 = 63;
 
 impl<const S: usize> Planner<S> {
@@ -73,8 +78,8 @@ impl<const S: usize> Planner<S> {
 
     /// A shortest path; of several, the one whose first differing move has the lowest code.
     ///
-    /// Cost: at most `4 S` relaxations of `log2(S)` heap steps each; on open ground only the cells between
-    /// start and goal are visited.
+    /// Cost: at most `4 S` relaxations of `log2(S)` heap steps each; on open ground only the cells
+    /// between start and goal are visited.
     ///
     /// # Errors
     /// Every [`PlanError`].
@@ -94,6 +99,17 @@ impl<const S: usize> Planner<S> {
     ///
     /// # Errors
     /// [`PlanError::MapTooLarge`], [`PlanError::StartOutside`], [`PlanError::StartBlocked`].
+    ///
+    /// ```
+    /// use iibt_core::grid::{Cell, Map, Planner, words};
+    ///
+    /// let map = Map::<{ words(3, 3) }>::new(3, 3)?.avoiding([Cell(1), Cell(4)]);
+    /// let mut planner = Planner::<9>::new();
+    /// let distances = planner.distances(&map, Cell(0))?;
+    /// assert_eq!(distances.to(Cell(2)), Some(6)); // around the wall
+    /// assert_eq!(distances.to(Cell(4)), None); // blocked
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn distances<const W: usize>(
         &mut self,
         map: &Map<W>,
@@ -117,8 +133,8 @@ impl<const S: usize> Planner<S> {
         Ok(Distances { table: &self.cost })
     }
 
-    /// The path of least cost through cells on which some way of at most `longest` moves could lie, by the
-    /// estimate; costs are one per move and the penalties of the cells entered.
+    /// The path of least cost through cells on which some way of at most `longest` moves could lie,
+    /// by the estimate; costs are one per move and the penalties of the cells entered.
     pub(super) fn cheapest<const W: usize>(
         &mut self,
         map: &Map<W>,
@@ -435,7 +451,8 @@ mod tests {
         distance
     }
 
-    /// The shortest path by the definition of its ties: at every cell the lowest move that comes closer.
+    /// The shortest path by the definition of its ties: at every cell the lowest move that comes
+    /// closer.
     fn by_distance<const W: usize>(map: &Map<W>, from: Cell, to: Cell) -> Vec<Cell> {
         let left = by_queue(map, to);
         let mut cells = std::vec![from];

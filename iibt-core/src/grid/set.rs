@@ -5,6 +5,19 @@ use super::Cell;
 /// A set of cells in `W` words of 32 cells each; see [`words`](super::words).
 ///
 /// Cells from `32 * W` on are in no set: inserting one changes nothing.
+///
+/// ```
+/// use iibt_core::grid::{Cell, CellSet, words};
+///
+/// let mut near = CellSet::<{ words(7, 7) }>::EMPTY;
+/// for cell in [21, 29, 35] {
+///     near.insert(Cell(cell));
+/// }
+/// let mut taken = CellSet::EMPTY;
+/// taken.insert(Cell(29));
+/// assert!(near.without(&taken).iter().eq([Cell(21), Cell(35)]));
+/// assert_eq!((near.union(&taken).len(), near.intersection(&taken).len()), (3, 1));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CellSet<const W: usize> {
@@ -99,7 +112,8 @@ impl<const W: usize> CellSet<W> {
         self.map_pairs(|at| Some(at + words), |at| Some(at + words + 1), bits)
     }
 
-    /// Words cut out of pairs of words of this set, `shift` bits (0 to 32) above the low end of the pair.
+    /// Words cut out of pairs of words of this set, `shift` bits (0 to 32) above the low end of the
+    /// pair.
     fn map_pairs(
         &self,
         low: impl Fn(usize) -> Option<usize>,

@@ -2,8 +2,8 @@
 
 use super::{CellSet, Map, Move};
 
-/// The free cells of a map, and its outer columns, where a move to the side must not come out on the other
-/// side.
+/// The free cells of a map, and its outer columns, where a move to the side must not come out on
+/// the other side.
 pub(super) struct Spread<const W: usize> {
     width: usize,
     free: CellSet<W>,
@@ -42,7 +42,8 @@ mod tests {
     use super::super::pictures::Random;
     use super::*;
 
-    /// Widths from one word and a bit to several rows per word; rows are split by words in most of them.
+    /// Widths from one word and a bit to several rows per word; rows are split by words in most of
+    /// them.
     #[test]
     fn reaches_what_the_single_moves_reach() {
         let mut random = Random(11);

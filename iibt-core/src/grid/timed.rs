@@ -1,18 +1,19 @@
 //! Paths in space and time: to a goal at an agreed step, past teammates that move.
 //!
-//! Let `b(k)` be the cells of the teammates at step `k`; a teammate stays on its last cell for ever after. The
-//! three conflicts of [`first_conflict`](super::first_conflict) between a robot that goes from `u` at step `k`
-//! to `v` at step `k + 1` and its teammates are excluded when neither `u` nor `v` is in `b(k)` or `b(k + 1)`.
-//! Together over all steps: at step `k` the robot must be off `b(k - 1)`, `b(k)` and `b(k + 1)`. So one set of
-//! cells per step says it all, and the cells that the robot can have reached are
+//! Let `b(k)` be the cells of the teammates at step `k`; a teammate stays on its last cell for ever
+//! after. The three conflicts of [`first_conflict`](super::first_conflict) between a robot that
+//! goes from `u` at step `k` to `v` at step `k + 1` and its teammates are excluded when neither `u`
+//! nor `v` is in `b(k)` or `b(k + 1)`. Together over all steps: at step `k` the robot must be off
+//! `b(k - 1)`, `b(k)` and `b(k + 1)`. So one set of cells per step says it all, and the cells that
+//! the robot can have reached are
 //!
 //! ```text
 //! reached(0)     = { start }                               \ b(0) \ b(1)
 //! reached(k + 1) = { cells one move or a wait away from reached(k) } \ b(k) \ b(k + 1) \ b(k + 2)
 //! ```
 //!
-//! A slow robot, whose every move takes `p` steps, goes in strides of `p` steps each, and `b(k)` are then the cells where teammates
-//! are in any step of the stride that ends after `k` of them.
+//! A slow robot, whose every move takes `p` steps, goes in strides of `p` steps each, and `b(k)`
+//! are then the cells where teammates are in any step of the stride that ends after `k` of them.
 
 use super::spread::Spread;
 use super::{Cell, CellSet, Map, Move, Path};
@@ -33,12 +34,18 @@ use core::num::NonZero;
 /// assert!(sweep.path_to(Cell(24), 6).is_some_and(|path| path.len() == 6));
 /// assert_eq!(sweep.earliest(Cell(25)), None); // the teammate stays there
 /// ```
+#[doc(alias = "cooperative A*")]
+#[doc(alias = "space-time A*")]
+#[doc(alias = "MAPF")]
+#[doc(alias = "reservation table")]
+#[doc(alias = "prioritized planning")]
 #[derive(Clone, Debug)]
 pub struct TimedPlanner<const W: usize> {
     layers: [CellSet<W>; HORIZON + 1],
 }
 
-/// All the paths from one start past one set of teammates: serves every goal and every step of arrival.
+/// All the paths from one start past one set of teammates: serves every goal and every step of
+/// arrival.
 #[derive(Clone, Copy, Debug)]
 pub struct Sweep<'a, const W: usize> {
     map: &'a Map<W>,
@@ -55,19 +62,22 @@ impl<const W: usize> TimedPlanner<W> {
         Self { layers: [CellSet::EMPTY; HORIZON + 1] }
     }
 
-    /// Finds where a robot on `from` can be at each step, while its teammates follow their paths, which all
-    /// begin now ([`Path::rest`] cuts off what is done; [`Path::at`] is a teammate that stays).
+    /// Finds where a robot on `from` can be at each step, while its teammates follow their paths,
+    /// which all begin now ([`Path::rest`] cuts off what is done; [`Path::at`] is a teammate that
+    /// stays).
     ///
-    /// From a blocked cell, or one that a teammate is on or about to enter, there are no paths at all.
+    /// From a blocked cell, or one that a teammate is on or about to enter, there are no paths at
+    /// all.
     ///
     /// Cost: linear in `W (HORIZON + 1)`, and one pass over each teammate's path.
     pub fn sweep<'a>(&'a mut self, map: &'a Map<W>, from: Cell, teammates: &'a [Path]) -> Sweep<'a, W> {
         self.sweep_among(NonZero::<usize>::MIN, map, from, teammates, CellSet::EMPTY)
     }
 
-    /// The same for a robot whose every move takes `pace` steps: its paths are made of moves after `pace - 1` waits, and
-    /// of `pace` waits. Its first move leads into none of the cells in `standing`: a teammate that stands there has
-    /// not chosen yet, and could not choose any way if this robot followed on its heels.
+    /// The same for a robot whose every move takes `pace` steps: its paths are made of moves after
+    /// `pace - 1` waits, and of `pace` waits. Its first move leads into none of the cells in
+    /// `standing`: a teammate that stands there has not chosen yet, and could not choose any way if
+    /// this robot followed on its heels.
     pub fn sweep_among<'a>(
         &'a mut self,
         pace: NonZero<usize>,
@@ -111,7 +121,7 @@ impl<const W: usize> TimedPlanner<W> {
     }
 }
 
-/// The strides within which so many steps are done.
+/// Returns the number of strides that contain `steps` steps.
 const fn strides(steps: usize, pace: NonZero<usize>) -> usize {
     steps.div_ceil(pace.get())
 }
@@ -125,15 +135,16 @@ impl<const W: usize> Default for TimedPlanner<W> {
 impl<const W: usize> Sweep<'_, W> {
     /// Whether a path arrives at the goal with move number `step` and can stay there.
     ///
-    /// To arrive is to enter the goal with the last move; it may have crossed the goal before. A robot that
-    /// starts on its goal and can stay there all the time arrives at every step.
+    /// To arrive is to enter the goal with the last move; it may have crossed the goal before. A
+    /// robot that starts on its goal and can stay there all the time arrives at every step.
     #[must_use]
     pub fn arrives(&self, goal: Cell, step: usize) -> bool {
         let Some(stride) = self.stride(step) else { return false };
         self.clear_since(goal).is_some_and(|clear| clear <= step) && self.enters(goal, stride)
     }
 
-    /// The first step at which a path arrives at the goal, or `None` when none does within the horizon.
+    /// The first step at which a path arrives at the goal, or `None` when none does within the
+    /// horizon.
     #[must_use]
     pub fn earliest(&self, goal: Cell) -> Option<usize> {
         let clear = strides(self.clear_since(goal)?, self.pace);
@@ -141,13 +152,14 @@ impl<const W: usize> Sweep<'_, W> {
         Some(stride * self.pace.get())
     }
 
-    /// A path of exactly `arrival` moves that [arrives](Self::arrives) at the goal with the last of them,
-    /// without a conflict with any teammate; `None` when there is none.
+    /// A path of exactly `arrival` moves that [arrives](Self::arrives) at the goal with the last of
+    /// them, without a conflict with any teammate; `None` when there is none.
     ///
-    /// Of several, it is the one that moves early and waits late, chosen from the goal backwards: the robot
-    /// stays as long as it can on every cell but the goal, and comes there from the neighbour on which it can
-    /// have been waiting since the earliest step; of several such, by the move with the lowest code. Without
-    /// teammates that is a shortest path with the waits before its last move.
+    /// Of several, it is the one that moves early and waits late, chosen from the goal backwards:
+    /// the robot stays as long as it can on every cell but the goal, and comes there from the
+    /// neighbour on which it can have been waiting since the earliest step; of several such, by the
+    /// move with the lowest code. Without teammates that is a shortest path with the waits before
+    /// its last move.
     ///
     /// Cost: at most `4 arrival²` lookups of a bit.
     #[must_use]
@@ -155,8 +167,8 @@ impl<const W: usize> Sweep<'_, W> {
         if self.arrives(goal, arrival) { self.trace(goal, self.stride(arrival)?) } else { None }
     }
 
-    /// The shortest path to a cell that keeps clear of the teammates until it is there. Unlike a goal, the cell need
-    /// not stay free of them.
+    /// The shortest path to a cell that keeps clear of the teammates until it is there. Unlike a
+    /// goal, the cell need not stay free of them.
     #[must_use]
     pub fn soonest(&self, cell: Cell) -> Option<Path> {
         let stride = (0..=HORIZON / self.pace).find(|&stride| self.is_reached(cell, stride))?;
@@ -189,8 +201,8 @@ impl<const W: usize> Sweep<'_, W> {
         Some(path)
     }
 
-    /// The cells on which the robot can be at `step`, or after so many strides, without a conflict so far; none past the
-    /// horizon.
+    /// Returns the cells on which the robot can be at `step` (for a slow robot, after `step`
+    /// strides) without a conflict so far; none past the horizon.
     #[must_use]
     pub fn reached(&self, step: usize) -> CellSet<W> {
         self.reached.get(step).copied().unwrap_or(CellSet::EMPTY)
@@ -210,7 +222,8 @@ impl<const W: usize> Sweep<'_, W> {
         Some(clear)
     }
 
-    /// Whether the robot can come to the goal with move number `step`, or has been there all the time.
+    /// Whether the robot can come to the goal with move number `step`, or has been there all the
+    /// time.
     fn enters(&self, goal: Cell, step: usize) -> bool {
         self.is_reached(goal, step)
             && (self.stays(goal, step)
@@ -252,7 +265,8 @@ mod tests {
         TimedPlanner::new().sweep(&drawn(walls), Cell(from), teammates).path_to(Cell(goal), arrival)
     }
 
-    /// Robot `a` goes to `goal` while `b` does as drawn, and arrives in the last of the expected frames.
+    /// Robot `a` goes to `goal` while `b` does as drawn, and arrives in the last of the expected
+    /// frames.
     #[track_caller]
     fn check(walls: &[&str], teammate: &[&str], from: u16, goal: u16, expected: &[&str]) {
         let b = moving(teammate, 'b');

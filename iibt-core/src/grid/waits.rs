@@ -12,14 +12,16 @@ pub enum WaitPlace {
     BeforeLastMove,
     /// Where the path starts.
     AtStart,
-    /// Directly before the move with this index; at the end of the path for an index past the last move.
+    /// Directly before the move with this index; at the end of the path for an index past the last
+    /// move.
     BeforeMove(u8),
 }
 
 impl Path {
     /// This path with as many waits added at `place` as give it `total` moves.
     ///
-    /// Returns `None` when it has more moves than that already, or when `total` exceeds the [`HORIZON`].
+    /// Returns `None` when it has more moves than that already, or when `total` exceeds the
+    /// [`HORIZON`].
     #[must_use]
     pub fn with_waits(&self, total: usize, place: WaitPlace) -> Option<Self> {
         let waits = total.checked_sub(self.len()).filter(|_| total <= HORIZON)?;
@@ -32,8 +34,8 @@ impl Path {
         Some(padded)
     }
 
-    /// This path at the pace of a slow robot, whose every move takes `pace` steps: before each there are at least as many
-    /// waits, less one, those that it has already among them.
+    /// This path at the pace of a slow robot, whose every move takes `pace` steps: before each
+    /// there are at least as many waits, less one, those that it has already among them.
     ///
     /// Returns `None` when that is longer than the [`HORIZON`].
     #[must_use]

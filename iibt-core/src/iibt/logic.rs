@@ -1,6 +1,9 @@
 //! Logic variables: what a task holds to be true, and the preconditions of its policies.
 
 /// A set of up to 16 logic variables that are true; the others are false.
+#[doc(alias = "predicates")]
+#[doc(alias = "symbolic state")]
+#[doc(alias = "STRIPS")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Logic(u16);
@@ -16,6 +19,25 @@ pub struct Literal {
 }
 
 /// A conjunction of literals: what must be true and what must be false.
+///
+/// ```
+/// use iibt_core::iibt::{Condition, Literal, Logic};
+///
+/// const AT_DOOR: u8 = 0;
+/// const OPEN: u8 = 1;
+/// const BLOCKED: u8 = 2;
+///
+/// // To go through: at the door, which is open, and nothing in the way.
+/// let go = Condition { all: Logic::of(&[AT_DOOR, OPEN]), none: Logic::of(&[BLOCKED]) };
+/// let mut logic = Logic::of(&[AT_DOOR]);
+/// assert_eq!(go.unmet(logic), Some(Literal { variable: OPEN, value: true }));
+/// logic = logic.with(OPEN, true).with(BLOCKED, true);
+/// assert_eq!(go.unmet(logic), Some(Literal { variable: BLOCKED, value: false }));
+/// assert_eq!(go.unmet(logic.with(BLOCKED, false)), None);
+/// assert_eq!(Condition::ALWAYS.unmet(logic), None);
+/// ```
+#[doc(alias = "precondition")]
+#[doc(alias = "guard")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Condition {

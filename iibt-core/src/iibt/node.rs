@@ -7,8 +7,12 @@ use crate::tree::Status;
 
 /// The interactive inference node of a task, with what it remembers between ticks.
 ///
-/// It owns what Algorithm 1 owns: the preference with its temporary part, the roll-back, the precondition loop
-/// with its timeout, waiting, and the connection to the teammates. [`Task`] has an example.
+/// It owns what Algorithm 1 owns: the preference with its temporary part, the roll-back, the
+/// precondition loop with its timeout, waiting, and the connection to the teammates. [`Task`] has
+/// an example.
+#[doc(alias = "interactive inference node")]
+#[doc(alias = "Algorithm 1")]
+#[doc(alias = "active inference")]
 #[derive(Clone, Debug)]
 pub struct Node<T: Task> {
     timeout: Duration,
@@ -25,8 +29,8 @@ struct Decided<T: Task> {
 }
 
 impl<T: Task> Node<T> {
-    /// The most passes of the precondition loop (lines 17-30) in one tick. What is left unmet goes on at the
-    /// next tick, so a tick has bounded work and the timeout a clock to run on.
+    /// The most passes of the precondition loop (lines 17-30) in one tick. What is left unmet goes
+    /// on at the next tick, so a tick has bounded work and the timeout a clock to run on.
     pub const PASSES: usize = 8;
 
     /// A node that fails when a precondition stays unmet for `timeout`.
@@ -51,6 +55,7 @@ impl<T: Task> Node<T> {
         }
         let mut preference = self.preference.take().unwrap_or_else(|| task.preference()); // 3-4
         let decided = Self::decide(task, &mut preference, peers); // 7-12, 17-30
+        // From the first tick of an unmet precondition; a choice that may be executed clears it.
         let since = *self.unmet_since.get_or_insert(now);
         match decided.policy {
             Some(policy) if peers.all_connected() => task.execute(policy, &decided.candidates, peers), // 31-32
@@ -87,7 +92,8 @@ impl<T: Task> Node<T> {
         (self.preference, self.unmet_since) = (None, None);
     }
 
-    /// Lines 7-12 and 17-30: infer, then raise, rebuild, read and infer again until the choice may be executed.
+    /// Lines 7-12 and 17-30: infer, then raise, rebuild, read and infer again until the choice may
+    /// be executed.
     fn decide(task: &mut T, preference: &mut T::Preference, peers: Peers<'_, T::Message>) -> Decided<T> {
         let mut candidates = task.candidates(preference, peers); // 7
         let mut choice = task.infer(&candidates, preference, peers); // 8-12

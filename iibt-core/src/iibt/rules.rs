@@ -34,6 +34,21 @@ pub struct Rule {
 }
 
 /// The raise for an unmet literal; `None` when no evidence could make it true.
+///
+/// ```
+/// use iibt_core::iibt::Literal;
+/// use iibt_core::iibt::rules::{Raise, Rule, raise_for};
+///
+/// let (open, clear) = (Literal { variable: 0, value: true }, Literal { variable: 1, value: false });
+/// let rules = [
+///     Rule { missing: open, raise: Raise::AboveAll },
+///     Rule { missing: clear, raise: Raise::By(-1.0) },
+/// ];
+/// let raise = raise_for(&rules, open).expect("a rule for it");
+/// assert_eq!(raise.amount(2.0), 3.0); // one more than the largest preference
+/// assert_eq!(raise_for(&rules, clear).map(|raise| raise.amount(2.0)), Some(-1.0));
+/// assert_eq!(raise_for(&rules, Literal { variable: 2, value: true }), None); // the node waits
+/// ```
 #[must_use]
 pub fn raise_for(rules: &[Rule], missing: Literal) -> Option<Raise> {
     rules.iter().find(|rule| rule.missing == missing).map(|rule| rule.raise)

@@ -3,11 +3,12 @@
 use super::Literal;
 use crate::team::{Message, Peers};
 
-/// A task of the interactive inference node. Each method is a line of Algorithm 1, whose numbers are given.
+/// A task of the interactive inference node. Each method is a line of Algorithm 1, whose numbers
+/// are given.
 ///
-/// Data flows through the signatures: a percept and the teammates' messages become belief, a preference becomes
-/// candidates, candidates become a choice, and a choice becomes its precondition or an execution. What
-/// Algorithm 1 keeps between those lines is the [`Node`](super::Node)'s.
+/// Data flows through the signatures: a percept and the teammates' messages become belief, a
+/// preference becomes candidates, candidates become a choice, and a choice becomes its precondition
+/// or an execution. What Algorithm 1 keeps between those lines is the [`Node`](super::Node)'s.
 ///
 /// ```
 /// use iibt_core::iibt::{Literal, Node, Task};
@@ -84,6 +85,8 @@ use crate::team::{Message, Peers};
 /// assert_eq!(tick(true, 2), Status::Success);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "planner")]
+#[doc(alias = "domain")]
 pub trait Task {
     /// What the robot senses in a tick.
     type Percept;
@@ -112,8 +115,8 @@ pub trait Task {
         peers: Peers<'_, Self::Message>,
     ) -> Self::Candidates;
 
-    /// 8-12 and 21-25: joins the teammates' intentions and chooses by interactive inference; `None` when there
-    /// is nothing to choose from.
+    /// 8-12 and 21-25: joins the teammates' intentions and chooses by interactive inference; `None`
+    /// when there is nothing to choose from.
     fn infer(
         &mut self,
         candidates: &Self::Candidates,

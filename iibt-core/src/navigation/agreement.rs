@@ -1,28 +1,36 @@
-//! How robots come to one joint plan over a lossy radio, and follow it together.
+//! Agreement on one joint plan over a lossy radio, and its execution.
 //!
-//! A plan is made in a *round*. In a round every robot stands still and announces one path from where it
-//! stands; they choose one after another, beginning with the robot that opened the round, each knowing the
-//! paths before its own. Once a robot knows every path of the round it announces the plan's digest, and when
-//! all teammates have announced the same digest it begins to move. From then on it enters a cell only when it
-//! has heard that every teammate which the plan has there before it has left it, and makes its last move only when it
-//! has heard that all others have but their last to make: robots keep the order of the plan, not its clock, and arrive
-//! together. Whoever needs another plan opens a new round, which everyone joins by standing still.
+//! A plan is made in a *round*. In a round every robot stands still and announces one path from
+//! where it stands. The robots choose one after another, beginning with the robot that opened the
+//! round; each knows the paths chosen before its own. A robot that knows every path of the round
+//! announces a digest of the plan. When all teammates have announced the same digest, it begins to
+//! move.
 //!
-//! A slow robot's move takes several steps: its path has as many waits, less one, before it. The robot sets out at the
-//! first of them, if everybody whom the plan has there before has left the cell, counts the waits while it is on its way, and
-//! counts the move, so leaves the cell behind, once it stands where the move leads. The order of the plan is kept all the same.
+//! While it moves, a robot enters a cell only when every teammate that the plan puts there earlier
+//! has announced that it has left it. The last move has a barrier: a robot makes it only when all
+//! others have at most their last move to make. The robots keep the order of the plan rather than
+//! its clock, and arrive together. A robot that needs another plan opens a new round, which all
+//! others join standing still.
 //!
-//! A robot that has to look after itself leaves the team by opening a round in which it says that it is
-//! away. It does not choose, so nobody can. Its teammates acknowledge that with a digest of the round and of its
-//! start, and once it has heard that of all of them it has the *floor*: it alone may move. They stand until they join a newer
-//! round, in which nobody moves before the robot that was away has joined, standing still.
+//! A slow robot's move takes several steps: its path has as many waits, less one, before the move.
+//! The robot sets out at the first of them, under the same rule for the cell it enters. It counts
+//! the waits while it is between the two cells, and the move once it stands in the new one. The
+//! order of the plan is kept.
 //!
-//! Safety needs no clock and no reliable radio. Everything a robot relies on was said by the teammate itself
-//! and stays true: a path never changes within a round, moves made are never unmade, and a robot that has left
-//! a round does not move again before everybody has left it. Where two paths share a cell, the plan says who is first, and
-//! the second waits for word that the first is gone; as no plan puts two robots in one cell in one step, or lets them change
-//! places, nobody waits for somebody who waits for it. Lost, late and repeated frames cost time only.
-//! Two robots can share or swap a cell only if a localiser is wrong about the cell a robot stands in.
+//! A robot that has to act outside the plan, for example to charge, requests mutual exclusion: it
+//! opens a round in which it announces that it is away. It does not choose, so no other robot can
+//! choose in that round. Each teammate grants the request with a digest of the round and of the
+//! requester's epoch. With the grants of all teammates the robot alone may move. The grant is
+//! released by a newer round, in which no robot moves before the one that was away has joined,
+//! standing still.
+//!
+//! Safety needs no clock and no reliable radio. A robot relies only on what its teammates have
+//! announced themselves, and that stays true: a path never changes within a round, moves are never
+//! undone, and a robot that has left a round moves again only when all have left it. Where two
+//! paths share a cell, the plan orders them, and the second robot waits until the first has
+//! announced that it has left. No plan puts two robots in one cell in one step or lets them swap
+//! cells, so no cycle of waiting arises. Lost, late and repeated frames cost time only. Two robots
+//! can share or swap a cell only if a localiser is wrong about the cell a robot stands in.
 
 use super::{Paces, Round, Said, Stage};
 use crate::grid::{Cell, Map, Move, Path};
@@ -31,6 +39,44 @@ use core::hash::Hasher;
 use siphasher::sip::SipHasher24;
 
 /// One robot's place in the team's joint decision.
+///
+/// ```
+/// use iibt_core::grid::{Cell, Map, Path};
+/// use iibt_core::navigation::{Agreement, Intention, Paces, Said, Stage};
+/// use iibt_core::team::{Envelope, RobotId, Stamp};
+///
+/// let said = |robot: &Agreement, sender| {
+///     let message = Intention {
+///         round: robot.round(),
+///         stage: robot.stage(),
+///         plan: robot.plan(),
+///         goal: robot.goal(),
+///         path: *robot.path(),
+///         step: robot.step() as u8,
+///         probability: robot.probability(),
+///         hazards: heapless::Vec::new(),
+///     };
+///     Said { sender: RobotId(sender), stamp: Stamp { epoch: 1, sequence: 0 }, message }
+/// };
+/// let map = Map::<1>::new(4, 2)?;
+/// let mut first = Agreement::new(RobotId(0), 2, 1, Cell(0));
+/// let mut second = Agreement::new(RobotId(1), 2, 1, Cell(4));
+/// assert!(first.is_my_turn([&said(&second, 1)].into_iter()));
+/// assert!(!second.is_my_turn([&said(&first, 0)].into_iter())); // not before the first has chosen
+///
+/// let way = |cells: &[Cell]| Path::through(&map, cells).ok_or("no neighbours");
+/// first.announce(way(&[Cell(0), Cell(1)])?, Some(Cell(1)), 0.9);
+/// assert!(second.is_my_turn([&said(&first, 0)].into_iter()));
+/// second.announce(way(&[Cell(4), Cell(5)])?, Some(Cell(5)), 0.9);
+/// first.agree([&said(&second, 1)].into_iter());
+/// second.agree([&said(&first, 0)].into_iter());
+/// assert!(first.is_agreed() && first.plan() == second.plan()); // the digests are equal
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "two-phase commit")]
+#[doc(alias = "consensus")]
+#[doc(alias = "commit protocol")]
+#[doc(alias = "mutual exclusion")]
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Agreement {
@@ -47,14 +93,15 @@ pub struct Agreement {
 }
 
 impl Round {
-    /// The robot that opens, and decides first in, this round of a team of `size`.
+    /// Returns the robot that opens this round in a team of `size` and decides first.
     #[must_use]
     pub const fn opener(self, size: u8) -> RobotId {
         RobotId(if size == 0 { 0 } else { (self.0 % size as u16) as u8 })
     }
 
-    /// The next round that `robot` may open: numbers are shared out so that no two robots open the same one.
-    /// `None` when the numbers are used up.
+    /// Returns the next round that `robot` may open; `None` when the numbers are used up.
+    ///
+    /// Every robot has round numbers of its own, so that no two robots open the same round.
     #[must_use]
     pub fn next_of(self, robot: RobotId, size: u8) -> Option<Self> {
         let size = u16::from(size.max(1));
@@ -62,7 +109,7 @@ impl Round {
         self.0.checked_add(ahead).map(Self)
     }
 
-    /// How many robots decide before this one in this round.
+    /// Returns the number of robots that decide before this one in this round.
     #[must_use]
     pub const fn rank(self, robot: RobotId, size: u8) -> u8 {
         let size = if size == 0 { 1 } else { size as u16 };
@@ -71,7 +118,7 @@ impl Round {
 }
 
 impl Agreement {
-    /// A robot of a team of `size` that has just started, standing at `here`.
+    /// Creates the state of a robot of a team of `size` that has just started and stands at `here`.
     #[must_use]
     pub fn new(robot: RobotId, size: u8, epoch: u32, here: Cell) -> Self {
         Self {
@@ -88,61 +135,62 @@ impl Agreement {
         }
     }
 
-    /// The round it is in.
+    /// Returns the current round.
     #[must_use]
     pub const fn round(&self) -> Round {
         self.round
     }
 
-    /// What it is doing.
+    /// Returns the robot's stage in the round.
     #[must_use]
     pub const fn stage(&self) -> Stage {
         self.stage
     }
 
-    /// Its path in this round; only where it stands while it has not chosen.
+    /// Returns the robot's path in this round: no move while it has not chosen.
     #[must_use]
     pub const fn path(&self) -> &Path {
         &self.path
     }
 
-    /// How many moves of the path are done.
+    /// Returns the number of moves of the path that are done.
     #[must_use]
     pub const fn step(&self) -> usize {
         self.step as usize
     }
 
-    /// The goal it has chosen.
+    /// Returns the chosen goal.
     #[must_use]
     pub const fn goal(&self) -> Option<Cell> {
         self.goal
     }
 
-    /// The posterior probability of its choice.
+    /// Returns the posterior probability of the choice.
     #[must_use]
     pub const fn probability(&self) -> f32 {
         self.probability
     }
 
-    /// The digest of the joint plan it has agreed to, or of the leave that it has acknowledged; else zero.
+    /// Returns the digest of the joint plan the robot has agreed to, or of the request it has
+    /// granted; else zero.
     #[must_use]
     pub const fn plan(&self) -> u32 {
         self.plan
     }
 
-    /// Whether it knows the whole plan of this round.
+    /// Returns whether the robot knows the whole plan of this round.
     #[must_use]
     pub const fn is_agreed(&self) -> bool {
         matches!(self.stage, Stage::Agreed | Stage::Arrived)
     }
 
-    /// Whether all moves of its path are done.
+    /// Returns whether all moves of the path are done.
     #[must_use]
     pub const fn is_complete(&self) -> bool {
         self.is_agreed() && self.step as usize == self.path.len()
     }
 
-    /// Joins the newest round that a teammate is in, if that is newer than its own; returns whether it did.
+    /// Joins the newest round of any teammate, if it is newer than the own; returns whether it did.
     ///
     /// Call it only while the robot stands still, `here`.
     pub fn join<'a>(&mut self, here: Cell, peers: impl Iterator<Item = &'a Said>) -> bool {
@@ -153,15 +201,19 @@ impl Agreement {
         newest.is_some()
     }
 
-    /// Opens a new round, standing still `here`. Does nothing when the round numbers are used up: the team can
-    /// then only follow the last plan to its end.
+    /// Opens a new round, standing still at `here`.
+    ///
+    /// Does nothing when the round numbers are used up: the team can then only follow the last plan
+    /// to its end.
     pub fn open(&mut self, here: Cell) {
         if let Some(round) = self.round.next_of(self.robot, self.size) {
             self.anchor(round, here);
         }
     }
 
-    /// Opens a round as one that is away: nobody chooses in it. Does nothing when the round numbers are used up.
+    /// Requests mutual exclusion: opens a round in which this robot is away and no robot chooses.
+    ///
+    /// Does nothing when the round numbers are used up.
     pub fn leave(&mut self, here: Cell) {
         let before = self.round;
         self.open(here);
@@ -170,27 +222,27 @@ impl Agreement {
         }
     }
 
-    /// Whether it opened its round as one that is away.
+    /// Returns whether this robot has requested mutual exclusion in the current round.
     #[must_use]
     pub const fn is_away(&self) -> bool {
         matches!(self.stage, Stage::Away)
     }
 
-    /// Says where it stands, if it is away: it has no path to keep to.
-    pub const fn stand(&mut self, here: Cell) {
+    /// Sets the announced position of a robot that is away; it has no path to follow.
+    pub const fn set_position(&mut self, here: Cell) {
         if self.is_away() {
             self.path = Path::at(here);
         }
     }
 
-    /// Says where it means to go, if it is away; `None` when no way leads there.
-    pub const fn aim(&mut self, goal: Option<Cell>) {
+    /// Sets the announced target of a robot that is away; `None` when no way leads there.
+    pub const fn set_target(&mut self, goal: Option<Cell>) {
         if self.is_away() {
             self.goal = goal;
         }
     }
 
-    /// The teammate that has opened this round as one that is away.
+    /// Returns the teammate that requests mutual exclusion in this round.
     pub fn teammate_away<'a>(&self, mut peers: impl Iterator<Item = &'a Said>) -> Option<&'a Said> {
         let opener = self.round.opener(self.size);
         peers.find(|peer| {
@@ -198,10 +250,11 @@ impl Agreement {
         })
     }
 
-    /// Acknowledges that the teammate that opened this round is away, or takes that back; returns whether it is.
+    /// Grants the request of the teammate that opened this round, or withdraws the grant; returns
+    /// whether it is granted.
     ///
     /// Call it only while the robot stands still.
-    pub fn give_way<'a>(&mut self, peers: impl Iterator<Item = &'a Said>) -> bool {
+    pub fn grant<'a>(&mut self, peers: impl Iterator<Item = &'a Said>) -> bool {
         let away = self.teammate_away(peers).filter(|_| self.stage == Stage::Deciding);
         let leave = away.map(|peer| digest_of_leave(peer.message.round, peer.stamp.epoch));
         if self.stage == Stage::Deciding {
@@ -210,16 +263,16 @@ impl Agreement {
         leave.is_some()
     }
 
-    /// Whether it is away and every teammate has acknowledged that: they stand where their paths start, and this
-    /// robot may drive around those cells until it joins another round.
-    pub fn has_floor<'a>(&self, mut peers: impl Iterator<Item = &'a Said>) -> bool {
+    /// Returns whether every teammate has granted this robot's request. They stand where their
+    /// paths start, and this robot may drive around those cells until it joins another round.
+    pub fn is_granted<'a>(&self, mut peers: impl Iterator<Item = &'a Said>) -> bool {
         let leave = digest_of_leave(self.round, self.epoch);
         self.is_away()
             && self.all_of(&mut peers, |peer| peer.message.round == self.round && peer.message.plan == leave)
     }
 
-    /// Whether this robot is the one to choose now: all teammates are in this round, and those that decide
-    /// before it have chosen.
+    /// Returns whether it is this robot's turn to choose: all teammates are in this round, and
+    /// those that decide before it have chosen.
     pub fn is_my_turn<'a>(&self, mut peers: impl Iterator<Item = &'a Said>) -> bool {
         let rank = self.round.rank(self.robot, self.size);
         let ready = |peer: &Said| {
@@ -229,7 +282,8 @@ impl Agreement {
         self.stage == Stage::Deciding && self.all_of(&mut peers, ready)
     }
 
-    /// Announces the chosen path, which must begin where the robot stands. It keeps it for this round.
+    /// Announces the chosen path, which must begin where the robot stands. It stays fixed for this
+    /// round.
     pub fn announce(&mut self, path: Path, goal: Option<Cell>, probability: f32) {
         if self.stage == Stage::Deciding && path.start == self.path.start {
             (self.path, self.goal, self.probability) = (path, goal, probability);
@@ -247,8 +301,10 @@ impl Agreement {
         }
     }
 
-    /// Whether a teammate has agreed to another plan in this round: one of the two knows an outdated path,
-    /// because somebody has started anew, and only another round can help.
+    /// Returns whether a teammate has agreed to another plan in this round.
+    ///
+    /// One of the two robots then knows an outdated path, because a robot has restarted; only
+    /// another round helps.
     pub fn is_contradicted<'a>(&self, mut peers: impl Iterator<Item = &'a Said> + Clone) -> bool {
         let restarted = self.is_agreed() && self.digest(peers.clone()) != self.plan;
         let other = |peer: &Said| {
@@ -257,8 +313,10 @@ impl Agreement {
         self.is_agreed() && (restarted || peers.any(other))
     }
 
-    /// What to do in the next step, when it is safe to do it from `here` now; `None` to stand still. A slow robot's
-    /// move is begun with the first of the waits before it, or with a later one if the cell is not free yet.
+    /// Returns the next step if it is safe to begin it at `here` now; `None` to stand still.
+    ///
+    /// A slow robot begins a move with the first of the waits before it, or with a later one if the
+    /// cell is not free yet.
     #[must_use]
     pub fn next_move<'a, const W: usize>(
         &self,
@@ -284,19 +342,20 @@ impl Agreement {
         }
     }
 
-    /// Whether the robot may begin the next step: the whole team follows this plan, and before the last move every
-    /// teammate is as far as this robot.
+    /// Returns whether the robot may begin the next step: the whole team follows this plan, and
+    /// before the last move, the barrier, every teammate is as far as this robot.
     pub fn may_go_on<'a>(&self, paces: Paces<'_>, mut peers: impl Iterator<Item = &'a Said>) -> bool {
         let (_, at) = self.ahead(paces);
         let is_last = self.path.actions.iter().skip(at).all(|code| code == Move::Wait.code());
         let follows = |peer: &Said| {
             let shares = peer.message.round == self.round && peer.message.plan == self.plan;
-            shares && (!is_last || self.keeps_pace(peer))
+            shares && (!is_last || self.is_abreast(peer))
         };
         self.is_agreed() && self.all_of(&mut peers, follows)
     }
 
-    /// Whether the robot may stand `here`: where its path says, or, if it is slow, where that leads next.
+    /// Returns whether the robot is at a cell of its plan: the current one or, for a slow robot,
+    /// the next.
     #[must_use]
     pub fn is_on_course<const W: usize>(&self, map: &Map<W>, paces: Paces<'_>, here: Cell) -> bool {
         let next = || self.path.cell_at(map, self.ahead(paces).1);
@@ -304,8 +363,8 @@ impl Agreement {
         here == self.place(map) || is_early()
     }
 
-    /// Counts the step that was `begun` when [`next_move`](Self::next_move) gave it: a wait, or a move that brought the
-    /// robot `here`; returns whether there was one.
+    /// Counts the step that was `begun` when [`next_move`](Self::next_move) gave it: a wait, or a
+    /// move that brought the robot to `here`. Returns whether there was one.
     pub fn advance<const W: usize>(
         &mut self,
         map: &Map<W>,
@@ -319,7 +378,7 @@ impl Agreement {
         self.count(if step == Move::Wait { begun } else { arrived })
     }
 
-    /// Counts a step that was begun while the robot is between two cells: one of those before a slow robot's move.
+    /// Counts a step of a slow robot that is between two cells: one of the waits before its move.
     pub fn advance_on_the_way(&mut self, begun: bool) -> bool {
         self.count(begun && self.planned() == Some(Move::Wait))
     }
@@ -330,7 +389,7 @@ impl Agreement {
         counts
     }
 
-    /// What the path has for the next step; `None` at its end.
+    /// Returns the path's next step; `None` at its end.
     fn planned(&self) -> Option<Move> {
         self.path.actions.get(self.step()).and_then(Move::from_code)
     }
@@ -339,8 +398,8 @@ impl Agreement {
         paces.of(self.robot).get() > 1
     }
 
-    /// The move that the path has within the robot's pace and the steps that are done after it; else a wait, and those that
-    /// are done.
+    /// Returns the next move within the robot's pace and the number of steps done after it; else a
+    /// wait, and the steps done now.
     fn ahead(&self, paces: Paces<'_>) -> (Move, usize) {
         let (done, pace) = (self.step(), paces.of(self.robot).get());
         let mut within = self.path.moves().enumerate().skip(done).take(pace);
@@ -348,13 +407,13 @@ impl Agreement {
         next.map_or((Move::Wait, done), |(at, step)| (step, at + 1))
     }
 
-    /// The cell in which the robot is, by its path and the moves that are done.
+    /// Returns the cell in which the robot is according to its path and the moves that are done.
     #[must_use]
     pub fn place<const W: usize>(&self, map: &Map<W>) -> Cell {
         self.path.cell_at(map, self.step())
     }
 
-    /// Says that the robot is where it wanted to be.
+    /// Marks the mission as done: the robot stands on its goal.
     pub fn arrive(&mut self) {
         if self.is_complete() {
             self.stage = Stage::Arrived;
@@ -365,12 +424,13 @@ impl Agreement {
         *self = Self { round, ..Self::new(self.robot, self.size, self.epoch, here) };
     }
 
-    /// Whether a condition holds for every one of the N - 1 teammates.
+    /// Returns whether a condition holds for every one of the N - 1 teammates.
     fn all_of<'a>(
         &self,
         peers: &mut impl Iterator<Item = &'a Said>,
         condition: impl Fn(&Said) -> bool,
     ) -> bool {
+        // Counted, because a teammate that was never heard is not among the peers.
         let mut met = 0;
         peers.all(|peer| {
             met += 1;
@@ -378,14 +438,16 @@ impl Agreement {
         }) && met + 1 == usize::from(self.size)
     }
 
-    /// Whether a teammate is at least as far as this robot.
-    const fn keeps_pace(&self, peer: &Said) -> bool {
+    /// Returns whether a teammate is at least as far as this robot.
+    const fn is_abreast(&self, peer: &Said) -> bool {
         peer.message.step >= self.step || peer.message.step as usize >= peer.message.path.len()
     }
 
-    /// A number that is the same for two robots when they know the same paths of the same round, and differs
-    /// otherwise but once in 2^32 times.
+    /// Returns a digest of the round and its paths: equal on two robots that know the same plan;
+    /// two different plans share one with probability 2^-32.
     fn digest<'a>(&self, peers: impl Iterator<Item = &'a Said> + Clone) -> u32 {
+        // In the order of the robots, so that every robot hashes the same bytes. The epochs are in it
+        // because a teammate that has restarted no longer keeps the plan, even with an equal path.
         let mut hasher = SipHasher24::new();
         for robot in 0..self.size {
             if robot == self.robot.0 {
@@ -399,20 +461,20 @@ impl Agreement {
     }
 }
 
-/// What acknowledges that the robot that opened a round, started so many times, is away.
+/// Returns the digest that grants the request of the robot that opened a round in this epoch.
 fn digest_of_leave(round: Round, epoch: u32) -> u32 {
     let mut hasher = SipHasher24::new();
     absorb(&mut hasher, round, epoch, &Path::default());
     seal(&hasher)
 }
 
-/// A digest, which is never zero.
+/// Returns a digest that is never zero.
 #[inline(never)]
 fn seal(hasher: &SipHasher24) -> u32 {
     (hasher.finish() as u32).max(1)
 }
 
-/// Byte by byte, because the derived `Hash` depends on the width of `usize`.
+/// Hashes byte by byte, because the derived `Hash` depends on the width of `usize`.
 #[inline(never)]
 fn absorb(hasher: &mut SipHasher24, round: Round, epoch: u32, path: &Path) {
     hasher.write(&round.0.to_le_bytes());
@@ -422,13 +484,13 @@ fn absorb(hasher: &mut SipHasher24, round: Round, epoch: u32, path: &Path) {
     path.actions.iter().for_each(|action| hasher.write(&[action]));
 }
 
-/// Whether a robot has announced its path of this round.
+/// Returns whether a robot has announced its path of this round.
 const fn has_chosen(peer: &Said) -> bool {
     matches!(peer.message.stage, Stage::Announced | Stage::Agreed | Stage::Arrived)
 }
 
-/// Whether a teammate has left `cell` for good, as far as the plan goes up to `step`. Where it comes to the cell in a
-/// later step, it waits for this robot.
+/// Returns whether a teammate has left `cell` for good in the plan up to `step`. Where it comes to
+/// the cell in a later step, it waits for this robot.
 fn has_left<const W: usize>(map: &Map<W>, peer: &Said, cell: Cell, step: usize) -> bool {
     let path = || peer.message.path.cells(map).enumerate();
     let visits = path().take(step + 1).filter(|&(_, visited)| visited == cell);
@@ -456,7 +518,7 @@ mod tests {
         Path::through(&corridor(), &cells).unwrap()
     }
 
-    /// What a robot says.
+    /// The message that a robot announces.
     fn said(agreement: &Agreement) -> Said {
         let message = Intention {
             round: agreement.round,
@@ -527,20 +589,20 @@ mod tests {
             [0, 1, 2].map(|robot| Agreement::new(RobotId(robot), 3, 1, Cell(2 * u16::from(robot))));
         away.leave(Cell(0));
         assert_eq!((away.round(), away.stage(), away.goal()), (Round(3), Stage::Away, None));
-        assert!(!away.has_floor([&said(&second), &said(&third)].into_iter()), "nobody knows");
+        assert!(!away.is_granted([&said(&second), &said(&third)].into_iter()), "nobody knows");
         for robot in [&mut second, &mut third] {
             let here = robot.path.start;
             assert!(robot.join(here, [&said(&away)].into_iter()));
-            assert!(robot.give_way([&said(&away)].into_iter()));
+            assert!(robot.grant([&said(&away)].into_iter()));
             assert!(!robot.is_agreed() && !robot.is_my_turn([&said(&away)].into_iter()));
         }
-        assert!(!away.has_floor([&said(&second)].into_iter()), "one is unheard");
-        assert!(away.has_floor([&said(&second), &said(&third)].into_iter()));
-        away.stand(Cell(1));
+        assert!(!away.is_granted([&said(&second)].into_iter()), "one is unheard");
+        assert!(away.is_granted([&said(&second), &said(&third)].into_iter()));
+        away.set_position(Cell(1));
         assert_eq!((away.place(&corridor()), away.step()), (Cell(1), 0));
 
         third.open(Cell(4));
-        assert!(!away.has_floor([&said(&second), &said(&third)].into_iter()), "one is in a newer round");
+        assert!(!away.is_granted([&said(&second), &said(&third)].into_iter()), "one is in a newer round");
         assert!(away.join(Cell(1), [&said(&third)].into_iter()) && !away.is_away());
     }
 
@@ -550,14 +612,14 @@ mod tests {
         let mut teammate = Agreement::new(RobotId(1), 2, 1, Cell(4));
         away.leave(Cell(0));
         teammate.join(Cell(4), [&said(&away)].into_iter());
-        teammate.give_way([&said(&away)].into_iter());
+        teammate.grant([&said(&away)].into_iter());
         let mut restarted = Agreement::new(RobotId(0), 2, 2, Cell(0));
         restarted.leave(Cell(0));
         assert_eq!(restarted.round(), away.round());
-        assert!(away.has_floor([&said(&teammate)].into_iter()));
-        assert!(!restarted.has_floor([&said(&teammate)].into_iter()));
-        teammate.give_way([&said(&restarted)].into_iter());
-        assert!(restarted.has_floor([&said(&teammate)].into_iter()));
+        assert!(away.is_granted([&said(&teammate)].into_iter()));
+        assert!(!restarted.is_granted([&said(&teammate)].into_iter()));
+        teammate.grant([&said(&restarted)].into_iter());
+        assert!(restarted.is_granted([&said(&teammate)].into_iter()));
     }
 
     #[test]
@@ -566,13 +628,13 @@ mod tests {
         let mut teammate = Agreement::new(RobotId(1), 2, 1, Cell(4));
         away.leave(Cell(0));
         teammate.join(Cell(4), [&said(&away)].into_iter());
-        assert!(teammate.give_way([&said(&away)].into_iter()) && teammate.plan() != 0);
+        assert!(teammate.grant([&said(&away)].into_iter()) && teammate.plan() != 0);
         assert_eq!(
             teammate.teammate_away([&said(&away)].into_iter()).map(|peer| peer.sender),
             Some(RobotId(0))
         );
         away.stage = Stage::Deciding;
-        assert!(!teammate.give_way([&said(&away)].into_iter()) && teammate.plan() == 0);
+        assert!(!teammate.grant([&said(&away)].into_iter()) && teammate.plan() == 0);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! When a team can be at different goals at the earliest.
+//! The earliest joint arrival of a team at different goals: a bottleneck assignment.
 
 use super::MAX_GOALS;
 use crate::team::MAX_TEAM;
@@ -6,8 +6,8 @@ use crate::team::MAX_TEAM;
 /// The moves from each robot to each goal, `None` where no way leads.
 pub(super) type Moves = [[Option<u16>; MAX_GOALS]; MAX_TEAM];
 
-/// The fewest moves within which every one of the first `team` robots can reach a goal of its own: the
-/// bottleneck assignment. `None` when they cannot.
+/// Returns the fewest moves within which each of the first `team` robots can reach a goal of its
+/// own, the value of the bottleneck assignment; `None` when there is no assignment.
 ///
 /// Costs at most `team * MAX_GOALS` matchings of `team * MAX_GOALS * team` steps each.
 pub(super) fn earliest_together(moves: &Moves, team: usize) -> Option<u16> {
@@ -16,7 +16,7 @@ pub(super) fn earliest_together(moves: &Moves, team: usize) -> Option<u16> {
     limits.filter(|&limit| all_matched(robots, limit)).min()
 }
 
-/// Whether every robot can have a goal of its own within `limit` moves.
+/// Returns whether every robot can have a goal of its own within `limit` moves.
 fn all_matched(robots: &[[Option<u16>; MAX_GOALS]], limit: u16) -> bool {
     let mut owner = [None; MAX_GOALS];
     (0..robots.len()).all(|robot| {
@@ -25,8 +25,8 @@ fn all_matched(robots: &[[Option<u16>; MAX_GOALS]], limit: u16) -> bool {
     })
 }
 
-/// Gives `robot` a goal, moving other robots to other goals where needed; at most [`MAX_TEAM`] deep, because
-/// every level marks another goal as tried.
+/// Gives `robot` a goal, moving other robots to other goals where needed; at most [`MAX_TEAM`]
+/// deep, because every level marks another goal as tried.
 fn find_goal(
     robots: &[[Option<u16>; MAX_GOALS]],
     limit: u16,

@@ -1,4 +1,4 @@
-//! A robot's candidate policies: ways to each goal that arrive when the team can be there together.
+//! A robot's candidate policies: ways to each goal that arrive when the whole team can.
 
 use super::assignment::{Moves, earliest_together};
 use super::waypoints::leads_over;
@@ -20,51 +20,51 @@ pub struct Candidate {
     pub goal: Option<Cell>,
 }
 
-/// What a robot whose turn it is finds, and candidates are built for.
+/// The situation for which candidates are built, at the robot's turn.
 #[derive(Clone, Debug)]
 pub struct Situation<const W: usize> {
     /// Where the robot stands.
     pub(super) here: Cell,
-    /// The map, with what is to be avoided blocked.
+    /// The map, with cells of negative preference blocked.
     pub(super) map: Map<W>,
-    /// The cells to lead over on the way to a goal.
+    /// The way-points to visit before a goal.
     pub(super) via: Vec<Cell, MAX_WAYPOINTS>,
-    /// Where the robots stand that have not chosen, this one among them.
+    /// The positions of the robots that have not chosen, including this one.
     pub(super) undecided: Vec<Cell, MAX_TEAM>,
     /// The paths of the teammates that have announced theirs.
-    pub(super) announced: Vec<Runner, MAX_TEAM>,
-    /// The numbers of moves after which to arrive, most wanted first.
+    pub(super) announced: Vec<TimedPath, MAX_TEAM>,
+    /// The arrival steps to aim for, the most preferred first.
     pub(super) arrivals: Vec<usize, 3>,
 }
 
-/// A robot on its path.
+/// A timed path: a path and the pace of the robot that follows it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Runner {
+pub(super) struct TimedPath {
     pub(super) path: Path,
     /// The steps that one of its moves takes.
     pub(super) pace: NonZero<usize>,
 }
 
-/// Whose candidates are built.
+/// The robot for which candidates are built.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place<'a> {
     /// The robot.
     pub(super) robot: RobotId,
     /// Where it stands.
     pub(super) from: Cell,
-    /// The cells to lead over, in their order.
+    /// The way-points, in their order.
     pub(super) via: &'a [Cell],
 }
 
 impl<const W: usize> Situation<W> {
-    /// Where others stand that have not chosen, when it matters: at the first move.
+    /// Returns where other robots stand that have not chosen, which matters at the first move.
     fn standing_around(&self, lead: &Path) -> CellSet<W> {
         let others = self.undecided.iter().copied().filter(|&cell| lead.is_empty() && cell != lead.start);
         others.collect()
     }
 }
 
-/// The planners, and the room they need.
+/// The planners and their arenas.
 #[derive(Clone, Debug)]
 pub(super) struct Generator<const S: usize, const W: usize> {
     planner: Planner<S>,
@@ -74,7 +74,7 @@ pub(super) struct Generator<const S: usize, const W: usize> {
 /// Alternatives differ in at least a third of their cells and cost at most four moves more.
 const VARIETY: Variety = Variety { slack: 4, new_percent: 34 };
 
-/// How much later than at the earliest the team may arrive, so that somebody can make way.
+/// The number of steps beyond the earliest joint arrival that a candidate may take, to make way.
 const LEEWAY: usize = 2;
 
 impl<const S: usize, const W: usize> Generator<S, W> {
@@ -82,25 +82,27 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         Self { planner: Planner::new(), timed: TimedPlanner::new() }
     }
 
-    /// When the team could arrive together, for robots where their paths start, the first of which has to lead over
-    /// other cells: when the announced paths do,
-    /// or else at the earliest, at the goals that are worth most, and a little later. The more rounds were in vain, the later.
+    /// Returns the arrival steps for a team whose robots stand where their paths start; the first
+    /// robot visits `via` on the way.
+    ///
+    /// It is the arrival of the announced paths if there are any, or else the earliest joint
+    /// arrival at the most preferred goals, and a little later. Every failed round adds time.
     pub(super) fn arrivals(
         &mut self,
         mission: &Mission<'_, W>,
         map: &Map<W>,
-        (team, via): (&[Runner], &[Cell]),
-        announced: &[Runner],
+        (team, via): (&[TimedPath], &[Cell]),
+        announced: &[TimedPath],
         best: &[Cell],
-        vain_rounds: u8,
+        failed_rounds: u8,
     ) -> Vec<usize, 3> {
         let fixed = announced.iter().map(|other| other.path.len()).max().filter(|&moves| moves > 0);
         if fixed.is_some() {
             return up_to(fixed);
         }
         let moves = self.moves(mission, map, team, via);
-        // The first round of a new situation is not in vain yet.
-        let vain = usize::from(vain_rounds.saturating_sub(1));
+        // The first round of a new situation has not failed yet.
+        let vain = usize::from(failed_rounds.saturating_sub(1));
         let at = |moves: &Moves| Some(usize::from(earliest_together(moves, team.len())?) + vain);
         let earliest = at(&moves);
         let at_best =
@@ -127,24 +129,24 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         if candidates.is_empty()
             && let Some(lead) = self.lead(situation, place, pace)
         {
-            self.plan(mission, situation, &Runner { path: lead, pace }, candidates);
+            self.plan(mission, situation, &TimedPath { path: lead, pace }, candidates);
         }
     }
 
-    /// A shortest way.
+    /// Returns a shortest way.
     pub(super) fn way(&mut self, map: &Map<W>, from: Cell, to: Cell) -> Option<Path> {
         self.planner.shortest(map, from, to).ok()
     }
 
-    /// The cell nearest to `from` that is not one of `taken`.
+    /// Returns the cell nearest to `from` that is not in `taken`.
     pub(super) fn nearest(&mut self, map: &Map<W>, from: Cell, taken: &CellSet<W>) -> Option<Cell> {
         let distances = self.planner.distances(map, from).ok()?;
         let free = map.free_cells().without(taken);
         free.iter().filter_map(|cell| Some((distances.to(cell)?, cell))).min().map(|(_, cell)| cell)
     }
 
-    /// The way over the cells that a candidate has to lead over, each reached as soon as the teammates let it; only
-    /// the place where there are none.
+    /// Returns the way over the way-points, each reached as early as the teammates allow; only the
+    /// current cell when there are none.
     fn lead(&mut self, situation: &Situation<W>, place: Place<'_>, pace: NonZero<usize>) -> Option<Path> {
         let map = &situation.map;
         let mut lead = Path::at(place.from);
@@ -158,18 +160,18 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         Some(lead)
     }
 
-    /// For each goal, after the lead: one path per arrival that keeps clear of the announced ones, then the earliest
-    /// one, then different ways padded with waits.
+    /// Adds, for each goal and after the prefix `lead`: a path per arrival step that is clear of
+    /// the announced ones, then the earliest one, then alternatives padded with waits.
     fn plan<const P: usize>(
         &mut self,
         mission: &Mission<'_, W>,
         situation: &Situation<W>,
-        lead: &Runner,
+        lead: &TimedPath,
         candidates: &mut Vec<Candidate, P>,
     ) {
         let map = &situation.map;
-        // Last comes the earliest arrival. Where the lead is the same, so is the sweep: for a robot with a move in every step
-        // there is one.
+        // Last comes the earliest arrival. Equal prefixes share a sweep: a robot with a move in
+        // every step needs one.
         let arrivals = situation.arrivals.iter().copied().map(Some).chain([None]);
         let mut wanted = arrivals.filter_map(|arrival| Some((arrival, lead.delayed(arrival)?))).peekable();
         while let Some(&(_, lead)) = wanted.peek() {
@@ -190,12 +192,13 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         self.vary(mission, situation, lead, candidates);
     }
 
-    /// Ways to each goal that differ from the shortest, arriving with the team where they are short enough.
+    /// Adds ways to each goal that differ from the shortest, padded to the team's arrival where
+    /// they are short enough.
     fn vary<const P: usize>(
         &mut self,
         mission: &Mission<'_, W>,
         situation: &Situation<W>,
-        lead: &Runner,
+        lead: &TimedPath,
         candidates: &mut Vec<Candidate, P>,
     ) {
         let from = lead.path.end(&situation.map);
@@ -208,7 +211,7 @@ impl<const S: usize, const W: usize> Generator<S, W> {
                 let path = arrival
                     .and_then(|arrival| way.with_waits(arrival, WaitPlace::BeforeLastMove))
                     .unwrap_or(way);
-                let own = Runner { path, pace: lead.pace };
+                let own = TimedPath { path, pace: lead.pace };
                 if situation.announced.iter().all(|other| are_clear(&situation.map, &own, other)) {
                     add(mission, candidates, path);
                 }
@@ -216,8 +219,8 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         }
     }
 
-    /// The steps from each robot to each goal.
-    fn moves(&mut self, mission: &Mission<'_, W>, map: &Map<W>, team: &[Runner], via: &[Cell]) -> Moves {
+    /// Returns the steps from each robot to each goal.
+    fn moves(&mut self, mission: &Mission<'_, W>, map: &Map<W>, team: &[TimedPath], via: &[Cell]) -> Moves {
         let mut moves = [[None; MAX_GOALS]; MAX_TEAM];
         let detours = core::iter::once(via).chain(core::iter::repeat(&[] as &[Cell]));
         for ((row, robot), via) in moves.iter_mut().zip(team).zip(detours) {
@@ -232,7 +235,7 @@ impl<const S: usize, const W: usize> Generator<S, W> {
         moves
     }
 
-    /// The last of the cells to lead over, and the moves it takes to get there.
+    /// Returns the last way-point and the moves it takes to get there.
     fn detour(&mut self, map: &Map<W>, from: Cell, via: &[Cell]) -> Option<(Cell, u16)> {
         let (mut here, mut moves) = (from, 0u16);
         for &point in via {
@@ -243,7 +246,7 @@ impl<const S: usize, const W: usize> Generator<S, W> {
     }
 }
 
-/// The moves to those goals alone that are among the best.
+/// Returns the moves to the goals in `best` only.
 fn only(moves: &Moves, goals: &[Cell], best: &[Cell]) -> Moves {
     let mut left = *moves;
     for row in &mut left {
@@ -254,37 +257,38 @@ fn only(moves: &Moves, goals: &[Cell], best: &[Cell]) -> Moves {
     left
 }
 
-impl Runner {
-    /// The same with as many waits after its path as leave whole moves until `arrival`, if one is given; `None` when the path
-    /// is longer.
+impl TimedPath {
+    /// Returns the path with waits appended so that whole moves are left until `arrival`, if one is
+    /// given; `None` when the path is longer.
     fn delayed(&self, arrival: Option<usize>) -> Option<Self> {
         let left = arrival.map_or(Some(0), |arrival| arrival.checked_sub(self.path.len()))?;
         let total = self.path.len() + left % self.pace;
         Some(Self { path: self.path.with_waits(total, WaitPlace::BeforeMove(u8::MAX))?, ..*self })
     }
 
-    /// The path as it is when the robot sets out for every cell as early as it can.
+    /// Returns the path of a robot that sets out for every cell as early as it can.
     fn hurried<const W: usize>(&self, map: &Map<W>) -> Option<Path> {
         let early = self.pace.get() - 1;
         (early > 0).then(|| self.path.rest(map, early))
     }
 }
 
-/// Whether two robots never get in each other's way, wherever they are on their way between two cells.
-pub(super) fn are_clear<const W: usize>(map: &Map<W>, one: &Runner, other: &Runner) -> bool {
+/// Returns whether two robots have no conflict, wherever each is between two cells.
+pub(super) fn are_clear<const W: usize>(map: &Map<W>, one: &TimedPath, other: &TimedPath) -> bool {
     let clear = |one: &Path, other: &Path| first_conflict(map, one, other).is_none();
     clear(&one.path, &other.path)
         && one.hurried(map).is_none_or(|early| clear(&early, &other.path))
         && other.hurried(map).is_none_or(|early| clear(&one.path, &early))
 }
 
-/// What is left of the teammates' paths after so many steps, those of slow ones also as they are when they hurry.
-fn rest_of<const W: usize>(team: &[Runner], map: &Map<W>, done: usize) -> Vec<Path, { 2 * MAX_TEAM }> {
+/// Returns the rest of the teammates' paths after `done` steps, those of slow robots also in their
+/// earliest form.
+fn rest_of<const W: usize>(team: &[TimedPath], map: &Map<W>, done: usize) -> Vec<Path, { 2 * MAX_TEAM }> {
     let paths = team.iter().flat_map(|robot| [Some(robot.path), robot.hurried(map)]).flatten();
     up_to(paths.map(|path| path.rest(map, done)))
 }
 
-/// Adds a path that is not there yet, while there is room.
+/// Adds a path that is not in the list, while there is room.
 fn add<const W: usize, const P: usize>(
     mission: &Mission<'_, W>,
     candidates: &mut Vec<Candidate, P>,
@@ -293,7 +297,7 @@ fn add<const W: usize, const P: usize>(
     if candidates.iter().all(|candidate| candidate.path != path) {
         let end = path.end(&mission.map);
         let goal = mission.goals.contains(&end).then_some(end);
-        // A full list keeps the candidates that were wanted first.
+        // A full list keeps the candidates of the preferred arrivals, which were added first.
         let _ = candidates.push(Candidate { path, goal });
     }
 }

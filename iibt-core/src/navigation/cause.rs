@@ -1,6 +1,6 @@
-//! Why a robot calls its team to another decision.
+//! The reasons for opening a round.
 
-/// What made a robot open a round.
+/// Why a robot opened a round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -15,10 +15,10 @@ pub enum Cause {
     Room,
     /// It comes back from charging, or from stepping aside.
     Charged,
-    /// It finds itself elsewhere than its path says.
+    /// It is in another cell than its path prescribes.
     Position,
-    /// A teammate has agreed to another plan, because somebody has started anew.
+    /// A teammate has agreed to another plan, because a robot has restarted.
     Outdated,
-    /// Its best choice does not go with what the teammates before it have chosen.
+    /// Its best choice is incompatible with the paths chosen before it.
     Misfit,
 }

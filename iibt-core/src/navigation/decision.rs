@@ -1,4 +1,4 @@
-//! The choice of a policy together with the teammates: the posterior over joint policies.
+//! The posterior over joint policies, and the choice from it.
 
 use super::motion::{Odds, ln_kept};
 use super::world::{Collision, OWN, PEER, TEAM, World};
@@ -13,25 +13,26 @@ use crate::math;
 use crate::team::RobotId;
 use heapless::Vec;
 
-/// The model that joint policies are judged by, and the last judgement.
+/// The generative model for joint policies, and the last evaluation.
 #[derive(Clone, Debug)]
 pub struct Decision<const S: usize, const P: usize> {
     world: World<S>,
     scoring: Scoring,
     collision: f32,
-    haste: f32,
+    lateness_cost: f32,
     evaluation: Evaluation<S, 2, P, P>,
     star: StarOfPairs<P>,
     /// ln E - F - γ G of the robot's own policies.
     own: [f32; P],
-    /// The same of the last teammate's policies, its pairs with ours included.
+    /// The same for the last teammate's policies, including its pairs with this robot's.
     rows: [[f32; P]; P],
     counts: (usize, usize),
 }
 
-/// A robot in a decision: what it would like, what it could do, and how likely its moves are made.
+/// One robot's side of a decision: its preference, its candidates and the success odds of its
+/// moves.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Party<'a, const S: usize> {
+pub(super) struct RobotCandidates<'a, const S: usize> {
     pub(super) preference: &'a Preference<S>,
     pub(super) candidates: &'a [Candidate],
     pub(super) odds: &'a Odds,
@@ -40,9 +41,9 @@ pub(super) struct Party<'a, const S: usize> {
 /// The steps of a decision.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Timing {
-    /// How many are looked at.
+    /// The number of steps that are evaluated.
     pub(super) horizon: usize,
-    /// After how many the team could arrive together at the earliest.
+    /// The earliest step at which the team could arrive together.
     pub(super) earliest: usize,
 }
 
@@ -52,7 +53,7 @@ impl<const S: usize, const P: usize> Decision<S, P> {
             world: World::new(mission, robot),
             scoring: mission.scoring,
             collision: mission.collision,
-            haste: mission.haste,
+            lateness_cost: mission.lateness_cost,
             evaluation: Evaluation::new(),
             star: StarOfPairs::new([]),
             own: [f32::NEG_INFINITY; P],
@@ -61,29 +62,30 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         }
     }
 
-    /// The robot's own generative model, by which its teammates are judged too.
+    /// Returns the robot's own generative model, which it uses for its teammates too.
     pub(super) const fn world(&self) -> &World<S> {
         &self.world
     }
 
-    /// Has the goals worth so much.
-    pub(super) fn prefer(&mut self, goals: &[Cell], values: &[f32]) {
-        self.world.prefer(goals, values);
+    /// Sets the preference for each goal.
+    pub(super) fn set_goal_preferences(&mut self, goals: &[Cell], values: &[f32]) {
+        self.world.set_goal_preferences(goals, values);
     }
 
-    /// Has the next teammate's word right with this probability.
-    pub(super) fn trust(&mut self, word: f32) {
-        self.world.trust(word);
+    /// Sets the probability that the next teammate's announced position is correct.
+    pub(super) fn set_peer_reliability(&mut self, word: f32) {
+        self.world.set_peer_reliability(word);
     }
 
-    /// What is believed of this robot, which takes itself to be at `here`, and of a teammate that announced to stand at
-    /// `cell`, given what the two cells mean for the team.
+    /// Returns the beliefs over this robot's state, most likely `here`, and the state of a teammate
+    /// that announced `cell`, with the team's outcome coupled to both.
     pub(super) fn beliefs(&self, own: &[f32], here: Cell, cell: Cell) -> Beliefs<S, 2> {
         let outcome = self.world.outcome(here, cell);
         let update = |model: &Model| {
             let mut beliefs = Beliefs::try_prior(model).unwrap_or(Beliefs::EMPTY);
             let _ = beliefs.set(model, OWN, self.world.cells(own));
-            // An impossible announcement leaves the prior, which is what is then known of the teammate.
+            // An impossible announcement leaves the prior, which is all that is then known of the
+            // teammate.
             let _ = beliefs.observe(model, PEER, Evidence::Outcome(cell.index()));
             let _ = beliefs.observe(model, TEAM, Evidence::Outcome(outcome));
             beliefs
@@ -97,7 +99,7 @@ impl<const S: usize, const P: usize> Decision<S, P> {
     }
 
     /// Decides without teammates.
-    pub(super) fn decide_alone(&mut self, own: &[f32], ours: Party<'_, S>, timing: Timing) {
+    pub(super) fn decide_alone(&mut self, own: &[f32], ours: RobotCandidates<'_, S>, timing: Timing) {
         let beliefs = self.world.with_pair_model(|model| {
             let mut beliefs = Beliefs::try_prior(model).unwrap_or(Beliefs::EMPTY);
             let _ = beliefs.set(model, OWN, self.world.cells(own));
@@ -107,12 +109,12 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         self.begin(ours, timing);
     }
 
-    /// Adds a teammate with all the policies it may have.
+    /// Adds a teammate with all its candidate policies.
     pub(super) fn join(
         &mut self,
         beliefs: &Beliefs<S, 2>,
-        ours: Party<'_, S>,
-        theirs: Party<'_, S>,
+        ours: RobotCandidates<'_, S>,
+        theirs: RobotCandidates<'_, S>,
         timing: Timing,
     ) {
         self.evaluate(beliefs, ours, Some(theirs), timing);
@@ -123,7 +125,8 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         let own = self.evaluation.own_terms(OWN).zip(ours.candidates);
         let scores = self.evaluation.scores().chunks_exact(count.max(1));
         for ((row, scores), (terms, candidate)) in self.rows.iter_mut().zip(scores).zip(own) {
-            let own = score_of(&self.scoring, ln_prior(self.haste, ours.odds, candidate, timing), terms);
+            let own =
+                score_of(&self.scoring, ln_prior(self.lateness_cost, ours.odds, candidate, timing), terms);
             row.iter_mut().zip(scores).for_each(|(score, total)| *score = total - own);
         }
         self.counts.1 = count;
@@ -134,17 +137,17 @@ impl<const S: usize, const P: usize> Decision<S, P> {
     fn evaluate(
         &mut self,
         beliefs: &Beliefs<S, 2>,
-        ours: Party<'_, S>,
-        theirs: Option<Party<'_, S>>,
+        ours: RobotCandidates<'_, S>,
+        theirs: Option<RobotCandidates<'_, S>>,
         timing: Timing,
     ) {
         let parties = [Some(ours), theirs];
-        let policies = parties.map(|party| policies::<P>(party.map_or(&[], |party| party.candidates)));
+        let policies = parties.map(|robot| policies::<P>(robot.map_or(&[], |robot| robot.candidates)));
         let sequences = policies.each_ref().map(|policies| policies.as_slice());
-        let priors = parties.map(|party| self.ln_priors(party, timing));
+        let priors = parties.map(|robot| self.ln_priors(robot, timing));
         let habits = priors.each_ref().map(|priors| priors.as_slice());
-        let wanted = parties.map(|party| party.map_or([0.0; S], |party| party.preference.values()));
-        let unwanted = parties.map(|party| party.map_or([0.0; S], |party| party.preference.negative()));
+        let wanted = parties.map(|robot| robot.map_or([0.0; S], |robot| robot.preference.values()));
+        let unwanted = parties.map(|robot| robot.map_or([0.0; S], |robot| robot.preference.negative()));
         let collision = Collision { motion: self.world.motion(), preference: self.collision };
         let pair_preferences: [&dyn PairPreference; 1] = [&collision];
         let evaluation = &mut self.evaluation;
@@ -171,39 +174,41 @@ impl<const S: usize, const P: usize> Decision<S, P> {
         });
     }
 
-    fn ln_priors<'a>(&'a self, party: Option<Party<'a, S>>, timing: Timing) -> Vec<f32, P> {
-        let of = |party: Party<'a, S>| {
-            let ln_prior = move |candidate| ln_prior(self.haste, party.odds, candidate, timing);
-            party.candidates.iter().map(ln_prior)
+    fn ln_priors<'a>(&'a self, robot: Option<RobotCandidates<'a, S>>, timing: Timing) -> Vec<f32, P> {
+        let of = |robot: RobotCandidates<'a, S>| {
+            let ln_prior = move |candidate| ln_prior(self.lateness_cost, robot.odds, candidate, timing);
+            robot.candidates.iter().map(ln_prior)
         };
-        up_to(party.into_iter().flat_map(of))
+        up_to(robot.into_iter().flat_map(of))
     }
 
-    /// Begins a decision with the values of the robot's own candidates, which are in the evaluation.
-    fn begin(&mut self, ours: Party<'_, S>, timing: Timing) {
+    /// Begins a decision with the values of the robot's own candidates from the evaluation.
+    fn begin(&mut self, ours: RobotCandidates<'_, S>, timing: Timing) {
         self.own = [f32::NEG_INFINITY; P];
         let parts = self.evaluation.own_terms(OWN).zip(ours.candidates);
         for (score, (terms, candidate)) in self.own.iter_mut().zip(parts) {
-            *score = score_of(&self.scoring, ln_prior(self.haste, ours.odds, candidate, timing), terms);
+            *score =
+                score_of(&self.scoring, ln_prior(self.lateness_cost, ours.odds, candidate, timing), terms);
         }
         let count = ours.candidates.len().min(P);
         self.star = StarOfPairs::new(self.own.iter().copied().take(count));
         self.counts = (count, 0);
     }
 
-    /// The most probable joint policy; `None` without candidates.
+    /// Returns the most probable joint policy; `None` without candidates.
     pub(super) fn choose(&self) -> Option<Choice> {
         self.star.choose()
     }
 
-    /// The posterior probability of each own candidate, whatever the teammates do; zero beyond them.
+    /// Returns the marginal posterior probability of each own candidate; zero beyond them.
     #[must_use]
     pub fn marginals(&self) -> [f32; P] {
         self.star.marginals()
     }
 
-    /// The posterior over the joint policies of this robot and the last teammate that joined, a row per own
-    /// candidate; exact in a team of two. Zero beyond the candidates, and before any decision.
+    /// Returns the posterior over the joint policies of this robot and the last teammate that
+    /// joined, a row per own candidate; exact in a team of two. Zero beyond the candidates, and
+    /// before any decision.
     #[must_use]
     pub fn joint(&self) -> [[f32; P]; P] {
         let (ours, theirs) = self.counts;
@@ -225,13 +230,14 @@ fn policies<const P: usize>(candidates: &[Candidate]) -> Vec<Policy, P> {
     up_to(candidates.iter().map(|candidate| candidate.path.actions))
 }
 
-/// ln E: arriving later than the team could costs, and so do moves that are likely to fail.
-fn ln_prior(haste: f32, odds: &Odds, candidate: &Candidate, timing: Timing) -> f32 {
+/// Returns ln E: the lateness cost of a candidate and the log odds that it is kept in time.
+fn ln_prior(lateness_cost: f32, odds: &Odds, candidate: &Candidate, timing: Timing) -> f32 {
     let late = candidate.path.len().saturating_sub(timing.earliest) as f32;
-    ln_kept(odds, &candidate.path) - haste * late
+    ln_kept(odds, &candidate.path) - lateness_cost * late
 }
 
-/// ln E - F - γ G of one candidate by itself. F is the same for all candidates of a decision and cancels.
+/// Returns ln E - F - γ G of one candidate by itself, less F, which is the same for all candidates
+/// of a decision and cancels.
 fn score_of(scoring: &Scoring, ln_prior: f32, terms: &Terms) -> f32 {
     scoring.score(ln_prior, 0.0, -terms.expected_free_energy())
 }

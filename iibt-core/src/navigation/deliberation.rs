@@ -1,7 +1,7 @@
-//! How the robot chooses when it is its turn, and what it does about a choice that does not fit.
+//! The robot's turn in a round: choose, then announce or object.
 
-use super::candidates::{Place, Runner, Situation, are_clear};
-use super::decision::{Party, Timing};
+use super::candidates::{Place, Situation, TimedPath, are_clear};
+use super::decision::{RobotCandidates, Timing};
 use super::motion::SURE;
 use super::{Candidate, Cause, Intention, MAX_GOALS, Navigation, Said, Stage, intentions};
 use crate::bounded::up_to;
@@ -11,12 +11,12 @@ use crate::math;
 use crate::team::{MAX_TEAM, Peers, RobotId};
 use heapless::Vec;
 
-/// How many rounds in vain, for each robot of the team, before a robot takes a path that does not bring all of
-/// them to goals together.
+/// The number of failed rounds per robot of the team before a robot takes a path that does not
+/// bring all of them to goals together.
 const ROUNDS_PER_ROBOT: u8 = 3;
 
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
-    /// The map as the preferences make it: what is disliked is not entered.
+    /// Returns the map with the cells of negative preference blocked.
     fn passable(&self, preference: &Preference<S>) -> Map<W> {
         let disliked = |state: &usize| preference.get(*state) < 0.0;
         self.mission
@@ -24,17 +24,17 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             .avoiding((0..self.mission.map.len()).filter(disliked).map(|state| Cell(state as u16)))
     }
 
-    /// The paths that teammates have announced in this round.
-    fn announced(&self, peers: Peers<'_, Intention>) -> Vec<Runner, MAX_TEAM> {
+    /// Returns the paths that teammates have announced in this round.
+    fn announced(&self, peers: Peers<'_, Intention>) -> Vec<TimedPath, MAX_TEAM> {
         let chosen = self.partners(peers).filter(|peer| peer.message.stage != Stage::Deciding);
-        up_to(chosen.map(|peer| self.runner(peer.sender, peer.message.path)))
+        up_to(chosen.map(|peer| self.timed_path(peer.sender, peer.message.path)))
     }
 
-    fn runner(&self, robot: RobotId, path: Path) -> Runner {
-        Runner { path, pace: self.mission.paces().of(robot) }
+    fn timed_path(&self, robot: RobotId, path: Path) -> TimedPath {
+        TimedPath { path, pace: self.mission.paces().of(robot) }
     }
 
-    /// The teammates that are in this round.
+    /// Returns the teammates that are in this round.
     fn partners<'a>(
         &self,
         peers: Peers<'a, Intention>,
@@ -43,7 +43,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         intentions(peers).filter(move |peer| peer.message.round == round)
     }
 
-    /// What there is to decide on; `None` while it is not this robot's turn.
+    /// Returns the situation to decide in; `None` while it is not this robot's turn.
     pub(super) fn find_situation(
         &mut self,
         preference: &Preference<S>,
@@ -54,29 +54,31 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         let waiting = self.partners(peers).filter(|peer| peer.message.stage == Stage::Deciding);
         let undecided = up_to(core::iter::once(here).chain(waiting.map(|peer| peer.message.path.start)));
         let starts =
-            self.partners(peers).map(|peer| self.runner(peer.sender, Path::at(peer.message.path.start)));
-        let own = self.runner(self.robot, Path::at(here));
-        let team: Vec<Runner, MAX_TEAM> = up_to(core::iter::once(own).chain(starts));
+            self.partners(peers).map(|peer| self.timed_path(peer.sender, Path::at(peer.message.path.start)));
+        let own = self.timed_path(self.robot, Path::at(here));
+        let team: Vec<TimedPath, MAX_TEAM> = up_to(core::iter::once(own).chain(starts));
         let best = self.best_goals();
         let arrivals =
-            self.generator.arrivals(self.mission, &map, (&team, &via), &announced, &best, self.vain_rounds);
+            self.generator.arrivals(self.mission, &map, (&team, &via), &announced, &best, self.failed_rounds);
         Some(Situation { here, map, via, undecided, announced, arrivals })
     }
 
-    /// The goals worth most, as many as there are robots, and those worth no less than the last of them.
+    /// Returns the most preferred goals, as many as there are robots, and those that tie with the
+    /// last of them.
     fn best_goals(&self) -> Vec<Cell, MAX_GOALS> {
         let (goals, world) = (self.mission.goals, self.decision.world());
-        let better =
-            |cell: Cell| goals.iter().filter(|&&other| world.worth(other) > world.worth(cell)).count();
+        let better = |cell: Cell| {
+            goals.iter().filter(|&&other| world.preference_for(other) > world.preference_for(cell)).count()
+        };
         up_to(goals.iter().copied().filter(|&goal| better(goal) < self.mission.starts.len()))
     }
 
-    /// Whether it is this robot's turn to choose, and where it stands.
+    /// Returns where the robot stands if it is its turn to choose.
     fn turn(&self, peers: Peers<'_, Intention>) -> Option<Cell> {
         self.here().filter(|_| self.agreement.is_my_turn(intentions(peers)))
     }
 
-    /// C for a decision: a goal that a teammate has claimed is worth nothing.
+    /// Returns C for a decision: no preference for a goal that a teammate has claimed.
     fn wanted(&self, preference: &Preference<S>, peers: Peers<'_, Intention>) -> Preference<S> {
         let mut wanted = *preference;
         for claimed in self.partners(peers).filter_map(|peer| peer.message.goal) {
@@ -85,7 +87,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         wanted
     }
 
-    /// The longest policy in this decision, and the earliest arrival.
+    /// Returns the longest policy in this decision and the earliest arrival.
     fn timing(&self, situation: &Situation<W>) -> Timing {
         let ours = self.candidates.iter().map(|candidate| candidate.path.len());
         let listed = (0..self.mission.team()).flat_map(|robot| self.mission.listed_lengths(RobotId(robot)));
@@ -93,8 +95,8 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         Timing { horizon, earliest: situation.arrivals.first().copied().unwrap_or(0) }
     }
 
-    /// Joint candidates: the robot's own, with those of each teammate, which are the path it announced or
-    /// else all that it might choose.
+    /// Evaluates the robot's own candidates jointly with those of each teammate: the path that the
+    /// teammate announced, or else all that it might choose.
     pub(super) fn deliberate(
         &mut self,
         situation: &Situation<W>,
@@ -107,27 +109,28 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         let partners: Vec<(RobotId, Path, bool), MAX_TEAM> = up_to(self.partners(peers).map(known));
         let mut own = self.belief;
         for (robot, path, _) in &partners {
-            self.decision.trust(self.mission.word_of(*robot));
+            self.decision.set_peer_reliability(self.mission.peer_sensor_of(*robot));
             let pair = self.decision.beliefs(own.as_flat(), here, path.start);
             math::assign(own.as_flat_mut(), self.decision.world().cells(pair.as_flat()));
         }
         self.decision.clear();
         for &(robot, path, chosen) in &partners {
-            self.decision.trust(self.mission.word_of(robot));
+            self.decision.set_peer_reliability(self.mission.peer_sensor_of(robot));
             let mut pair = self.decision.beliefs(self.belief.as_flat(), here, path.start);
             math::assign(pair.as_flat_mut(), self.decision.world().cells(own.as_flat()));
             self.propose(situation, robot, path, chosen);
-            let ours = Party { preference: &wanted, candidates: &self.candidates, odds: &odds };
-            let theirs = Party { preference: &wanted, candidates: &self.teammates, odds: &SURE };
+            let ours = RobotCandidates { preference: &wanted, candidates: &self.candidates, odds: &odds };
+            let theirs = RobotCandidates { preference: &wanted, candidates: &self.teammates, odds: &SURE };
             self.decision.join(&pair, ours, theirs, timing);
         }
         if partners.is_empty() {
-            let ours = Party { preference: &wanted, candidates: &self.candidates, odds: &odds };
+            let ours = RobotCandidates { preference: &wanted, candidates: &self.candidates, odds: &odds };
             self.decision.decide_alone(own.as_flat(), ours, timing);
         }
     }
 
-    /// What a teammate may do: what it announced, or whatever this robot would consider in its place.
+    /// Fills a teammate's candidates: its announced path, or what this robot would consider in its
+    /// place.
     fn propose(&mut self, situation: &Situation<W>, robot: RobotId, path: Path, chosen: bool) {
         if chosen {
             self.teammates.clear();
@@ -141,9 +144,11 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         }
     }
 
-    /// Announces the chosen path, or opens another round when it does not go with those announced before. A
-    /// robot that has tried often enough takes what it can get, which may be to stay where it is. Where it is in the way of
-    /// a teammate it tries on, at most 255 times in a row.
+    /// Announces the chosen path, or opens another round when it is incompatible with those
+    /// announced before.
+    ///
+    /// After enough failed rounds a robot takes the best path there is, which may be to stay. If
+    /// that path is in the way of a teammate it tries again, at most 255 times in a row.
     pub(super) fn commit(&mut self, candidate: Candidate, peers: Peers<'_, Intention>) {
         let announced = self.announced(peers);
         let fits =
@@ -151,7 +156,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         let is_clear = |path: &Path| announced.iter().all(|other| self.is_clear(path, other));
         let (clear, stay) = (is_clear(&candidate.path), Path::at(candidate.path.start));
         let tries = if clear || is_clear(&stay) { ROUNDS_PER_ROBOT * self.mission.team() } else { u8::MAX };
-        if !fits && self.vain_rounds < tries {
+        if !fits && self.failed_rounds < tries {
             self.open_round(candidate.path.start, Cause::Misfit);
         } else if clear {
             let probability = self.choice.map_or(0.0, |choice| choice.joint);
@@ -161,12 +166,13 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         }
     }
 
-    fn is_clear(&self, path: &Path, other: &Runner) -> bool {
-        are_clear(&self.mission.map, &self.runner(self.robot, *path), other)
+    fn is_clear(&self, path: &Path, other: &TimedPath) -> bool {
+        are_clear(&self.mission.map, &self.timed_path(self.robot, *path), other)
     }
 
-    /// Whether two robots that follow these paths arrive in the same step on different cells, safely.
-    fn goes_with(&self, path: &Path, other: &Runner) -> bool {
+    /// Returns whether two robots that follow these paths arrive in the same step on different
+    /// cells, without a conflict.
+    fn goes_with(&self, path: &Path, other: &TimedPath) -> bool {
         let together = other.path.is_empty() || other.path.len() == path.len();
         let apart = path.end(&self.mission.map) != other.path.end(&self.mission.map);
         together && apart && self.is_clear(path, other)

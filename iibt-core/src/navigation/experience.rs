@@ -1,23 +1,25 @@
-//! What a robot has learned of the goals: where it was served, and where it was not.
+//! Learned preferences for goals: how often a robot is served at each.
 //!
-//! Goals are worth the same until a robot knows better. It then prefers a goal by ln P(served | goal), from what it has
-//! experienced there itself, mission after mission; a goal where it has not been yet is taken to be a good one, so that it is tried.
+//! All goals begin with the same preference. With experience, the preference for a goal becomes ln
+//! P(served | goal), learned from the robot's own visits over many missions. A goal that has not
+//! been visited counts as a good one, so that it is tried.
 
 use super::MAX_GOALS;
 use super::world::GOAL;
 use crate::inference::Evidence;
 use crate::inference::learning::{PreferenceCounts, Rates};
 
-/// Served, among the outcomes of standing at a goal; the other one is not to be.
+/// The outcome "served" of standing at a goal; the other outcome is "not served".
 const SERVED: usize = 1;
 
-/// What a robot takes for granted of a goal that it does not know: that it is served there, a little.
+/// The prior counts of an unknown goal: a weak belief that the robot is served there.
 const TRUST: [f32; 2] = [0.1, 1.0];
 
-/// The most that a goal can lose of what it is worth; what is left keeps it a goal.
+/// The most by which the preference for a goal can fall; the remainder keeps it a goal.
 const BOUND: f32 = 0.9;
 
-/// A robot's experience with the goals of a mission, which outlives the mission. Memory: about 30 bytes a goal.
+/// A robot's experience with the goals of a mission, which outlives the mission. Memory: about 30
+/// bytes a goal.
 ///
 /// ```
 /// use iibt_core::navigation::Experience;
@@ -28,26 +30,29 @@ const BOUND: f32 = 0.9;
 /// let [first, second, unknown, ..] = experience.values();
 /// assert!(first > unknown && unknown > second && second > 0.0);
 /// ```
+#[doc(alias = "preference learning")]
+#[doc(alias = "bandit")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Experience {
     goals: [PreferenceCounts<2>; MAX_GOALS],
 }
 
 impl Experience {
-    /// None yet.
+    /// Creates an experience without any visit.
     #[must_use]
     pub fn new(rates: Rates) -> Self {
         Self { goals: core::array::from_fn(|_| PreferenceCounts::new(TRUST, rates, BOUND)) }
     }
 
-    /// Learns whether the robot was served at a goal, by its place in the mission's list; returns `false` where there is none.
+    /// Counts a visit to a goal, given by its index in the mission's list, and whether the robot
+    /// was served; returns `false` for an index without a goal.
     pub fn learn(&mut self, goal: usize, served: bool) -> bool {
         let outcome = if served { SERVED } else { 1 - SERVED };
         self.goals.get_mut(goal).is_some_and(|counts| counts.learn(Evidence::Outcome(outcome), 1.0))
     }
 
-    /// What each goal is worth on the log scale of C, always more than nothing, for
-    /// [`Navigation::prefer`](super::Navigation::prefer).
+    /// Returns the preference for each goal on the log scale of C, always above zero, for
+    /// [`Navigation::set_goal_preferences`](super::Navigation::set_goal_preferences).
     #[must_use]
     pub fn values(&self) -> [f32; MAX_GOALS] {
         self.goals.each_ref().map(|counts| {

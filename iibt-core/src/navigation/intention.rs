@@ -1,4 +1,4 @@
-//! The message that robots exchange: where a robot stands, what it has chosen, and how far it is.
+//! The message of navigating robots: position, choice and progress.
 
 use crate::grid::{Cell, Move, Path};
 use crate::team::{Envelope, Invalid, Message};
@@ -27,15 +27,17 @@ pub enum Stage {
     Announced,
     /// It knows the path of every teammate in this round and follows its own.
     Agreed,
-    /// It is where it wanted to be.
+    /// It stands on its goal.
     Arrived,
-    /// It looks after itself (charging) and takes no part.
+    /// It drives alone, to charge or to step aside, and takes no part in decisions.
     Away,
 }
 
 /// One robot's state and choice, as announced to its teammates at every tick.
 ///
-/// Every intention is complete: whoever hears the newest one needs none of those before it.
+/// Every intention is complete: a receiver of the newest one needs none of those before it.
+#[doc(alias = "plan sharing")]
+#[doc(alias = "commitment")]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Intention {
@@ -43,14 +45,14 @@ pub struct Intention {
     pub round: Round,
     /// What the sender is doing.
     pub stage: Stage,
-    /// The digest of the joint plan the sender has agreed to, or of a teammate's leave that it has acknowledged; else
-    /// zero.
+    /// The digest of the joint plan the sender has agreed to, or of a teammate's request that it
+    /// has granted; else zero.
     pub plan: u32,
     /// The goal of the chosen policy.
     pub goal: Option<Cell>,
     /// The chosen policy as a path, from where the sender stood when the round began.
     pub path: Path,
-    /// How many moves of the path are done: at most its length.
+    /// The number of moves of the path that are done: at most its length.
     pub step: u8,
     /// The posterior probability of the choice, 0 to 1.
     pub probability: f32,
@@ -91,9 +93,11 @@ impl Intention {
     /// The probability is not a number from 0 to 1.
     pub const NO_PROBABILITY: Invalid = Invalid("the probability is not a number from 0 to 1");
 
-    /// Whether the start of the path, the goal and the hazards are cells of a map with `cells` cells.
+    /// Returns whether the start of the path, the goal and the hazards are cells of a map with
+    /// `cells` cells.
     ///
-    /// A frame cannot tell, as it does not carry the map; whoever draws an intention on a map asks first.
+    /// Decoding cannot check this, because a frame does not carry the map. Check it before drawing
+    /// an intention on a map.
     #[must_use]
     pub fn fits(&self, cells: usize) -> bool {
         let named = [self.path.start].into_iter().chain(self.goal).chain(self.hazards.iter().copied());

@@ -1,4 +1,5 @@
-//! What a team is to do: the map, the starts, the goals, and the numbers of the generative model.
+//! The mission of a team: the map, the starts, the goals, and the parameters of the generative
+//! model.
 
 use super::Paces;
 use crate::grid::{Cell, Map, Path};
@@ -12,44 +13,69 @@ pub const MAX_GOALS: usize = 8;
 /// The labels of cells in the team's outcome: each goal its own, and one for all other cells.
 pub(super) const LABELS: usize = MAX_GOALS + 1;
 
-/// The outcomes of two robots together: nobody on a goal, each on its own, or anything in between.
+/// The joint outcomes of two robots: none on a goal, each on a goal of its own, or anything else.
 pub(super) const OUTCOMES: usize = 3;
 const NOBODY: u8 = 0;
 const SUCCESS: u8 = 1;
 const FAILURE: u8 = 2;
 
 /// A navigation mission of a team, the same on every robot of it. Keep it in a `static`.
+///
+/// ```
+/// use iibt_core::grid::{Cell, Map, words};
+/// use iibt_core::navigation::{Mission, MissionError};
+///
+/// const W: usize = words(7, 7);
+/// static STARTS: [Cell; 2] = [Cell(28), Cell(2)];
+/// static GOALS: [Cell; 2] = [Cell(24), Cell(26)];
+///
+/// let mission = Mission::new(Map::<W>::new(7, 7)?, &STARTS, &GOALS);
+/// assert_eq!((mission.team(), mission.check::<49>()), (2, Ok(())));
+/// assert_eq!(mission.check::<48>(), Err(MissionError::MapTooLarge));
+///
+/// // A wall on a goal is found before anything flies.
+/// let walled = Mission { map: mission.map.avoiding([Cell(26)]), ..mission };
+/// assert_eq!(walled.check::<49>(), Err(MissionError::Goal(Cell(26))));
+/// assert_ne!(walled.id(), mission.id()); // and its robots reject the others' frames
+/// # Ok::<(), iibt_core::grid::MapError>(())
+/// ```
+#[doc(alias = "multi-agent path finding")]
+#[doc(alias = "MAPF")]
+#[doc(alias = "target assignment")]
 #[derive(Clone, Copy, Debug)]
 pub struct Mission<'m, const W: usize> {
     /// The map as it is known before the start.
     pub map: Map<W>,
-    /// Where each robot begins; as many as there are robots.
+    /// The start of each robot; its length is the size of the team.
     pub starts: &'m [Cell],
     /// The goals; each robot is to reach another one.
     pub goals: &'m [Cell],
-    /// Where each robot charges. One without an entry stands still when its battery is low.
+    /// The charging cell of each robot. A robot without one stands still when its battery is low.
     pub chargers: &'m [Option<Cell>],
-    /// Candidate paths given by hand, per robot, used while the robot stands where they begin; `None` or an
-    /// empty list has them planned.
+    /// Candidate paths given by hand for each robot, used while the robot stands where they begin.
+    /// They are planned where this is `None` or a list is empty.
     pub candidates: Option<&'m [&'m [Path]]>,
-    /// The probability that a robot's own localiser is right.
+    /// Returns the probability that a robot's own localiser is right.
     pub sensor: f32,
     /// The probability that the cell a teammate announces is right.
     pub peer_sensor: f32,
-    /// The probability that each robot's own localiser is right, where it is not as above. A teammate's word is then
-    /// right the more or the less often, in the same proportion.
+    /// The probability that each robot's own localiser is right, where it differs from `sensor`.
+    /// The reliability of a teammate's announced position scales in the same proportion.
     pub sensors: &'m [f32],
-    /// How many steps of a plan one move of each robot takes, from 1 to [`MAX_PACE`](super::MAX_PACE). One without an
-    /// entry makes a move in a step.
+    /// The number of steps of a plan that one move of each robot takes, from 1 to
+    /// [`MAX_PACE`](super::MAX_PACE). A robot without an entry makes a move in a step.
     pub paces: &'m [u8],
-    /// How policies are scored.
+    /// The parameters of policy scoring.
     pub scoring: Scoring,
-    /// The preference, on the log scale of C, for being in one cell with a teammate or changing places with it.
+    /// The preference, on the log scale of C, for a collision: two robots in one cell or swapping
+    /// cells.
     pub collision: f32,
-    /// What it costs in a policy's prior to arrive later than the team could: ln E = -haste * moves too many.
-    pub haste: f32,
-    /// How fast a robot learns that a move of its own drive fails, and forgets it: a path that is not likely to be kept in
-    /// step weighs less in a policy's prior. A learning rate of zero turns learning off.
+    /// The cost, in a policy's prior, of each step of arrival beyond the team's earliest: ln E =
+    /// -lateness_cost * steps.
+    pub lateness_cost: f32,
+    /// The rates of learning and forgetting failures of the robot's own moves. A path that is
+    /// unlikely to be kept in time weighs less in a policy's prior. A learning rate of zero turns
+    /// learning off.
     pub learning: Rates,
 }
 
@@ -76,8 +102,8 @@ pub enum MissionError {
 }
 
 impl<'m, const W: usize> Mission<'m, W> {
-    /// A mission with the default model: localisers right in 99.52 % of all readings, teammates in 90.4 %, as in
-    /// the paper's section 5.1.
+    /// Creates a mission with the default model: localisers right in 99.52 % of all readings,
+    /// announced positions in 90.4 %, as in the paper's section 5.1.
     #[must_use]
     pub const fn new(map: Map<W>, starts: &'m [Cell], goals: &'m [Cell]) -> Self {
         Self {
@@ -92,18 +118,18 @@ impl<'m, const W: usize> Mission<'m, W> {
             paces: &[],
             scoring: Scoring::DEFAULT,
             collision: -4.0,
-            haste: 2.0,
+            lateness_cost: 2.0,
             learning: Rates::new(1.0, 0.02),
         }
     }
 
-    /// How many robots there are; no more than 255.
+    /// Returns the size of the team, at most 255.
     #[must_use]
     pub const fn team(&self) -> u8 {
         if self.starts.len() > u8::MAX as usize { u8::MAX } else { self.starts.len() as u8 }
     }
 
-    /// How fast the robots move.
+    /// Returns the paces of the robots.
     #[must_use]
     pub const fn paces(&self) -> Paces<'m> {
         Paces::new(self.paces)
@@ -115,17 +141,17 @@ impl<'m, const W: usize> Mission<'m, W> {
         self.sensors.get(robot.index()).copied().unwrap_or(self.sensor)
     }
 
-    /// The probability that the cell that a robot announces is right.
+    /// Returns the probability that a robot's announced position is correct.
     #[must_use]
-    pub fn word_of(&self, robot: RobotId) -> f32 {
+    pub fn peer_sensor_of(&self, robot: RobotId) -> f32 {
         let Some(sensor) = self.sensors.get(robot.index()).filter(|_| self.sensor > 0.0) else {
             return self.peer_sensor;
         };
         (self.peer_sensor * sensor / self.sensor).min(1.0)
     }
 
-    /// A number for what the team is to do: robots with another map, other starts, goals, chargers or paces
-    /// have another one, and do not understand each other's frames.
+    /// Returns a hash of the mission. Robots with another map, other starts, goals, chargers or
+    /// paces have another one, and reject each other's frames.
     #[must_use]
     pub fn id(&self) -> u64 {
         let cells = |hash: Fnv1a, cells: &[Cell]| {
@@ -142,7 +168,7 @@ impl<'m, const W: usize> Mission<'m, W> {
         hash.write(self.paces).finish()
     }
 
-    /// Whether a controller for `S` cells can fly this.
+    /// Checks the mission for a controller of `S` cells.
     ///
     /// # Errors
     /// The first [`MissionError`] found.
@@ -166,7 +192,8 @@ impl<'m, const W: usize> Mission<'m, W> {
             return Err(MissionError::Charger(cell));
         }
         let probability = |p: f32| (0.0..=1.0).contains(&p);
-        let finite = self.haste.is_finite() && self.haste >= 0.0 && self.scoring.precision.is_finite();
+        let finite =
+            self.lateness_cost.is_finite() && self.lateness_cost >= 0.0 && self.scoring.precision.is_finite();
         let numbers = finite && self.collision.is_finite() && self.collision <= 0.0;
         let sensors = [self.sensor, self.peer_sensor].into_iter().chain(self.sensors.iter().copied());
         if numbers && self.paces().are_sound() && sensors.into_iter().all(probability) {
@@ -179,7 +206,8 @@ impl<'m, const W: usize> Mission<'m, W> {
     /// C for the team's outcome.
     pub(super) const OUTCOME_PREFERENCE: [f32; OUTCOMES] = [0.0, 1.0, 0.0];
 
-    /// The paths given by hand for a robot that stands at `from`, at its pace; none through walls.
+    /// Returns the paths given by hand for a robot that stands at `from`, at its pace; none through
+    /// walls.
     pub(super) fn listed(&self, robot: RobotId, from: Cell) -> impl Iterator<Item = Path> + '_ {
         let lists = self.candidates.unwrap_or(&[]);
         let list: &'m [Path] = lists.get(robot.index()).copied().unwrap_or(&[]);
@@ -188,14 +216,14 @@ impl<'m, const W: usize> Mission<'m, W> {
         open.filter_map(move |path| path.slowed(pace))
     }
 
-    /// How long the paths given by hand for a robot are.
+    /// Returns the lengths of the paths given by hand for a robot.
     pub(super) fn listed_lengths(&self, robot: RobotId) -> impl Iterator<Item = usize> + 'm {
         let (lists, pace) = (self.candidates.unwrap_or(&[]), self.paces().of(robot).get());
         let list: &'m [Path] = lists.get(robot.index()).copied().unwrap_or(&[]);
         list.iter().filter_map(move |path| path.slowed(pace)).map(|path| path.len())
     }
 
-    /// The first cell that no robot can stand on, or that is listed twice.
+    /// Returns the first cell that is blocked, outside the map or listed twice.
     fn misplaced(&self, cells: impl Iterator<Item = Cell> + Clone) -> Option<Cell> {
         let twice = |index: usize, cell| cells.clone().take(index).any(|other| other == cell);
         let wrong = |&(index, cell): &(usize, Cell)| !self.map.is_free(cell) || twice(index, cell);
@@ -203,8 +231,8 @@ impl<'m, const W: usize> Mission<'m, W> {
     }
 }
 
-/// The outcome of two labels, where zero is no goal: success where two robots stand on different goals, failure where
-/// at least one is on a goal otherwise.
+/// Returns the outcome of two labels, where zero is no goal: success for two different goals,
+/// failure for any other pair with a goal.
 pub(super) const fn outcome_of(first: usize, second: usize) -> u8 {
     match (first, second) {
         (0, 0) => NOBODY,
@@ -228,9 +256,9 @@ impl core::fmt::Display for MissionError {
             Self::Charger(cell) => {
                 write!(f, "the charger p{} is outside the map, blocked or given twice", cell.0)
             }
-            Self::Number => {
-                f.write_str("a probability, pace, precision, haste or collision preference is out of range")
-            }
+            Self::Number => f.write_str(
+                "a probability, pace, precision, lateness_cost or collision preference is out of range",
+            ),
         }
     }
 }

@@ -1,12 +1,13 @@
-//! What the robot has learned of its own drive: how often each move fails.
+//! The learned reliability of the robot's own drive: how often each move fails.
 //!
-//! A move that fails is made again: whoever is to enter the cell afterwards waits, and so do all before their last moves. So a slip
-//! does not lead off the path; it spoils its timing. A path is kept in time with the probability
+//! A failed move is repeated. The teammates that enter the cell later wait, and so do all at the
+//! barrier before their last moves. A slip therefore does not lead off the path; it delays it. A
+//! path is kept in time with the probability
 //!
 //! P(s_1 ... s_T as planned | π) = Π B(s_t | s_t-1, u_t) = Π (1 - slip(u_t)),
 //!
-//! and that is its weight in the prior over policies, E. A robot that has learned does not ask for another decision: what it has
-//! learned counts in the next one. Teammates are taken to move without fail.
+//! which is its weight in the prior over policies, E. Learning does not trigger a decision: its
+//! result counts in the next one. Teammates are modelled as moving without failure.
 
 use super::Navigation;
 use crate::grid::{Cell, Move, Path};
@@ -19,14 +20,15 @@ pub(super) const MOVES: usize = Move::ALL.len();
 /// ln B(s' | s, u) of every move that leads where it should.
 pub(super) type Odds = [f32; MOVES];
 
-/// The odds of moves that never fail.
+/// The success odds of moves that never fail.
 pub(super) const SURE: Odds = [0.0; MOVES];
 
-/// The least log weight of a path, about one in three thousand: with the usual precision half of what a goal is worth, so that
-/// a worn drive never makes a robot give up the goal that goes with its teammates' plans.
+/// The least log weight of a path, about one in three thousand. With the default precision it is
+/// half of a goal's preference, so that a drive fault never makes a robot give up the goal that is
+/// compatible with its teammates' plans.
 const LEAST: f32 = -8.0;
 
-/// How many successes of every move a robot takes for granted when it starts.
+/// The prior count of successes of every move.
 const TRUST: f32 = 8.0;
 
 /// The counts of a robot's moves, and the move that is under way.
@@ -41,31 +43,32 @@ impl Motion {
         Self { counts: SlipCounts::new(TRUST, rates), attempt: None }
     }
 
-    /// How likely each move is taken to fail.
+    /// Returns the failure probability of each move.
     pub(super) fn slips(&self) -> [f32; MOVES] {
         self.counts.slips()
     }
 
-    /// ln (1 - slip) of each move.
+    /// Returns the log success odds, ln (1 - slip), of each move.
     pub(super) fn odds(&self) -> Odds {
         self.slips().map(|slip| math::ln(1.0 - slip).max(LEAST))
     }
 
-    /// Keeps in mind that a move from this cell is to be made.
+    /// Records that a move from this cell is commanded.
     pub(super) const fn begin(&mut self, from: Cell, step: Move) {
         self.attempt = Some((from, step));
     }
 }
 
-/// The log weight of a path by the odds of its moves.
+/// Returns the log weight of a path from the success odds of its moves.
 pub(super) fn ln_kept(odds: &Odds, path: &Path) -> f32 {
     let of = |step: Move| odds.get(usize::from(step.code())).copied().unwrap_or(0.0);
     path.moves().map(of).sum::<f32>().max(LEAST)
 }
 
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
-    /// Counts the last move, now that the robot is sure to be `here`: a success where it should have led, a failure where it
-    /// began. Nothing is learned from a move that ends anywhere else, nor from one that an obstacle was in the way of.
+    /// Counts the last move, once the robot is confident to be at `here`: a success where the move
+    /// leads, a failure where it began. A move that ends elsewhere, or that an obstacle blocked,
+    /// counts as neither.
     pub(super) fn learn(&mut self, here: Cell) {
         let Some((from, step)) = self.motion.attempt.take() else { return };
         let to = self.mission.map.neighbour(from, step);
@@ -140,7 +143,7 @@ mod tests {
         let mut robot = robot(&mission);
         read(&mut robot, Some(0));
         command(&mut robot, Move::Right);
-        robot.see(Cell(1));
+        robot.remember_observed(Cell(1));
         read(&mut robot, Some(0));
         read(&mut robot, Some(0));
         assert_eq!((robot.here(), robot.slips()), (Some(Cell(0)), [0.0; MOVES]));

@@ -1,5 +1,5 @@
-//! The plans of a robot on its way, their preconditions and what is done about an unmet one (the paper's
-//! table 2).
+//! The plans of a robot, their preconditions, and the response to an unmet one (the paper's table
+//! 2).
 
 use crate::iibt::rules::{Raise, Rule};
 use crate::iibt::{Condition, Literal, Logic};
@@ -8,13 +8,13 @@ use crate::iibt::{Condition, Literal, Logic};
 pub const OBSTACLE: u8 = 0;
 /// IsArrived(goal): the path is done and the robot stands on a goal.
 pub const ARRIVED: u8 = 1;
-/// Exist(way): the path leads to a goal. No preference can make it true, so the node waits for the world or
-/// the teammates to change, and fails at its timeout.
+/// Exist(way): the path leads to a goal. No preference can make it true, so the node waits for the
+/// world or the teammates to change, and fails at its timeout.
 pub const REACHABLE: u8 = 2;
 /// IsArrived(points): the rest of the path leads over every open way-point, in their order.
 pub const VISITED: u8 = 3;
 
-/// What a robot can decide to do.
+/// A choice of the inference node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Plan {
@@ -27,7 +27,7 @@ pub enum Plan {
 }
 
 impl Plan {
-    /// What must hold for the plan to be executed.
+    /// Returns the precondition of the plan.
     #[must_use]
     pub const fn precondition(self) -> Condition {
         match self {
@@ -39,8 +39,8 @@ impl Plan {
     }
 }
 
-/// f_L. An obstacle on the way is avoided with -1, the value behind the paper's numbers; its table prints
-/// -(max(C) + 1).
+/// f_L. An obstacle on the way is avoided with -1, the value behind the paper's numbers; its table
+/// prints -(max(C) + 1).
 pub const RULES: [Rule; 3] = [
     Rule { missing: Literal { variable: OBSTACLE, value: false }, raise: Raise::By(-1.0) },
     Rule { missing: Literal { variable: ARRIVED, value: true }, raise: Raise::AboveAll },

@@ -1,4 +1,4 @@
-//! What a navigating robot says of itself to whoever watches.
+//! The state of a navigating robot, for displays and logs.
 
 use super::{Cause, Navigation, Round, Stage};
 use crate::grid::{Cell, Path};
@@ -7,16 +7,16 @@ use crate::grid::{Cell, Path};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Report {
-    /// What it is doing, as its teammates are told.
+    /// The stage, as announced to the teammates.
     pub stage: Stage,
-    /// The joint decision it is in.
+    /// The number of the joint decision.
     pub round: Round,
-    /// The goal it has chosen.
+    /// The chosen goal.
     pub goal: Option<Cell>,
-    /// The path it has chosen, from where it stood when the round began; its
+    /// The chosen path, from where the robot stood when the round began; its
     /// [`cells`](crate::grid::Path::cells) need the map.
     pub path: Path,
-    /// How many moves of the path are done.
+    /// The number of moves of the path that are done.
     pub step: usize,
     /// The posterior probability of the joint policy that the choice belongs to.
     pub probability: f32,
@@ -26,14 +26,14 @@ pub struct Report {
     pub confidence: f32,
     /// The surprise of the last reading, -ln P(o); `None` when the reading was impossible.
     pub surprise: Option<f32>,
-    /// The way-point that it is to visit next.
+    /// The next way-point to visit.
     pub waypoint: Option<Cell>,
-    /// Why it opened the round that it is in, if it did.
+    /// The reason for which the robot opened the round, if it did.
     pub cause: Option<Cause>,
 }
 
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
-    /// The robot's state after the last tick.
+    /// Returns the robot's state after the last tick.
     #[must_use]
     pub fn report(&self) -> Report {
         let agreement = self.agreement();

@@ -17,7 +17,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
     type Percept = Percept;
     type Message = Intention;
     type Preference = Preference<S>;
-    /// What the robot decides on; `None` while it is not its turn. The paths are in
+    /// The situation in which the robot decides; `None` while it is not its turn. The paths are in
     /// [`candidates`](Navigation::candidates).
     type Candidates = Option<Situation<W>>;
     type Policy = Plan;
@@ -25,7 +25,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
     fn observe(&mut self, percept: &Percept, peers: Peers<'_, Intention>) {
         self.perceive(percept, peers);
         self.track();
-        self.keep_up(peers);
+        self.follow_agreement(peers);
         if self.has_arrived() {
             self.agreement.arrive();
         }
@@ -118,7 +118,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         self.percept = percept.clone();
         (self.command, self.alone) = (None, false);
         for &hazard in &percept.hazards {
-            self.see(hazard);
+            self.remember_observed(hazard);
         }
         let told: Vec<Cell, { MAX_TEAM * MAX_HAZARDS }> =
             up_to(intentions(peers).flat_map(|peer| peer.message.hazards.iter().copied()));
@@ -126,7 +126,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             self.remember(hazard);
         }
     }
-    /// Begins the next step of the path, if it is time for it.
+    /// Begins the next step of the path, if the agreement allows it.
     fn follow(&mut self, peers: Peers<'_, Intention>) {
         let peers = intentions(peers);
         if let Some(here) = self.here() {
@@ -138,7 +138,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         }
     }
 
-    /// Wants the obstacles on the chosen path by so much more, which is less.
+    /// Lowers the preference for each obstacle on the chosen path by `-amount`.
     fn avoid(&self, preference: &mut Preference<S>, amount: f32) {
         let (path, done) = match self.choice.and_then(|choice| self.candidates.get(choice.policy)) {
             Some(taken) => (taken.path, 0),

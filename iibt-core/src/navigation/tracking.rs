@@ -1,5 +1,5 @@
-//! Where the robot is and how far it has come: the belief, the obstacles in mind, and its place in the team's
-//! plan.
+//! Tracking: the belief over the robot's position, the obstacles it remembers, and its progress in
+//! the team's plan.
 
 use super::world::OWN;
 use super::{Cause, Intention, Navigation, intentions};
@@ -15,13 +15,13 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         stands && self.mission.goals.contains(&end) && self.open_waypoints().next().is_none()
     }
 
-    /// The cell the robot stands in, if it stands still and is sure of it.
+    /// Returns the cell the robot stands in, if it stands still and the belief is confident.
     pub(super) fn here(&self) -> Option<Cell> {
         let (cell, probability) = self.position();
         (!self.percept.moving && probability >= Self::CONFIDENCE).then_some(cell)
     }
 
-    /// Whether the rest of a path leads into an obstacle that is in mind.
+    /// Returns whether the rest of a path leads into a remembered obstacle.
     pub(super) fn meets_hazard(&self, path: &Path, done: usize) -> bool {
         self.hazards_on(path, done).next().is_some()
     }
@@ -30,18 +30,18 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         path.cells(&self.mission.map).skip(done + 1).filter(|cell| self.hazards.contains(cell))
     }
 
-    /// Takes an obstacle in view into mind, if need be in the place of the oldest.
-    pub(super) fn see(&mut self, hazard: Cell) {
+    /// Remembers an observed obstacle, evicting the oldest when full.
+    pub(super) fn remember_observed(&mut self, hazard: Cell) {
         if self.is_news(hazard) && self.hazards.is_full() {
             self.hazards = up_to(self.hazards.iter().skip(1).copied());
         }
         self.remember(hazard);
     }
 
-    /// Takes an obstacle that a teammate found into mind, while there is room.
+    /// Remembers an obstacle that a teammate reports, while there is room.
     pub(super) fn remember(&mut self, hazard: Cell) {
         if self.is_news(hazard) {
-            // What there is no room for it learns again when it comes into view.
+            // An obstacle without room is observed again when it comes into view.
             let _ = self.hazards.push(hazard);
         }
     }
@@ -51,7 +51,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         new && self.position().0 != hazard
     }
 
-    /// q(s) after the last command and the new reading.
+    /// Updates q(s) with the last command and the new reading.
     pub(super) fn track(&mut self) {
         if self.percept.moving {
             return;
@@ -63,7 +63,8 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             self.motion.begin(here, step);
             left = Some(here).filter(|_| step != Move::Wait);
         }
-        // The first reading after a move may be from before it: whether the move failed, the next one tells.
+        // The first reading after a move may be from before it: whether the move failed, the next
+        // one tells.
         let reading = self.percept.reading.filter(|&reading| left != Some(reading));
         let (belief, surprise) = (&mut self.belief, &mut self.surprise);
         self.decision.world().with_own_model(|model| {
@@ -81,36 +82,36 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         });
     }
 
-    /// Follows the team's agreement as far as the robot's place and the teammates' intentions carry it.
-    pub(super) fn keep_up(&mut self, peers: Peers<'_, Intention>) {
-        let Some(here) = self.here() else { return self.keep_up_on_the_way() };
+    /// Advances the agreement as far as the robot's position and the teammates' intentions allow.
+    pub(super) fn follow_agreement(&mut self, peers: Peers<'_, Intention>) {
+        let Some(here) = self.here() else { return self.advance_between_cells() };
         self.learn(here);
         self.tick_off(here);
-        self.agreement.stand(here);
+        self.agreement.set_position(here);
         let begun = core::mem::take(&mut self.begun);
         if self.agreement.advance(&self.mission.map, self.mission.paces(), here, begun) {
-            self.vain_rounds = 0;
+            self.failed_rounds = 0;
         }
         if self.agreement.join(here, intentions(peers)) {
             self.count_round();
         }
         self.agreement.agree(intentions(peers));
-        if self.agreement.give_way(intentions(peers)) {
-            self.vain_rounds = 0;
+        if self.agreement.grant(intentions(peers)) {
+            self.failed_rounds = 0;
         }
         if let Some(cause) = self.trouble(here, peers) {
             self.open_round(here, cause);
         }
     }
 
-    /// Counts a step that a slow robot makes with the others while it is between two cells.
-    fn keep_up_on_the_way(&mut self) {
+    /// Counts a step of a slow robot that is between two cells.
+    fn advance_between_cells(&mut self) {
         if self.percept.moving && self.agreement.advance_on_the_way(self.begun) {
-            (self.begun, self.vain_rounds) = (false, 0);
+            (self.begun, self.failed_rounds) = (false, 0);
         }
     }
 
-    /// Why the agreement cannot go on as it is.
+    /// Returns why the current plan cannot go on, if so.
     fn trouble(&self, here: Cell, peers: Peers<'_, Intention>) -> Option<Cause> {
         if !self.agreement.is_on_course(&self.mission.map, self.mission.paces(), here) {
             Some(Cause::Position)
@@ -123,24 +124,24 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         }
     }
 
-    /// Calls the team to another decision, in which this robot chooses first.
+    /// Opens a round for another decision, in which this robot chooses first.
     pub(super) fn open_round(&mut self, here: Cell, cause: Cause) {
         self.agreement.open(here);
         self.count_round();
         self.cause = Some(cause);
     }
 
-    /// Opens a round in which nobody decides, to drive alone.
+    /// Requests mutual exclusion to drive alone.
     pub(super) fn leave(&mut self, here: Cell, cause: Cause) {
         self.agreement.leave(here);
         self.count_round();
-        self.vain_rounds = 0;
+        self.failed_rounds = 0;
         self.cause = Some(cause);
     }
 
     fn count_round(&mut self) {
         self.cause = None;
-        self.vain_rounds = self.vain_rounds.saturating_add(1);
+        self.failed_rounds = self.failed_rounds.saturating_add(1);
     }
 }
 
@@ -188,7 +189,7 @@ mod tests {
             robot.here()
         };
         assert_eq!(sense(&mut robot, false, 0), Some(Cell(0)));
-        robot.see(Cell(0));
+        robot.remember_observed(Cell(0));
         assert_eq!(robot.hazards(), [], "where it stands itself is no obstacle");
         robot.commanded = Some(Move::Right);
         assert_eq!(sense(&mut robot, true, 48), None);

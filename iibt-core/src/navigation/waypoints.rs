@@ -1,8 +1,10 @@
-//! Way-points: cells that a robot is told to visit on its way to a goal (π_points in the paper's table 2).
+//! Way-points: cells that a robot is told to visit on its way to a goal (π_points in the paper's
+//! table 2).
 //!
-//! A plan whose path leaves one out is not executed: IsArrived(points) does not hold for it. f_L then wants the
-//! way-points above all goals, and the candidates are built anew so that they lead over what is wanted above all
-//! goals, as they are built around what is disliked.
+//! A plan whose path leaves out a way-point is not executed: its precondition IsArrived(points)
+//! does not hold. f_L then raises the preference for the way-points above all goals. New candidates
+//! lead over the cells that are preferred above all goals, as they lead around cells of negative
+//! preference.
 
 use super::Navigation;
 use super::world::GOAL;
@@ -11,27 +13,28 @@ use crate::grid::{Cell, Map, Path};
 use crate::inference::Preference;
 use heapless::Vec;
 
-/// The most way-points a robot keeps in mind.
+/// The most way-points of a robot.
 pub const MAX_WAYPOINTS: usize = 4;
 
-/// Why a robot does not take a way-point.
+/// Why a robot refuses a way-point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum VisitError {
-    /// The cell is outside the map, blocked on it, or an obstacle in mind.
+    /// The cell is outside the map, blocked on it, or a known obstacle.
     Blocked(Cell),
-    /// The robot has [`MAX_WAYPOINTS`] to visit already.
+    /// The robot already has [`MAX_WAYPOINTS`] to visit.
     TooMany,
 }
 
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
-    /// Has the robot visit a cell before its goal, after the way-points it has already. One that is on its way calls
-    /// its team to another decision.
+    /// Adds a way-point to visit before the goal, after those the robot already has. A robot that
+    /// is on its way opens a round for another decision.
     ///
-    /// A way-point on which an obstacle is found later is left out for as long as the obstacle is in mind.
+    /// A way-point with a known obstacle is skipped.
     ///
     /// # Errors
-    /// [`VisitError`] when the cell cannot be visited or there are too many; nothing has changed then.
+    /// [`VisitError`] when the cell cannot be visited or there are too many; nothing has changed
+    /// then.
     pub fn visit(&mut self, cell: Cell) -> Result<(), VisitError> {
         if !self.mission.map.is_free(cell) || self.hazards.contains(&cell) {
             return Err(VisitError::Blocked(cell));
@@ -39,18 +42,18 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         self.waypoints.push(cell).map_err(|_| VisitError::TooMany)
     }
 
-    /// The way-points that are still to be visited, the next one first.
+    /// Returns the way-points that are still to be visited, the next one first.
     #[must_use]
     pub fn waypoints(&self) -> &[Cell] {
         &self.waypoints
     }
 
-    /// The way-points that no obstacle in mind stands on.
+    /// Returns the way-points without a known obstacle.
     pub(super) fn open_waypoints(&self) -> impl Iterator<Item = Cell> + Clone {
         self.waypoints.iter().copied().filter(|cell| !self.hazards.contains(cell))
     }
 
-    /// Ticks the next way-point off if the robot is on it.
+    /// Removes the next way-point if the robot is on it.
     pub(super) fn tick_off(&mut self, here: Cell) {
         let hazards = &self.hazards;
         let mut is_next = true;
@@ -61,7 +64,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         });
     }
 
-    /// Wants the open way-points, those not wanted yet, more by so much.
+    /// Raises the preference for the open way-points that are not raised yet by `amount`.
     pub(super) fn want_waypoints(&self, preference: &mut Preference<S>, amount: f32) {
         let wanted = self.via(preference);
         let missing: Vec<Cell, MAX_WAYPOINTS> =
@@ -73,18 +76,19 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         }
     }
 
-    /// The open way-points that are wanted above all goals: where candidates have to lead.
+    /// Returns the open way-points that are preferred above all goals: the way-points of
+    /// candidates.
     pub(super) fn via(&self, preference: &Preference<S>) -> Vec<Cell, MAX_WAYPOINTS> {
         up_to(self.open_waypoints().filter(|cell| preference.get(cell.index()) > GOAL))
     }
 
-    /// Whether the rest of a path leads over all open way-points.
+    /// Returns whether the rest of a path leads over all open way-points.
     pub(super) fn visits_all(&self, path: &Path, done: usize) -> bool {
         leads_over(&self.mission.map, path, done, self.open_waypoints())
     }
 }
 
-/// Whether the rest of a path, after so many moves, leads over these cells in their order.
+/// Returns whether the rest of a path, after `done` moves, leads over these cells in their order.
 pub(super) fn leads_over<const W: usize>(
     map: &Map<W>,
     path: &Path,
@@ -160,7 +164,7 @@ mod tests {
         map.block(Cell(3));
         let mission = Mission::new(map, &STARTS, &GOALS);
         let mut robot = robot(&mission);
-        robot.see(Cell(10));
+        robot.remember_observed(Cell(10));
         for blocked in [3, 10, 49] {
             assert_eq!(robot.visit(Cell(blocked)), Err(VisitError::Blocked(Cell(blocked))));
         }
@@ -227,7 +231,7 @@ mod tests {
         let mut robot = robot(&mission);
         robot.visit(Cell(4)).unwrap();
         robot.visit(Cell(5)).unwrap();
-        robot.see(Cell(4));
+        robot.remember_observed(Cell(4));
         assert!(robot.open_waypoints().eq([Cell(5)]));
         robot.tick_off(Cell(5));
         assert_eq!(robot.waypoints(), [Cell(4)]);

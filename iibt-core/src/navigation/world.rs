@@ -1,4 +1,4 @@
-//! The generative model of a robot and a teammate on a map, and what their pair_preferences are worth.
+//! The generative model of a robot and a teammate on a map, and the preferences for their pair.
 
 use super::mission::{LABELS, Mission, OUTCOMES, outcome_of};
 use crate::actions::Action;
@@ -19,17 +19,17 @@ pub(super) const PEER: usize = 1;
 /// The modality of what the two places mean for the team.
 pub(super) const TEAM: usize = 2;
 
-/// C: what every goal is worth.
+/// C: the default preference for a goal.
 pub(super) const GOAL: f32 = 1.0;
 
-/// The tables of the model, for maps of `S` cells at the most. A robot judges its teammates by its own.
+/// The tables of the model, for maps of at most `S` cells. A robot uses them for its teammates too.
 #[derive(Clone, Debug)]
 pub(super) struct World<const S: usize> {
     /// B: the next cell per move and cell, a row of `cells` per move.
     next: [[u16; S]; Move::ALL.len()],
     /// D: every free cell is equally likely.
     prior: [f32; S],
-    /// C: every goal is worth one, or what the robot has learned.
+    /// C: one for each goal, or the learned preference.
     preference: [f32; S],
     /// The number of the goal that a cell is, counted from one.
     labels: [u8; S],
@@ -72,13 +72,13 @@ impl<const S: usize> World<S> {
         }
     }
 
-    /// Has the teammate's word right with this probability from now on.
-    pub(super) fn trust(&mut self, word: f32) {
+    /// Sets the probability that a teammate's announced position is correct.
+    pub(super) fn set_peer_reliability(&mut self, word: f32) {
         self.peer_sensor = IdentityNoise::among(word, self.cells);
     }
 
-    /// Has the goals worth so much, at the most [`GOAL`].
-    pub(super) fn prefer(&mut self, goals: &[Cell], values: &[f32]) {
+    /// Sets the preference for each goal, at most [`GOAL`].
+    pub(super) fn set_goal_preferences(&mut self, goals: &[Cell], values: &[f32]) {
         for (goal, &value) in goals.iter().zip(values) {
             if let Some(preference) = self.preference.get_mut(goal.index()) {
                 *preference = if value > 0.0 && value <= GOAL { value } else { GOAL };
@@ -86,41 +86,41 @@ impl<const S: usize> World<S> {
         }
     }
 
-    /// What a cell is worth to begin with.
-    pub(super) fn worth(&self, cell: Cell) -> f32 {
+    /// Returns the base preference for a cell.
+    pub(super) fn preference_for(&self, cell: Cell) -> f32 {
         self.preference.get(cell.index()).copied().unwrap_or(0.0)
     }
 
-    /// C to begin with.
+    /// Returns the base preference C.
     pub(super) fn preference(&self) -> Preference<S> {
         Preference::from_fn(|state| self.preference.get(state).copied().unwrap_or(0.0))
     }
 
-    /// D.
+    /// Returns the initial belief D.
     pub(super) fn initial(&self) -> Beliefs<S, 1> {
         self.with_own_model(|model| Beliefs::try_prior(model).ok()).flatten().unwrap_or(Beliefs::EMPTY)
     }
 
-    /// The outcome of two cells for the team.
+    /// Returns the team's outcome of two cells.
     pub(super) fn outcome(&self, own: Cell, peer: Cell) -> usize {
         let label = |cell: Cell| self.labels.get(cell.index()).copied().map_or(0, usize::from);
         let pair = label(own) * (self.goals + 1) + label(peer);
         self.outcomes.get(pair).copied().map_or(0, usize::from)
     }
 
-    /// B: each move leads to the neighbour, or nowhere at a wall or border.
+    /// Returns B: each move leads to the neighbour, or stays at a wall or border.
     pub(super) fn motion(&self) -> NextState<'_> {
         let rows = self.next.as_flattened().get(..Move::ALL.len() * self.cells);
         NextState::trusted(rows.unwrap_or(&[]), self.cells)
     }
 
-    /// The part of a list of `S` that is about cells of the map.
+    /// Returns the entries of a list of `S` that belong to cells of the map.
     pub(super) fn cells<'a, T>(&self, list: &'a [T]) -> &'a [T] {
         list.get(..self.cells).unwrap_or(list)
     }
 
-    /// Puts the model of this robot alone together for `then`; `None` for tables that are no model, which a checked
-    /// mission does not make.
+    /// Calls `then` with the model of this robot alone; returns `None` for tables that are no
+    /// model, which a checked mission does not produce.
     pub(super) fn with_own_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
         let (motion, place) = (self.motion(), Shape::new(self.cells, &[self.cells])?);
         let factors = [Factor::trusted(&motion, place, self.cells(&self.prior))];
@@ -129,7 +129,8 @@ impl<const S: usize> World<S> {
         Some(then(&model))
     }
 
-    /// The same for this robot and a teammate: each reads its own cell, and both cells determine the team's outcome.
+    /// Calls `then` with the model of this robot and a teammate: each reads its own cell, and both
+    /// cells determine the team's outcome.
     pub(super) fn with_pair_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
         let labels = [self.cells(&self.labels); 2];
         let count = self.goals + 1;
@@ -148,7 +149,8 @@ impl<const S: usize> World<S> {
     }
 }
 
-/// What it is worth to two robots to be in one cell, or to change places: zero or less, on the log scale of C.
+/// The preference for a collision of two robots, in one cell or swapping cells: at most zero, on
+/// the log scale of C.
 pub(super) struct Collision<'a> {
     pub(super) motion: NextState<'a>,
     pub(super) preference: f32,

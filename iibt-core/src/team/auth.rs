@@ -1,7 +1,7 @@
 //! Frame authentication: who may speak in the team.
 //!
-//! A keyed 64-bit tag costs less than a table-free CRC on a Cortex-M4 and detects what a CRC detects, so there
-//! is no unauthenticated frame.
+//! A keyed 64-bit tag costs less than a table-free CRC on a Cortex-M4 and detects what a CRC
+//! detects, so there is no unauthenticated frame.
 
 use super::{Context, RobotId};
 use core::hash::Hasher;
@@ -15,15 +15,18 @@ pub type Tag = [u8; TAG_BYTES];
 
 /// A message authentication code over frames.
 ///
-/// A code with longer tags is truncated to [`TAG_BYTES`]: a blind forger at 100 frames a second then still
-/// needs 5.8e9 years.
+/// A code with longer tags is truncated to [`TAG_BYTES`]: a blind forger at 100 frames a second
+/// then still needs 5.8e9 years.
+#[doc(alias = "MAC")]
+#[doc(alias = "message authentication code")]
+#[doc(alias = "HMAC")]
 pub trait FrameAuth {
-    /// The tag of the signed bytes of a frame by `sender` in a context, which is authenticated without
-    /// being sent.
+    /// The tag of the signed bytes of a frame by `sender` in a context, which is authenticated
+    /// without being sent.
     fn tag(&self, sender: RobotId, context: Context, signed: &[u8]) -> Tag;
 
-    /// Whether `tag` is the tag of the signed bytes, in a time that does not depend on where two tags
-    /// differ.
+    /// Whether `tag` is the tag of the signed bytes, in a time that does not depend on where two
+    /// tags differ.
     fn verify(&self, sender: RobotId, context: Context, signed: &[u8], tag: &Tag) -> bool {
         let expected = self.tag(sender, context, signed);
         let differing = expected.iter().zip(tag).fold(0, |bits, (a, b)| bits | (a ^ b));
@@ -59,8 +62,11 @@ impl defmt::Format for Key {
 
 /// SipHash-2-4 with a 64-bit tag over the context (little-endian) and the signed bytes.
 ///
-/// A frame of 40 bytes takes about 800 instructions on a Cortex-M4. SipHash is a pseudorandom function with
-/// short output (Aumasson and Bernstein, 2012), not a NIST-approved MAC, and hides nothing of the message.
+/// A frame of 40 bytes takes about 800 instructions on a Cortex-M4. SipHash is a pseudorandom
+/// function with short output (Aumasson and Bernstein, 2012), not a NIST-approved MAC, and hides
+/// nothing of the message.
+#[doc(alias = "MAC")]
+#[doc(alias = "SipHash-2-4")]
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SipHash64 {
@@ -74,7 +80,7 @@ impl SipHash64 {
         Self { key }
     }
 
-    /// The key of a sender's frames: for now the team's, whoever sends.
+    /// Returns the key of a sender's frames: for now the team's key, for every sender.
     #[must_use]
     pub const fn key_of(&self, _sender: RobotId) -> &Key {
         &self.key
@@ -99,7 +105,8 @@ mod tests {
     ]));
     const SENDER: RobotId = RobotId(3);
 
-    /// The worked example of the SipHash paper, appendix A: the bytes 0 to 14 under the key 0 to 15.
+    /// The worked example of the SipHash paper, appendix A: the bytes 0 to 14 under the key 0 to
+    /// 15.
     #[test]
     fn is_siphash_2_4() {
         let context = Context::from_bits(u64::from_le_bytes([0, 1, 2, 3, 4, 5, 6, 7]));

@@ -4,7 +4,8 @@ use super::Message;
 
 /// The team, mission and layout that a frame belongs to, as one number under its tag.
 ///
-/// Robots in different contexts reject each other's frames as if the key were wrong, and count them.
+/// Robots in different contexts reject each other's frames as if the key were wrong, and count
+/// them.
 ///
 /// ```
 /// use iibt_core::team::{Context, Invalid, Message};
@@ -22,6 +23,9 @@ use super::Message;
 /// assert_ne!(HALL, Context::of::<Ping>(8, 1), "another team");
 /// assert_ne!(HALL, Context::of::<Ping>(7, 2), "another mission");
 /// ```
+#[doc(alias = "associated data")]
+#[doc(alias = "AAD")]
+#[doc(alias = "domain separation")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Context(u64);
@@ -29,8 +33,8 @@ pub struct Context(u64);
 impl Context {
     /// The context of a team's mission with messages of the layout `M`.
     ///
-    /// `team` tells teams with the same key apart, `mission` what they are to do: a hash of it, or a
-    /// number given to it.
+    /// `team` tells teams with the same key apart, `mission` what they are to do: a hash of it, or
+    /// a number given to it.
     #[must_use]
     pub const fn of<M: Message>(team: u32, mission: u64) -> Self {
         let mut hash = Fnv1a::EMPTY.write(ENVELOPE.as_bytes()).write(M::SCHEMA.as_bytes());

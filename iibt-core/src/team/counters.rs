@@ -2,8 +2,8 @@
 
 use super::{DecodeError, Heard, Refused};
 
-/// How many frames were accepted, and how many refused for each reason. Every count stops at the largest
-/// number.
+/// How many frames were accepted, and how many refused for each reason. Every count stops at the
+/// largest number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {

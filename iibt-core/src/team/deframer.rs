@@ -6,8 +6,21 @@ use super::MAX_FRAME;
 ///
 /// Noise ends at the next delimiter, wherever the receiver came in. Every frame begins with a
 /// delimiter, so noise between two frames spoils neither. What is longer than a frame can be is
-/// dropped as it comes and counted. A byte costs constant time; how many bytes to feed in a tick is the
-/// caller's bound on its work.
+/// dropped as it comes and counted. A byte costs constant time; how many bytes to feed in a tick is
+/// the caller's bound on its work.
+///
+/// ```
+/// use iibt_core::team::Deframer;
+///
+/// let mut deframer = Deframer::new();
+/// let line = [7, 9, 0, 1, 2, 0]; // noise, a delimiter, two bytes, a delimiter
+/// let frames: Vec<Vec<u8>> =
+///     line.iter().filter_map(|&byte| deframer.feed(byte).map(<[u8]>::to_vec)).collect();
+/// assert_eq!(frames, [vec![7, 9], vec![1, 2]]); // the decoder rejects the noise
+/// assert_eq!(deframer.dropped(), 0);
+/// ```
+#[doc(alias = "COBS")]
+#[doc(alias = "framing")]
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Deframer {
@@ -24,8 +37,8 @@ impl Deframer {
         Self { buffer: [0; MAX_FRAME - 2], length: 0, overlong: false, dropped: 0 }
     }
 
-    /// Takes one byte; at a delimiter, gives what came since the last one, without either, unless it is empty
-    /// or too long for a frame.
+    /// Takes one byte; at a delimiter, gives what came since the last one, without either, unless
+    /// it is empty or too long for a frame.
     pub fn feed(&mut self, byte: u8) -> Option<&[u8]> {
         if byte == 0 {
             return self.cut();

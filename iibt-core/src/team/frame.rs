@@ -7,9 +7,9 @@
 //! Numbers of more than a byte are varints, as in the postcard format that the message is in. The
 //! delimiter before the frame ends whatever noise the line has carried since the last one.
 //!
-//! The tag covers everything before it and, unsent, the [`Context`]: frames of another team, another
-//! mission or another layout fail the check of the tag. There is no other version, nothing is
-//! negotiated, and no frame goes without a tag. A frame has no bit to spare: any changed bit
+//! The tag covers everything before it and, unsent, the [`Context`]: frames of another team,
+//! another mission or another layout fail the check of the tag. There is no other version, nothing
+//! is negotiated, and no frame goes without a tag. A frame has no bit to spare: any changed bit
 //! makes it invalid.
 
 use super::{Context, FrameAuth, Invalid, MAX_TEAM, Message, RobotId, Stamp, TAG_BYTES};
@@ -34,6 +34,8 @@ pub const MAX_MESSAGE: usize = MAX_PLAIN - MAX_HEADER - TAG_BYTES;
 const _: () = assert!(cobs::max_encoding_length(MAX_PLAIN) + 2 == MAX_FRAME && MAX_FRAME < 255);
 
 /// A message with its sender and its place in the order of everything the sender has said.
+#[doc(alias = "packet")]
+#[doc(alias = "header")]
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Envelope<M> {
@@ -97,6 +99,34 @@ pub enum DecodeError {
 ///
 /// # Errors
 /// [`EncodeError`] when the message is invalid or the buffer is too small.
+///
+/// ```
+/// use iibt_core::team::{
+///     Context, DecodeError, Envelope, Key, MAX_FRAME, Message, RobotId, SipHash64, Stamp, decode, encode,
+/// };
+/// use serde::{Deserialize, Serialize};
+///
+/// #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// struct Ping(u8);
+///
+/// impl Message for Ping {
+///     const SCHEMA: &'static str = "ping: count u8";
+///     const MAX_BYTES: usize = 1;
+/// }
+///
+/// let (auth, context) = (SipHash64::new(Key::new([7; 16])), Context::of::<Ping>(1, 1));
+/// let stamp = Stamp { epoch: 1, sequence: 0 };
+/// let envelope = Envelope { sender: RobotId(1), stamp, message: Ping(3) };
+/// let mut buffer = [0; MAX_FRAME];
+/// let frame = encode(&envelope, &auth, context, &mut buffer)?;
+/// assert!(frame.first() == Some(&0) && frame.last() == Some(&0)); // the delimiters
+///
+/// let inside = &frame[1..frame.len() - 1];
+/// assert_eq!(decode::<Ping>(inside, &auth, context)?.message, Ping(3));
+/// let other = SipHash64::new(Key::new([8; 16]));
+/// assert_eq!(decode::<Ping>(inside, &other, context).unwrap_err(), DecodeError::Tag);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn encode<'a, M: Message>(
     envelope: &Envelope<M>,
     auth: &impl FrameAuth,

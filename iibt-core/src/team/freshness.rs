@@ -6,6 +6,7 @@ use crate::time::Duration;
 use core::num::NonZero;
 
 /// How far a teammate's last message can be relied on.
+#[doc(alias = "liveness")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Freshness {
@@ -20,6 +21,21 @@ pub enum Freshness {
 }
 
 /// The ages at which a message stops being fresh and its sender is lost.
+///
+/// ```
+/// use iibt_core::team::{Freshness, Limits, LimitsError};
+/// use iibt_core::time::Duration;
+///
+/// let limits = Limits::for_beacons(Duration(100))?; // a frame every 100 ms
+/// assert_eq!(limits.freshness(Duration(800)), Freshness::Fresh);
+/// assert_eq!(limits.freshness(Duration(801)), Freshness::Stale);
+/// assert_eq!(limits.freshness(Duration(1601)), Freshness::Lost);
+/// assert_eq!(Limits::new(Duration(9), Duration(8)), Err(LimitsError::Order));
+/// # Ok::<(), LimitsError>(())
+/// ```
+#[doc(alias = "heartbeat")]
+#[doc(alias = "failure detector")]
+#[doc(alias = "timeout")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Limits {
@@ -41,14 +57,15 @@ impl Limits {
     /// The longest limit.
     pub const LONGEST: Duration = Duration(1 << 30);
 
-    /// The number of beacons that may be missed in a row before a message is stale: with 30 % of the
-    /// frames lost, that happens once in 15,000 times.
+    /// The number of beacons that may be missed in a row before a message is stale: with 30 % of
+    /// the frames lost, that happens once in 15,000 times.
     pub const FRESH_BEACONS: u32 = 8;
 
     /// Limits of one's own: fresh up to and including `fresh_for`, lost after `lost_after`.
     ///
     /// # Errors
-    /// [`LimitsError`] when `lost_after` is shorter than `fresh_for` or longer than [`Limits::LONGEST`].
+    /// [`LimitsError`] when `lost_after` is shorter than `fresh_for` or longer than
+    /// [`Limits::LONGEST`].
     pub const fn new(fresh_for: Duration, lost_after: Duration) -> Result<Self, LimitsError> {
         if lost_after.0 < fresh_for.0 {
             return Err(LimitsError::Order);
@@ -59,8 +76,8 @@ impl Limits {
         Ok(Self { fresh_for, lost_after })
     }
 
-    /// The limits for robots that send once every `period`: fresh for [`Limits::FRESH_BEACONS`] of them, lost
-    /// after twice as many.
+    /// The limits for robots that send once every `period`: fresh for [`Limits::FRESH_BEACONS`] of
+    /// them, lost after twice as many.
     ///
     /// # Errors
     /// [`LimitsError::TooLong`] when that is longer than [`Limits::LONGEST`].

@@ -30,6 +30,8 @@ use serde::de::DeserializeOwned;
 /// assert!(Valve { percent: 40 }.validate().is_ok());
 /// assert_eq!(Valve { percent: 140 }.validate().unwrap_err().0, "the valve is more than open");
 /// ```
+#[doc(alias = "payload")]
+#[doc(alias = "broadcast")]
 pub trait Message: Clone + Serialize + DeserializeOwned {
     /// A description of the layout.
     ///
@@ -37,7 +39,8 @@ pub trait Message: Clone + Serialize + DeserializeOwned {
     /// robots whose images disagree reject each other instead of misreading.
     const SCHEMA: &'static str;
 
-    /// The longest encoding in bytes. More than [`MAX_MESSAGE`](super::MAX_MESSAGE) fails the build.
+    /// The longest encoding in bytes. More than [`MAX_MESSAGE`](super::MAX_MESSAGE) fails the
+    /// build.
     const MAX_BYTES: usize;
 
     /// Checks that every value is in its range, for what the types alone do not say.

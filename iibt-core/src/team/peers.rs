@@ -33,6 +33,9 @@ use crate::time::{Duration, Instant};
 /// assert!(!roster.at(Instant(900)).all_connected());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "neighbours")]
+#[doc(alias = "blackboard")]
+#[doc(alias = "shared state")]
 #[derive(Debug)]
 pub struct Peers<'a, M> {
     roster: &'a Roster<M>,
@@ -95,8 +98,8 @@ impl<'a, M: Message> Peers<'a, M> {
         self.get(robot).map_or(Freshness::Unheard, |peer| peer.freshness(limits, self.now))
     }
 
-    /// The time since a teammate was heard, `None` before it was. Exact until the teammate is lost, then
-    /// at least [`Limits::lost_after`](super::Limits::lost_after).
+    /// The time since a teammate was heard, `None` before it was. Exact until the teammate is lost,
+    /// then at least [`Limits::lost_after`](super::Limits::lost_after).
     #[must_use]
     pub fn age(self, robot: RobotId) -> Option<Duration> {
         let peer = self.get(robot)?;

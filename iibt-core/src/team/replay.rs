@@ -1,14 +1,20 @@
 //! Replay protection: no frame counts twice, and none counts after a newer one.
 //!
-//! Frames carry no wall clock, which could be lost or set wrong, but a [`Stamp`]: how often the sender has
-//! started, and the number of the frame since. A receiver takes only a stamp newer than the newest it has
-//! taken. There is no window for late frames, as other protocols have: a message is complete, so one that
-//! was overtaken is worth nothing, and the newest stamp alone is a state that cannot be got wrong.
+//! Frames carry no wall clock, which could be lost or set wrong, but a [`Stamp`]: how often the
+//! sender has started, and the number of the frame since. A receiver takes only a stamp newer than
+//! the newest it has taken. There is no window for late frames, as other protocols have: a message
+//! is complete, so one that was overtaken is worth nothing, and the newest stamp alone is a state
+//! that cannot be got wrong.
 //!
-//! What this does not cover: a receiver that restarts has forgotten the stamps, and takes a recorded frame of
-//! a peer until it has heard a newer one from the peer itself.
+//! What this does not cover: a receiver that restarts has forgotten the stamps, and takes a
+//! recorded frame of a peer until it has heard a newer one from the peer itself.
 
-/// When something was said, in the sender's own order: first by epoch, then by sequence. Never wraps.
+/// When something was said, in the sender's own order: first by epoch, then by sequence. Never
+/// wraps.
+#[doc(alias = "replay protection")]
+#[doc(alias = "anti-replay")]
+#[doc(alias = "incarnation")]
+#[doc(alias = "boot count")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Stamp {
@@ -19,8 +25,8 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// The stamp after this one: after the last sequence of an epoch, the first of the next. `None` after the
-    /// last of all.
+    /// The stamp after this one: after the last sequence of an epoch, the first of the next. `None`
+    /// after the last of all.
     #[must_use]
     pub const fn next(self) -> Option<Self> {
         match (self.sequence.checked_add(1), self.epoch.checked_add(1)) {
@@ -33,10 +39,23 @@ impl Stamp {
 
 /// A sender's stamps, each once, in order.
 ///
-/// The caller counts its starts in memory that survives them and passes the count as the epoch: a sender that
-/// starts again with an epoch it had before is taken for a replay. After 2^32 frames (13 years at 10 Hz) the
-/// numbering goes on in the next epoch, which is then the one to remember. Erased flash often reads as
-/// `u32::MAX`: as an epoch it would be this sender's last.
+/// The caller counts its starts in memory that survives them and passes the count as the epoch: a
+/// sender that starts again with an epoch it had before is taken for a replay. After 2^32 frames
+/// (13 years at 10 Hz) the numbering goes on in the next epoch, which is then the one to remember.
+/// Erased flash often reads as `u32::MAX`: as an epoch it would be this sender's last.
+///
+/// ```
+/// use iibt_core::team::{Numbering, Stamp};
+///
+/// let mut numbering = Numbering::new(2); // the second start of this robot
+/// let first = numbering.next_stamp().expect("stamps are left");
+/// let second = numbering.next_stamp().expect("stamps are left");
+/// assert_eq!(first.epoch, 2);
+/// assert!(second > first && first > Stamp { epoch: 1, sequence: 9000 });
+/// assert_eq!(Stamp { epoch: u32::MAX, sequence: u32::MAX }.next(), None);
+/// ```
+#[doc(alias = "nonce")]
+#[doc(alias = "sequence number")]
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Numbering {

@@ -10,8 +10,38 @@ use core::cmp::Ordering;
 /// The newest message of every teammate of one robot.
 ///
 /// Only what is newer than the newest message of its sender gets in, so the roster is the replay
-/// window as well. It keeps what a lost peer said last: forgetting it would let a recording of it in
-/// again. [`at`](Self::at) reads it at an instant.
+/// window as well. It keeps what a lost peer said last: forgetting it would let a recording of it
+/// in again. [`at`](Self::at) reads it at an instant.
+///
+/// ```
+/// use iibt_core::team::{Envelope, Heard, Limits, Member, Message, Refused, RobotId, Roster, Stamp};
+/// use iibt_core::time::{Duration, Instant};
+/// use serde::{Deserialize, Serialize};
+///
+/// #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// struct Ping(u8);
+///
+/// impl Message for Ping {
+///     const SCHEMA: &'static str = "ping: count u8";
+///     const MAX_BYTES: usize = 1;
+/// }
+///
+/// let limits = Limits::for_beacons(Duration(100))?;
+/// let mut roster = Roster::new(Member::new(RobotId(0), 2)?, limits);
+/// let envelope = |sequence, count| {
+///     let stamp = Stamp { epoch: 1, sequence };
+///     Envelope { sender: RobotId(1), stamp, message: Ping(count) }
+/// };
+/// assert_eq!(roster.hear(envelope(5, 3), Instant(10)), Ok(Heard::First));
+/// assert_eq!(roster.hear(envelope(5, 3), Instant(20)), Err(Refused::Duplicate));
+/// assert_eq!(roster.hear(envelope(4, 2), Instant(30)), Err(Refused::Outdated)); // a replay
+/// assert_eq!(roster.hear(envelope(6, 4), Instant(40)), Ok(Heard::Update));
+/// assert_eq!(roster.peer(RobotId(1)).map(|peer| peer.message().0), Some(4));
+/// assert_eq!((roster.counters().accepted, roster.counters().refused()), (2, 2));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "neighbour table")]
+#[doc(alias = "membership")]
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Roster<M> {
@@ -27,7 +57,8 @@ pub struct Roster<M> {
 pub struct Peer<M> {
     envelope: Envelope<M>,
     heard: Instant,
-    /// Set once the peer is lost, so that it does not seem fresh again when the clock has gone half around.
+    /// Set once the peer is lost, so that it does not seem fresh again when the clock has gone half
+    /// around.
     lost: bool,
 }
 
@@ -62,7 +93,7 @@ pub enum Refused {
 }
 
 impl<M: Message> Roster<M> {
-    /// The roster of a robot that has heard nobody yet.
+    /// Creates the roster of a robot that has received nothing.
     #[must_use]
     pub const fn new(member: Member, limits: Limits) -> Self {
         Self { member, limits, peers: [const { None }; MAX_TEAM], counters: Counters::NONE }
@@ -93,8 +124,8 @@ impl<M: Message> Roster<M> {
     /// Takes in a message that was received now and needs no check of authenticity.
     ///
     /// # Errors
-    /// [`Refused`], counted, for any reason but [`Refused::Frame`] and [`Refused::Foreign`]; the peers'
-    /// messages are as they were.
+    /// [`Refused`], counted, for any reason but [`Refused::Frame`] and [`Refused::Foreign`]; the
+    /// peers' messages are as they were.
     pub fn hear(&mut self, envelope: Envelope<M>, now: Instant) -> Result<Heard, Refused> {
         let outcome = self.admit(envelope, now, |_| Ok(()));
         self.counters.count(outcome);
@@ -103,8 +134,8 @@ impl<M: Message> Roster<M> {
 
     /// Writes off who is lost now, so that they stay [`Freshness::Lost`] until heard again.
     ///
-    /// Must be called at least every 2^30 ticks (12 days at 1 kHz), or else a clock that has gone half
-    /// around makes a lost peer fresh again; every tick is a good time.
+    /// Must be called at least every 2^30 ticks (12 days at 1 kHz), or else a clock that has gone
+    /// half around makes a lost peer fresh again; every tick is a good time.
     pub fn expire(&mut self, now: Instant) {
         let limits = self.limits;
         for peer in self.peers.iter_mut().flatten() {

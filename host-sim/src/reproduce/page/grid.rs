@@ -48,7 +48,8 @@ fn floor(grid: &Grid, svg: &mut Svg) {
     }
 }
 
-/// A path, a little beside the middle so that those of other robots stay visible; waits are rings with their number.
+/// A path, a little beside the middle so that those of other robots stay visible; waits are rings
+/// with their number.
 fn path(grid: &Grid, track: &Track, index: usize, svg: &mut Svg) {
     let aside = (index as f64 - (grid.paths.len() as f64 - 1.0) / 2.0) * 5.0;
     let at = |cell: Cell| {

@@ -1,4 +1,4 @@
-//! Which colour is whose: marks and names, in as many lines as they need.
+//! The legend: marks and names, in as many lines as they need.
 
 use super::svg::{Anchor, Svg, width_of};
 

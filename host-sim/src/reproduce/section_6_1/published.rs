@@ -1,17 +1,19 @@
 //! What the paper prints of section 6.1: figure 9, and four joint plans.
 
-use crate::reproduce::decision::{Decision, Mode, WIDTH, map, path};
-use crate::reproduce::figure::{Bars, Figure, Grid, Panel, Scale, Series, Track};
+use crate::reproduce::decision::{DecisionMode, PaperDecision, WIDTH, map, path};
+use crate::reproduce::figure::{Bars, DataSeries, Figure, Grid, Panel, Scale, Track};
 use crate::reproduce::report::{Item, Tolerance, number};
-use crate::words::counted;
+use crate::text::counted;
 use iibt_core::grid::{Cell, Path};
 
-/// How near the ratios of the paper's probabilities ours are to be; the paper prints three digits of each.
+/// How near the ratios of the paper's probabilities ours are to be; the paper prints three digits
+/// of each.
 const TOLERANCE: Tolerance = Tolerance::Relative(0.005);
 
 const GOALS: [u16; 3] = [24, 26, 32];
 
-/// What a goal that a teammate announced is worth to robot 3; the numbers say so, the text does not.
+/// The preference of robot 3 for a goal that a teammate announced. It follows from the paper's
+/// numbers; the text does not state it.
 const CLAIMED: f32 = -1.0;
 
 /// The steps that the numbers of figure 9 look at.
@@ -44,7 +46,8 @@ const BARS: [Bar; 10] = [
     Bar { with_2: 0.999, with_1: 0.533, arrival: "32@6", cells: Some(&[45, 38, 31, 31, 31, 31, 32]) },
 ];
 
-/// The bar that the others are compared with: its path is certain, and no other bar's depends on it.
+/// The bar that the others are compared with: its path is certain, and no other bar's depends on
+/// it.
 const REFERENCE: usize = 6;
 
 /// The bar that the paper chooses, whose printed path does not give its number.
@@ -105,13 +108,14 @@ pub(super) fn figures() -> [Figure; 2] {
     [bars_of_figure_9(), papers_plans()]
 }
 
-/// ln P of each path for robot 3 up to a constant, as published, paired with a teammate's announced path.
+/// ln P of each path for robot 3 up to a constant, as published, paired with a teammate's announced
+/// path.
 fn scores(paths: &[&[u16]], teammate: &[u16]) -> Vec<f64> {
     let ours: Vec<(&str, &[u16])> = paths.iter().map(|&cells| ("", cells)).collect();
-    let mut decision = Decision::new([&ours, &[("", teammate)]], &GOALS, HORIZON);
+    let mut decision = PaperDecision::new([&ours, &[("", teammate)]], &GOALS, HORIZON);
     decision.preferences[0][24] = CLAIMED;
     decision.preferences[0][26] = CLAIMED;
-    decision.judge(Mode::AsPublished).scores.into_iter().map(f64::from).collect()
+    decision.judge(DecisionMode::AsPublished).scores.into_iter().map(f64::from).collect()
 }
 
 /// The same paired with robot 1's and with robot 2's choice.
@@ -230,8 +234,8 @@ fn bars_of_figure_9() -> Figure {
                 .map(|(bar, strategy)| format!("{} {}", bar + 1, strategy.arrival))
                 .collect(),
             series: vec![
-                Series::new("paper", (0..BARS.len()).map(|bar| printed(bar, robot))),
-                Series { name: "ours, as published".to_owned(), values: ours.collect() },
+                DataSeries::new("paper", (0..BARS.len()).map(|bar| printed(bar, robot))),
+                DataSeries { name: "ours, as published".to_owned(), values: ours.collect() },
             ],
             scale: Scale::Logarithmic,
         })

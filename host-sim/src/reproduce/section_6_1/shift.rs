@@ -2,12 +2,12 @@
 
 use crate::campaign::{Disturbance, Trace};
 use crate::library::built_in;
-use crate::reproduce::Run;
-use crate::reproduce::figure::{Figure, Grid, Lines, Panel, Series, Track};
+use crate::reproduce::Reproduction;
+use crate::reproduce::figure::{DataSeries, Figure, Grid, Lines, Panel, Track};
 use crate::reproduce::report::Item;
 use crate::reproduce::safety::{self, Flights};
-use crate::words::cause_words;
-use crate::{Conditions, News, Outcome, Phase, Record, Scenario, fly};
+use crate::text::cause_words;
+use crate::{Conditions, FlightEvent, Outcome, Phase, Record, Scenario, fly};
 use iibt_core::grid::Cell;
 use iibt_core::navigation::Cause;
 
@@ -20,7 +20,7 @@ const WAY_POINTS: [(usize, Cell); 2] = [(0, Cell(4)), (2, Cell(39))];
 const CHARGING: [usize; 2] = [0, 2];
 
 /// The flight: what is claimed of it, and its pictures.
-pub(super) fn flown(run: &Run<'_>) -> (Vec<Item>, Vec<Figure>) {
+pub(super) fn flown(run: &Reproduction<'_>) -> (Vec<Item>, Vec<Figure>) {
     let scenario = built_in("shift");
     let record = fly(&scenario, Conditions::default(), &mut ()).expect("its mission fits");
     let mut items = phases(&scenario, &record);
@@ -78,8 +78,11 @@ fn claim(what: impl Into<String>, wanted: &str, holds: bool) -> Item {
 
 /// Whether the team agreed on paths past a cell after an obstacle had appeared there.
 fn avoided(record: &Record, cell: Cell) -> bool {
-    let appeared =
-        record.news.iter().find(|dated| dated.news == News::Appeared { cell }).map(|dated| dated.tick);
+    let appeared = record
+        .events
+        .iter()
+        .find(|timed| timed.event == FlightEvent::Appeared { cell })
+        .map(|timed| timed.tick);
     let later =
         |phase: &&Phase| phase.agreed.is_some_and(|agreed| appeared.is_some_and(|tick| agreed > tick));
     let clear = |phase: &Phase| phase.choices.iter().flatten().all(|chosen| !chosen.path.contains(&cell));
@@ -87,19 +90,19 @@ fn avoided(record: &Record, cell: Cell) -> bool {
     caused && record.phases.iter().find(later).is_some_and(clear)
 }
 
-/// Whether nobody moved but the robot that was away, in every tick in which one was.
+/// Returns whether only the robot that was away moved, in every tick in which one was.
 fn waiting(record: &Record) -> bool {
     let mut away: Vec<usize> = Vec::new();
-    let mut news = record.news.iter().peekable();
+    let mut events = record.events.iter().peekable();
     for (tick, cells) in record.history.windows(2).enumerate() {
         let stayed = |robot: usize| cells[0][robot] == cells[1][robot];
         if !away.is_empty() && (0..cells[0].len()).any(|robot| !away.contains(&robot) && !stayed(robot)) {
             return false;
         }
-        while let Some(dated) = news.next_if(|dated| dated.tick as usize <= tick) {
-            match dated.news {
-                News::Left { robot, .. } => away.push(robot),
-                News::Returned { robot, .. } => away.retain(|&other| other != robot),
+        while let Some(timed) = events.next_if(|timed| timed.tick as usize <= tick) {
+            match timed.event {
+                FlightEvent::Left { robot, .. } => away.push(robot),
+                FlightEvent::Returned { robot, .. } => away.retain(|&other| other != robot),
                 _ => {}
             }
         }
@@ -107,7 +110,8 @@ fn waiting(record: &Record) -> bool {
     true
 }
 
-/// Whether in every plan that was agreed on the robots chose one after another, beginning with the one that opened the round.
+/// Whether in every plan that was agreed on the robots chose one after another, beginning with the
+/// one that opened the round.
 fn in_turn(record: &Record) -> bool {
     let team = record.robots.len();
     let agreed = || record.phases.iter().filter(|phase| phase.agreed.is_some());
@@ -120,7 +124,7 @@ fn in_turn(record: &Record) -> bool {
 }
 
 /// The same with many seeds.
-fn seeds(scenario: &Scenario, run: &Run<'_>) -> Vec<Item> {
+fn seeds(scenario: &Scenario, run: &Reproduction<'_>) -> Vec<Item> {
     let claim = |flights: Flights| {
         let what = format!("{}: accomplished, and without a collision", flights.what());
         Item::claim(what, "all, none", flights.found(), flights.are_safe() && flights.are_accomplished())
@@ -131,9 +135,9 @@ fn seeds(scenario: &Scenario, run: &Run<'_>) -> Vec<Item> {
 /// What everybody chose, in each round that the team agreed on.
 fn rounds(scenario: &Scenario, record: &Record) -> Figure {
     let mut asked: Vec<(u32, Cell)> = Vec::new();
-    for dated in &record.news {
-        if let News::Asked { cell, .. } = dated.news {
-            asked.push((dated.tick, cell));
+    for timed in &record.events {
+        if let FlightEvent::Asked { cell, .. } = timed.event {
+            asked.push((timed.tick, cell));
         }
     }
     let picture = |phase: &Phase| {
@@ -170,7 +174,7 @@ fn certainty(scenario: &Scenario) -> Figure {
     let record = fly(&noisy, Conditions::default(), &mut ()).expect("its mission fits");
     let series = (0..record.robots.len()).map(|robot| {
         let values = record.certainty.iter().map(|tick| f64::from(tick[robot]));
-        Series::new(record.robots[robot].name.clone(), values)
+        DataSeries::new(record.robots[robot].name.clone(), values)
     });
     let lines = Lines {
         title: "q(s) of the cell that a robot stands in".to_owned(),

@@ -1,7 +1,7 @@
 //! The enum of a tree's leaves.
 
 use crate::tree::instance::{Instance, Node};
-use crate::tree::lower::{Hook, Lowered, Task};
+use crate::tree::lower::{Hook, HookTask, Lowered};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -29,12 +29,12 @@ impl Variants {
         for hook in &lowered.hooks {
             let Some(node) = instance.nodes.get(hook.node) else { continue };
             let documentation = documentation(node, hook);
-            let shares_entries = !matches!(hook.task, Task::Leaf) || documentation.contains('{');
+            let shares_entries = !matches!(hook.task, HookTask::Leaf) || documentation.contains('{');
             let scope = if shares_entries { node.scope } else { 0 };
             let at = *known.entry((documentation.clone(), scope)).or_insert(variants.list.len());
             if at == variants.list.len() {
                 let name = variants.free_name(&identifier(&wish(node, hook)));
-                let has_ports = matches!(hook.task, Task::Leaf);
+                let has_ports = matches!(hook.task, HookTask::Leaf);
                 variants.list.push(Variant { name, documentation, node: hook.node, has_ports });
             }
             variants.of_hook.push(at);
@@ -69,7 +69,7 @@ impl Variants {
 fn documentation(node: &Node, hook: &Hook) -> String {
     let port = |name: &str| code(node.ports.get(name).map_or("", |value| value.text.as_str()));
     match &hook.task {
-        Task::Leaf => {
+        HookTask::Leaf => {
             let ports = node.ports.iter().map(|(name, value)| format!("{name} = {}", code(&value.text)));
             let ports = ports.collect::<Vec<_>>().join(", ");
             let of = if node.name == node.id() { String::new() } else { format!(" {}", code(&node.name)) };
@@ -77,25 +77,25 @@ fn documentation(node: &Node, hook: &Hook) -> String {
             let ports = if ports.is_empty() { ports } else { format!(": {ports}") };
             format!("{class} {}{of}{ports}.", code(node.id()))
         }
-        Task::Script(_) => format!("Action: runs the script {} and succeeds.", port("code")),
-        Task::Condition(_) => format!("Condition: whether {}.", port("code")),
-        Task::Set => {
+        HookTask::Script(_) => format!("Action: runs the script {} and succeeds.", port("code")),
+        HookTask::Condition(_) => format!("Condition: whether {}.", port("code")),
+        HookTask::Set => {
             format!("Action: gives {} the value {} and succeeds.", port("output_key"), port("value"))
         }
-        Task::Unset => format!("Action: removes the entry {} and succeeds.", port("key")),
-        Task::Switch => {
+        HookTask::Unset => format!("Action: removes the entry {} and succeeds.", port("key")),
+        HookTask::Switch => {
             let cases = node.ports.iter().filter(|(name, _)| name.starts_with("case_"));
             let cases = cases.map(|(_, value)| code(&value.text)).collect::<Vec<_>>().join(", ");
             format!("Switch: which of {cases} {} is, counted from 0.", port("variable"))
         }
-        Task::Precondition(_) => format!("Condition: whether {}.", port("if")),
-        Task::Guard { passes_if, .. } => {
+        HookTask::Precondition(_) => format!("Condition: whether {}.", port("if")),
+        HookTask::Guard { passes_if, .. } => {
             let guards = node.guards.iter().filter(|guard| (guard.attribute == "_while") == *passes_if);
             let texts = guards.map(|guard| code(&guard.text)).collect::<Vec<_>>().join(", ");
             let word = if *passes_if { "whether" } else { "whether not" };
             format!("Condition before {}: {word} {texts}.", code(&node.name))
         }
-        Task::Skip => "Action: is skipped.".into(),
+        HookTask::Skip => "Action: is skipped.".into(),
     }
 }
 
@@ -106,7 +106,7 @@ fn code(text: &str) -> String {
 /// The name that a variant should have.
 fn wish(node: &Node, hook: &Hook) -> String {
     match hook.task {
-        Task::Guard { .. } => format!("Before {}", node.name),
+        HookTask::Guard { .. } => format!("Before {}", node.name),
         _ => node.name.clone(),
     }
 }

@@ -12,10 +12,10 @@ use std::fmt::Write;
 struct Use<'i> {
     variant: &'i str,
     kind: ValueType,
-    value: Value<'i>,
+    value: PortExpression<'i>,
 }
 
-enum Value<'i> {
+enum PortExpression<'i> {
     Constant(&'i str),
     Entry(usize),
 }
@@ -48,10 +48,10 @@ fn value<'i>(
     node: &'i Node,
     port: &'i str,
     entries: &mut Vec<(Entry, String)>,
-) -> Option<Value<'i>> {
+) -> Option<PortExpression<'i>> {
     match instance.given(node, port) {
         Given::Missing => None,
-        Given::Text(text, _) => Some(Value::Constant(text)),
+        Given::Text(text, _) => Some(PortExpression::Constant(text)),
         Given::Entry(key, _) => {
             let entry = instance.scopes.resolve(node.scope, key);
             let at = entries.iter().position(|(known, _)| *known == entry).unwrap_or_else(|| {
@@ -59,7 +59,7 @@ fn value<'i>(
                 entries.push((entry, name));
                 entries.len() - 1
             });
-            Some(Value::Entry(at))
+            Some(PortExpression::Entry(at))
         }
     }
 }
@@ -92,8 +92,8 @@ fn port_source(name: &str, uses: &[Use<'_>], entries: &[(Entry, String)]) -> Str
     let kind = uses.first().map_or(ValueType::Any, |first| first.kind.clone());
     let kind = if uses.iter().all(|used| used.kind == kind) { kind } else { ValueType::Any };
     let rust = rust_type(&kind);
-    let has_constants = uses.iter().any(|used| matches!(used.value, Value::Constant(_)));
-    let has_entries = uses.iter().any(|used| matches!(used.value, Value::Entry(_)));
+    let has_constants = uses.iter().any(|used| matches!(used.value, PortExpression::Constant(_)));
+    let has_entries = uses.iter().any(|used| matches!(used.value, PortExpression::Entry(_)));
     let returned = match (has_constants, has_entries) {
         (true, true) => format!("Port<{rust}>"),
         (true, false) => rust.to_owned(),
@@ -103,10 +103,10 @@ fn port_source(name: &str, uses: &[Use<'_>], entries: &[(Entry, String)]) -> Str
     _ = writeln!(source, "    pub const fn {name}(self) -> Option<{returned}> {{\n        match self {{");
     for used in uses {
         let value = match (&used.value, has_constants, has_entries) {
-            (Value::Constant(text), _, false) => literal(&kind, text),
-            (Value::Constant(text), ..) => format!("Port::Constant({})", literal(&kind, text)),
-            (Value::Entry(at), true, _) => format!("Port::Entry({})", entry(*at, entries)),
-            (Value::Entry(at), ..) => entry(*at, entries),
+            (PortExpression::Constant(text), _, false) => literal(&kind, text),
+            (PortExpression::Constant(text), ..) => format!("Port::Constant({})", literal(&kind, text)),
+            (PortExpression::Entry(at), true, _) => format!("Port::Entry({})", entry(*at, entries)),
+            (PortExpression::Entry(at), ..) => entry(*at, entries),
         };
         _ = writeln!(source, "            Self::{} => Some({value}),", used.variant);
     }

@@ -1,6 +1,6 @@
 //! From text to expressions.
 
-use super::{Assignment, Binary, Comparison, Expression, Prefix, Scalar};
+use super::{Assignment, Binary, ComparisonOperator, Expression, Prefix, Scalar};
 use winnow::ascii::{digit1, hex_digit1};
 use winnow::combinator::{
     Infix, alt, cut_err, delimited, eof, expression, fail, not, opt, preceded, repeat, repeat_till,
@@ -18,7 +18,7 @@ const MAX_DEPTH: usize = 100;
 const MAX_OPERATORS: usize = 1000;
 
 /// What is left to read, and what was met on the way.
-type Text<'t> = Stateful<&'t str, Met>;
+type ScriptInput<'t> = Stateful<&'t str, Met>;
 
 #[derive(Debug, Default)]
 struct Met {
@@ -63,12 +63,12 @@ fn expected(what: &'static str) -> StrContext {
 }
 
 /// Refuses what was just read.
-fn refused<T>(label: &'static str, input: &mut Text<'_>) -> ModalResult<T> {
+fn refused<T>(label: &'static str, input: &mut ScriptInput<'_>) -> ModalResult<T> {
     cut_err(fail).context(StrContext::Label(label)).parse_next(input)
 }
 
 /// An assignment, or a choice.
-fn statement(input: &mut Text<'_>) -> ModalResult<Expression> {
+fn statement(input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     nested(
         |input| {
             let first = logic(input)?;
@@ -90,7 +90,7 @@ fn statement(input: &mut Text<'_>) -> ModalResult<Expression> {
 }
 
 /// What follows a condition, or the condition itself.
-fn choice(condition: Expression, input: &mut Text<'_>) -> ModalResult<Expression> {
+fn choice(condition: Expression, input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     if opt(word("?")).parse_next(input)?.is_none() {
         return Ok(condition);
     }
@@ -101,7 +101,7 @@ fn choice(condition: Expression, input: &mut Text<'_>) -> ModalResult<Expression
 }
 
 /// Conjunctions and disjunctions of comparisons.
-fn logic(input: &mut Text<'_>) -> ModalResult<Expression> {
+fn logic(input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     let infix = sign.verify_map(|sign| {
         Some(match sign {
             "||" => Infix::Left(1, |input, a, b| binary(Binary::Or, a, b, input)),
@@ -113,14 +113,14 @@ fn logic(input: &mut Text<'_>) -> ModalResult<Expression> {
 }
 
 /// A value and all that it is compared with.
-fn comparison(input: &mut Text<'_>) -> ModalResult<Expression> {
+fn comparison(input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     let first = arithmetic(input)?;
     let others: Vec<_> = repeat(0.., (sign.verify_map(comparison_sign), arithmetic)).parse_next(input)?;
-    Ok(if others.is_empty() { first } else { Expression::Comparison(Box::new(first), others) })
+    Ok(if others.is_empty() { first } else { Expression::ComparisonOperator(Box::new(first), others) })
 }
 
 /// What is worked out from values.
-fn arithmetic(input: &mut Text<'_>) -> ModalResult<Expression> {
+fn arithmetic(input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     let infix = sign.verify_map(|sign| {
         Some(match sign {
             "|" => Infix::Left(1, |input, a, b| binary(Binary::BitOr, a, b, input)),
@@ -141,7 +141,7 @@ fn binary(
     operator: Binary,
     left: Expression,
     right: Expression,
-    input: &mut Text<'_>,
+    input: &mut ScriptInput<'_>,
 ) -> ModalResult<Expression> {
     input.state.operators += 1;
     if input.state.operators > MAX_OPERATORS {
@@ -151,7 +151,7 @@ fn binary(
 }
 
 /// A value, or a sign before one.
-fn operand(input: &mut Text<'_>) -> ModalResult<Expression> {
+fn operand(input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     if let Some(prefix) = opt(sign.verify_map(prefix)).parse_next(input)? {
         return Ok(Expression::Prefix(prefix, Box::new(nested(operand, input)?)));
     }
@@ -160,13 +160,13 @@ fn operand(input: &mut Text<'_>) -> ModalResult<Expression> {
     cut_err(preceded(blanks, value)).context(expected("a value")).parse_next(input)
 }
 
-fn text(input: &mut Text<'_>) -> ModalResult<Expression> {
+fn text(input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     let end = cut_err("'").context(expected("a closing quote"));
     let text = delimited("'", take_till(0.., '\''), end);
     text.map(|text: &str| Expression::Literal(Scalar::Text(text.to_owned()))).parse_next(input)
 }
 
-fn number(input: &mut Text<'_>) -> ModalResult<Expression> {
+fn number(input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     let hexadecimal = preceded(alt(("0x", "0X")), hex_digit1)
         .verify_map(|digits| i64::from_str_radix(digits, 16).ok().map(Scalar::Integer));
     let fraction = preceded(('.', not('.')), digit1);
@@ -181,7 +181,7 @@ fn number(input: &mut Text<'_>) -> ModalResult<Expression> {
 }
 
 /// A variable, or a truth value.
-fn name(input: &mut Text<'_>) -> ModalResult<Expression> {
+fn name(input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     let first = one_of(|sign: char| sign.is_ascii_alphabetic() || matches!(sign, '_' | '@'));
     let name = (first, take_while(0.., is_part_of_name)).take();
     let mut value = name.map(|name: &str| match name {
@@ -198,8 +198,8 @@ fn is_part_of_name(sign: char) -> bool {
 
 /// What `read` reads, one level deeper.
 fn nested(
-    mut read: impl FnMut(&mut Text<'_>) -> ModalResult<Expression>,
-    input: &mut Text<'_>,
+    mut read: impl FnMut(&mut ScriptInput<'_>) -> ModalResult<Expression>,
+    input: &mut ScriptInput<'_>,
 ) -> ModalResult<Expression> {
     input.state.depth += 1;
     if input.state.depth > MAX_DEPTH {
@@ -210,19 +210,19 @@ fn nested(
     Ok(inner)
 }
 
-fn blanks<'t>(input: &mut Text<'t>) -> ModalResult<&'t str> {
+fn blanks<'t>(input: &mut ScriptInput<'t>) -> ModalResult<&'t str> {
     take_while(0.., [' ', '\t', '\n', '\r']).parse_next(input)
 }
 
 /// The next sign, the longest that there is.
-fn sign<'t>(input: &mut Text<'t>) -> ModalResult<&'t str> {
+fn sign<'t>(input: &mut ScriptInput<'t>) -> ModalResult<&'t str> {
     let pairs = alt(["..", "&&", "||", "==", "!=", "<=", ">=", ":=", "+=", "-=", "*=", "/="]);
     let single = one_of(|sign| "+-*/&|^~!<>=?:();".contains(sign)).take();
     preceded(blanks, alt((pairs, single))).parse_next(input)
 }
 
 /// This very sign.
-fn word<'t>(wanted: &'static str) -> impl Parser<Text<'t>, &'t str, ErrMode<ContextError>> {
+fn word<'t>(wanted: &'static str) -> impl Parser<ScriptInput<'t>, &'t str, ErrMode<ContextError>> {
     sign.verify(move |sign: &str| sign == wanted)
 }
 
@@ -235,14 +235,14 @@ fn prefix(sign: &str) -> Option<Prefix> {
     })
 }
 
-fn comparison_sign(sign: &str) -> Option<Comparison> {
+fn comparison_sign(sign: &str) -> Option<ComparisonOperator> {
     Some(match sign {
-        "==" => Comparison::Equal,
-        "!=" => Comparison::Unequal,
-        "<" => Comparison::Less,
-        ">" => Comparison::Greater,
-        "<=" => Comparison::LessOrEqual,
-        ">=" => Comparison::GreaterOrEqual,
+        "==" => ComparisonOperator::Equal,
+        "!=" => ComparisonOperator::Unequal,
+        "<" => ComparisonOperator::Less,
+        ">" => ComparisonOperator::Greater,
+        "<=" => ComparisonOperator::LessOrEqual,
+        ">=" => ComparisonOperator::GreaterOrEqual,
         _ => return None,
     })
 }

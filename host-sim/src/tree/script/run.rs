@@ -1,6 +1,6 @@
 //! From expressions to values.
 
-use super::{Assignment, Binary, Comparison, Expression, Prefix};
+use super::{Assignment, Binary, ComparisonOperator, Expression, Prefix};
 
 /// A value of a script.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,7 +91,7 @@ fn value(expression: &Expression, variables: &mut dyn Variables) -> Result<Scala
             let left = value(left, variables)?;
             binary(*operator, &left, &value(right, variables)?)
         }
-        Expression::Comparison(first, others) => {
+        Expression::ComparisonOperator(first, others) => {
             let mut left = value(first, variables)?;
             for (comparison, other) in others {
                 let right = value(other, variables)?;
@@ -176,26 +176,26 @@ fn numbers(operator: Binary, (a, b): (f64, f64), left: &Scalar, right: &Scalar) 
     }
 }
 
-fn compares(comparison: Comparison, left: &Scalar, right: &Scalar) -> Result<bool, String> {
+fn compares(comparison: ComparisonOperator, left: &Scalar, right: &Scalar) -> Result<bool, String> {
     if let (Scalar::Text(left), Scalar::Text(right)) = (left, right) {
         return Ok(match comparison {
-            Comparison::Equal => left == right,
-            Comparison::Unequal => left != right,
-            Comparison::Less => left < right,
-            Comparison::Greater => left > right,
-            Comparison::LessOrEqual => left <= right,
-            Comparison::GreaterOrEqual => left >= right,
+            ComparisonOperator::Equal => left == right,
+            ComparisonOperator::Unequal => left != right,
+            ComparisonOperator::Less => left < right,
+            ComparisonOperator::Greater => left > right,
+            ComparisonOperator::LessOrEqual => left <= right,
+            ComparisonOperator::GreaterOrEqual => left >= right,
         });
     }
     let (left, right) = (left.as_number()?, right.as_number()?);
     let is_same = (left - right).abs() <= f64::from(f32::EPSILON);
     Ok(match comparison {
-        Comparison::Equal => is_same,
-        Comparison::Unequal => !is_same,
-        Comparison::Less => left < right,
-        Comparison::Greater => left > right,
-        Comparison::LessOrEqual => left <= right,
-        Comparison::GreaterOrEqual => left >= right,
+        ComparisonOperator::Equal => is_same,
+        ComparisonOperator::Unequal => !is_same,
+        ComparisonOperator::Less => left < right,
+        ComparisonOperator::Greater => left > right,
+        ComparisonOperator::LessOrEqual => left <= right,
+        ComparisonOperator::GreaterOrEqual => left >= right,
     })
 }
 

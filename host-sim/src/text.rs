@@ -1,14 +1,14 @@
-//! Words that people read, shared by all who write to them.
+//! Text for people, shared by all output.
 
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::Cause;
 
-/// A number and what it counts: `1 goal`, `2 goals`.
+/// Returns a number and its noun: `1 goal`, `2 goals`.
 pub(crate) fn counted(number: u32, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
-/// Cells as their numbers, one after another.
+/// Returns the numbers of cells, separated by spaces.
 pub(crate) fn route(cells: &[Cell]) -> String {
     cells.iter().map(|cell| cell.0.to_string()).collect::<Vec<_>>().join(" ")
 }
@@ -16,17 +16,17 @@ pub(crate) fn route(cells: &[Cell]) -> String {
 /// The names of the moves, in the order of their codes.
 const MOVES: [&str; Move::ALL.len()] = ["up", "down", "left", "right", "wait"];
 
-/// A move in one word.
+/// Returns the name of a move.
 pub(crate) fn move_name(step: Move) -> &'static str {
     MOVES[usize::from(step.code())]
 }
 
-/// The move with a name, or `None`.
+/// Returns the move with a name, or `None`.
 pub(crate) fn move_called(name: &str) -> Option<Move> {
     Move::ALL.into_iter().find(|&step| move_name(step) == name)
 }
 
-/// Why a robot calls its team to another decision, in a few words.
+/// Returns the cause of a round in a few words.
 pub(crate) const fn cause_words(cause: Cause) -> &'static str {
     match cause {
         Cause::Obstacle => "an obstacle on its path",

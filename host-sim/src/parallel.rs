@@ -1,13 +1,13 @@
-//! Work shared out among threads.
+//! A parallel map.
 
 use rayon::ThreadPoolBuilder;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use std::num::NonZeroUsize;
 
-/// Results of `work` for every number below `count`, in order.
+/// Returns the results of `work` for every number below `count`, in order.
 ///
-/// As many threads as there are cores work on them, or as many as asked for.
-pub(crate) fn share_out<T: Send>(
+/// Uses one thread per core, or the given number.
+pub(crate) fn parallel_map<T: Send>(
     count: usize,
     threads: Option<NonZeroUsize>,
     work: impl Fn(usize) -> T + Send + Sync,
@@ -31,19 +31,19 @@ mod tests {
     fn every_number_is_worked_on_once_and_results_are_in_order() {
         for threads in [None, NonZeroUsize::new(1), NonZeroUsize::new(3), NonZeroUsize::new(20)] {
             let worked = AtomicUsize::new(0);
-            let squares = share_out(10, threads, |number| {
+            let squares = parallel_map(10, threads, |number| {
                 worked.fetch_add(1, Ordering::Relaxed);
                 number * number
             });
             assert_eq!(squares, (0..10).map(|number| number * number).collect::<Vec<_>>());
             assert_eq!(worked.into_inner(), 10, "{threads:?}");
-            assert!(share_out(0, threads, |number| number).is_empty());
+            assert!(parallel_map(0, threads, |number| number).is_empty());
         }
     }
 
     #[test]
     #[should_panic = "the fifth"]
     fn a_panic_is_passed_on() {
-        share_out(10, None, |number| assert!(number != 5, "the fifth"));
+        parallel_map(10, None, |number| assert!(number != 5, "the fifth"));
     }
 }

@@ -1,20 +1,20 @@
-//! News: what happens in a tick that is worth telling.
+//! The events of a flight that are shown and recorded.
 
 use crate::scenario::Scenario;
-use crate::words::route;
+use crate::text::route;
 use iibt_core::grid::Cell;
 use serde::Serialize;
 
-/// One thing that happened. Robots are named by their index in the scenario, from zero.
+/// An event of a flight. Robots are named by their index in the scenario, from zero.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum News {
+pub enum FlightEvent {
     /// An obstacle appeared.
     Appeared {
         /// Where.
         cell: Cell,
     },
-    /// A robot saw an obstacle that nobody had seen.
+    /// A robot observed an obstacle that no robot had observed.
     Found {
         /// Who.
         robot: usize,
@@ -39,7 +39,7 @@ pub enum News {
         /// In which round.
         round: u16,
     },
-    /// A robot is where it wanted to be.
+    /// A robot stands on its goal.
     Arrived {
         /// Who.
         robot: usize,
@@ -60,7 +60,7 @@ pub enum News {
         /// Where.
         cell: Cell,
     },
-    /// A robot takes itself to have visited a way-point.
+    /// A robot has visited a way-point according to its belief.
     Visited {
         /// Who.
         robot: usize,
@@ -105,8 +105,8 @@ pub enum News {
     },
 }
 
-impl News {
-    /// This in one line.
+impl FlightEvent {
+    /// Returns the event in one line of text.
     #[must_use]
     pub fn line(&self, scenario: &Scenario) -> String {
         let name = |robot: usize| scenario.robots.get(robot).map_or("?", |robot| robot.name.as_str());
