@@ -115,7 +115,7 @@ fn lines_18_and_33_the_raise_avoids_the_obstacle_and_leaves_no_trace() {
 }
 
 fn preference(team: &Team<'_>) -> Vec<u32> {
-    (0..49).map(|cell| team.robots[0].robot().preference().get(cell).to_bits()).collect()
+    team.robots[0].robot().preference().values().map(f32::to_bits).to_vec()
 }
 
 #[test]

@@ -12,7 +12,8 @@
 //! | γ | [`Scoring::precision`], updated by a [`Precision`] | |
 //! | a, counts of A | [`LikelihoodCounts`](learning::LikelihoodCounts), itself a [`Likelihood`] | outcomes x states |
 //! | b, counts of B | [`TransitionCounts`](learning::TransitionCounts), itself a [`Transition`] | states x states per action |
-//! | c, d, e, counts of C, D, E | [`PreferenceCounts`](learning::PreferenceCounts), [`PriorCounts`](learning::PriorCounts), [`HabitCounts`](learning::HabitCounts) | outcomes; states; policies |
+//! | c, counts of C | [`PreferenceCounts`](learning::PreferenceCounts) | outcomes |
+//! | d, e, counts of D, E | [`DistributionCounts`](learning::DistributionCounts) | states; policies |
 //!
 //! A [`Model`] never changes after it is built; beliefs, preferences and counts are state. Data flows
 //! model → beliefs → problem → evaluation → choice, and the room knows neither trees nor robots.

@@ -185,10 +185,12 @@ impl<'a> Candidates<'a> {
         }
     }
 
+    // Apart: inlined, its bounds are worked out for every policy where all combinations are meant.
+    #[inline(never)]
     fn read(&self, policy: usize, row: &mut Row) {
         let Combinations::Listed(rows) = self.combinations else { return };
-        let width = self.sequences.len().max(1);
-        row.0.iter_mut().zip(rows.iter().skip(policy * width).take(width)).for_each(|(to, from)| *to = *from);
+        let listed = rows.chunks(self.sequences.len().max(1)).nth(policy).unwrap_or_default();
+        row.0.iter_mut().zip(listed).for_each(|(to, from)| *to = *from);
     }
 
     /// A control's sequence of this number; without actions where there is none.

@@ -93,7 +93,7 @@ fn visit_pairs<const S: usize, const G: usize>(
         if factors.iter().any(|&factor| problem.scope >> problem.model.group(factor) & 1 == 0) {
             continue;
         }
-        let parts = factors.map(|factor| beliefs.of(problem.model, factor));
+        let parts = factors.map(|factor| beliefs.part(problem.model, factor));
         let utility = match departing {
             Some((policy, step)) => {
                 pair.departing(parts, factors.map(|factor| action_of(problem, factor, policy, step - 1)))
@@ -150,7 +150,7 @@ fn observe<const S: usize, const G: usize>(
     }
     if problem.scoring.gain == Gain::Joint {
         let gains = gain::components(problem.model, observed);
-        let information_gain = gains.map(|component| component.gain(problem.model, beliefs)).sum();
+        let information_gain = gains.map(|component| gain::of(&component, beliefs)).sum();
         let terms = Terms { information_gain, ..Terms::ZERO };
         visit(Contribution { step, source: Source::Jointly, terms });
     }

@@ -146,7 +146,8 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         };
         let hazards: Vec<Cell, MAX_KNOWN_HAZARDS> = up_to(self.hazards_on(&path, done));
         for &hazard in &hazards {
-            preference.raise(hazard.index(), amount);
+            // Every cell of the map is an outcome.
+            let _ = preference.raise(hazard.index(), amount);
         }
     }
 }

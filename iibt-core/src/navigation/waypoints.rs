@@ -68,14 +68,18 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             up_to(self.open_waypoints().filter(|cell| !wanted.contains(cell)));
         for (index, cell) in missing.iter().enumerate() {
             if !missing.iter().take(index).any(|before| before == cell) {
-                preference.raise(cell.index(), amount);
+                // Every cell of the map is an outcome.
+                let _ = preference.raise(cell.index(), amount);
             }
         }
     }
 
     /// The open way-points that are wanted above all goals: where candidates have to lead.
     pub(super) fn via(&self, preference: &Preference<S>) -> Vec<Cell, MAX_WAYPOINTS> {
-        up_to(self.open_waypoints().filter(|cell| preference.get(cell.index()) > GOAL))
+        up_to(
+            self.open_waypoints()
+                .filter(|cell| preference.get(cell.index()).is_some_and(|worth| worth > GOAL)),
+        )
     }
 
     /// Whether the rest of a path leads over all open way-points.
@@ -183,7 +187,7 @@ mod tests {
         assert_eq!(robot.unmet(choice, &None), Some(missing), "the first choice knows nothing of way-points");
         robot.raise(missing, &None, &mut wanted);
         robot.raise(missing, &None, &mut wanted);
-        assert_eq!((wanted.get(4), wanted.get(24)), (2.0, 3.0), "max(C) + 1, once");
+        assert_eq!((wanted.get(4), wanted.get(24)), (Some(2.0), Some(3.0)), "max(C) + 1, once");
         let choice = plan(&mut robot, &wanted);
         assert_eq!(robot.unmet(choice, &None), None);
         for candidate in Robot::candidates(&robot) {

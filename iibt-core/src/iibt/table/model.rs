@@ -255,7 +255,7 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
             }
             let mut rows = [[0.0; S]; N];
             for (robot, row) in rows.iter_mut().enumerate() {
-                crate::math::assign(row, beliefs.of(model, robot));
+                crate::math::assign(row, beliefs.part(model, robot));
             }
             Some((rows, self.posterior(model, &beliefs)?))
         })?

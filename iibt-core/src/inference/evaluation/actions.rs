@@ -2,6 +2,7 @@
 
 use crate::actions::Action;
 use crate::inference::candidates::Row;
+use crate::inference::free_energy::PreferenceTiming;
 use crate::inference::model::Model;
 use crate::inference::policy::Policy;
 use crate::inference::problem::Problem;
@@ -32,6 +33,7 @@ pub(super) fn only_control<const S: usize, const G: usize>(
 }
 
 /// A number for what a joint policy does to a group; that numbers are large enough was checked.
+#[inline(never)]
 pub(super) fn key<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     group: usize,
@@ -57,12 +59,16 @@ pub(in crate::inference) fn action_of<const S: usize, const G: usize>(
     sequence(problem, control, &problem.candidates.row(policy)).get(step)
 }
 
-/// After how many steps a group arrives: when the last of its action sequences ends.
+/// After how many steps a group arrives: when the last of its action sequences ends. Zero, which is never, where every step
+/// counts.
 pub(in crate::inference) fn arrival<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     group: usize,
     row: &Row,
 ) -> u8 {
+    if problem.scoring.timing == PreferenceTiming::EveryStep {
+        return 0;
+    }
     let arrivals =
         controls(problem.model, group).map(|control| problem.arrival(sequence(problem, control, row)));
     arrivals.max().unwrap_or(problem.horizon).min(usize::from(u8::MAX)) as u8

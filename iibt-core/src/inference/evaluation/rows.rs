@@ -19,7 +19,7 @@ impl<'a, const S: usize, const G: usize, const R: usize> Rows<'a, S, G, R> {
     #[inline]
     pub(super) fn part(&self, model: &Model, factor: usize, places: &Places<G>) -> &'a [f32] {
         let row = places.get(model.group(factor)).copied().map_or(0, usize::from);
-        self.beliefs.get(row).map_or(&[], |row| row.of(model, factor))
+        self.beliefs.get(row).map_or(&[], |row| row.part(model, factor))
     }
 
     pub(super) fn candidate(&self, group: usize, places: &Places<G>) -> Option<&Candidate> {
@@ -74,7 +74,7 @@ pub(super) struct Combinations<'a, const G: usize, const R: usize> {
 impl<const G: usize, const R: usize> Combinations<'_, G, R> {
     pub(super) fn members(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let members = self.used.iter().enumerate().filter(|(group, _)| self.groups >> group & 1 == 1);
-        members.map(|(group, of)| (group, of.used.max(1)))
+        members.map(|(group, of)| (group, of.used().max(1)))
     }
 
     pub(super) fn count(&self) -> Option<usize> {
