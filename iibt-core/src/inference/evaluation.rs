@@ -6,17 +6,17 @@
 
 mod actions;
 mod group;
+mod preferred_modality;
 mod rows;
-mod sense;
 
 pub(super) use self::actions::{action_of, arrival};
-pub(super) use self::sense::{Normalisers, Sense, normalisers};
+pub(super) use self::preferred_modality::{Normalisers, PreferredModality, normalisers};
 
 use self::actions::{bits, key, only_control};
-use self::group::{Candidate, Group, Places};
-use self::rows::{Combinations, Rows};
+use self::group::{Group, Places, Rollout};
+use self::rows::{Rows, Tuples};
 use super::belief::Beliefs;
-use super::candidates::Row;
+use super::candidates::JointPolicy;
 use super::error::{Argument, OutOfRange, at_most};
 use super::free_energy::{Gain, Terms};
 use super::gain;
@@ -279,7 +279,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         step: usize,
     ) {
         for ((number, modality, groups), normalisers) in problem.modalities().zip(normalisers) {
-            let sense = Sense::new(problem, number, modality, *normalisers);
+            let sense = PreferredModality::new(problem, number, modality, *normalisers);
             if groups.is_power_of_two() {
                 self.observe_own(problem.model, &sense, groups, step);
             } else {
@@ -293,7 +293,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// A modality that one group's states determine: once for each of its candidates.
     #[inline(never)]
-    fn observe_own(&mut self, model: &Model, sense: &Sense, groups: u16, step: usize) {
+    fn observe_own(&mut self, model: &Model, sense: &PreferredModality, groups: u16, step: usize) {
         let Some(group) = self.groups.get_mut(groups.trailing_zeros() as usize) else { return };
         let used = group.used();
         for (row, candidate) in self.rows.iter().zip(&mut group.candidates).take(used) {
@@ -307,7 +307,14 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// A modality that several groups' states determine. What they bring about together is judged once, when the first of
     /// them arrives, if arrivals count.
-    fn observe_coupled(&mut self, model: &Model, sense: &Sense, groups: u16, batch: &Batch, step: usize) {
+    fn observe_coupled(
+        &mut self,
+        model: &Model,
+        sense: &PreferredModality,
+        groups: u16,
+        batch: &Batch,
+        step: usize,
+    ) {
         if !sense.on_arrival
             && let &[first, second] = sense.modality.factors()
             && self.observe_pairs(model, sense, [first, second], batch)
@@ -334,7 +341,13 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     /// A modality of two factors in different groups, for all pairs of their candidates at once; returns whether there are as
     /// many as joint policies at the most.
     #[inline(never)]
-    fn observe_pairs(&mut self, model: &Model, sense: &Sense, factors: [usize; 2], batch: &Batch) -> bool {
+    fn observe_pairs(
+        &mut self,
+        model: &Model,
+        sense: &PreferredModality,
+        factors: [usize; 2],
+        batch: &Batch,
+    ) -> bool {
         let groups = factors.map(|factor| model.group(factor));
         let used = groups.map(|group| self.groups.get(group).map_or(0, Group::used));
         let Some(pairs) = self.combinations.as_flattened_mut().get_mut(..used[0] * used[1]) else {
@@ -365,7 +378,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     /// Adds terms that several groups' candidates bring about together: found once for each combination of them that is
     /// gathered, or for each joint policy where those are fewer.
     fn couple(&mut self, groups: u16, batch: &Batch, of: &dyn Fn(&Rows<S, G, R>, &Places<G>) -> Terms) {
-        let combinations = Combinations { groups, used: &self.groups };
+        let combinations = Tuples { groups, used: &self.groups };
         let rows = Rows { beliefs: &self.rows, groups: &self.groups };
         let places = self.places.as_flattened().get(batch.clone()).unwrap_or_default().iter();
         let places = places.zip(self.terms.as_flattened_mut().get_mut(batch.clone()).unwrap_or_default());
@@ -456,11 +469,11 @@ fn admit<const S: usize, const G: usize, const R: usize>(
     group: &mut Group<R>,
     problem: &Problem<'_, S, G>,
     number: usize,
-    (policy, row): (usize, &Row),
+    (policy, row): (usize, &JointPolicy),
     key: u32,
 ) -> Option<usize> {
     let arrival = arrival(problem, number, row);
-    group.add(Candidate { key, policy: policy as u16, arrival, terms: Terms::ZERO })
+    group.add(Rollout { key, policy: policy as u16, arrival, terms: Terms::ZERO })
 }
 
 impl<const S: usize, const G: usize, const R: usize, const P: usize> Default for Evaluation<S, G, R, P> {

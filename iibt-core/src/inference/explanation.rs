@@ -2,7 +2,7 @@
 
 use super::belief::Beliefs;
 use super::error::{Argument, OutOfRange, below};
-use super::evaluation::{Sense, action_of, arrival, normalisers};
+use super::evaluation::{PreferredModality, action_of, arrival, normalisers};
 use super::free_energy::{Gain, PreferenceTiming, Terms};
 use super::gain;
 use super::model::MAX_MODALITIES;
@@ -143,7 +143,7 @@ fn observe<const S: usize, const G: usize>(
             continue;
         }
         observed |= 1 << number;
-        let sense = Sense::new(problem, number, modality, normalisers);
+        let sense = PreferredModality::new(problem, number, modality, normalisers);
         let parts = problem.model.parts(beliefs.as_flat(), modality.factors());
         let terms = sense.expect(parts.as_slice(), arrives);
         visit(Contribution { step, source: Source::Modality(number), terms });

@@ -1,7 +1,7 @@
 //! What a joint policy does to a group.
 
 use crate::actions::Action;
-use crate::inference::candidates::Row;
+use crate::inference::candidates::JointPolicy;
 use crate::inference::free_energy::PreferenceTiming;
 use crate::inference::model::Model;
 use crate::inference::policy::Policy;
@@ -37,7 +37,7 @@ pub(super) fn only_control<const S: usize, const G: usize>(
 pub(super) fn key<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     group: usize,
-    row: &Row,
+    row: &JointPolicy,
 ) -> u32 {
     if problem.scope >> group & 1 == 0 {
         return 0;
@@ -64,7 +64,7 @@ pub(in crate::inference) fn action_of<const S: usize, const G: usize>(
 pub(in crate::inference) fn arrival<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     group: usize,
-    row: &Row,
+    row: &JointPolicy,
 ) -> u8 {
     if problem.scoring.timing == PreferenceTiming::EveryStep {
         return 0;
@@ -77,7 +77,7 @@ pub(in crate::inference) fn arrival<const S: usize, const G: usize>(
 pub(super) fn sequence<'a, const S: usize, const G: usize>(
     problem: &Problem<'a, S, G>,
     control: usize,
-    row: &Row,
+    row: &JointPolicy,
 ) -> &'a Policy {
     problem.candidates.policy(control, row.get(control))
 }

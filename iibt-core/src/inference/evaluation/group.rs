@@ -13,12 +13,12 @@ pub(super) struct Group<const R: usize> {
     pub(super) control: Option<u8>,
     /// The factors that move together in it, a bit for each.
     pub(super) factors: u32,
-    pub(super) candidates: [Candidate; R],
+    pub(super) candidates: [Rollout; R],
 }
 
 /// One candidate of a group.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate {
+pub(super) struct Rollout {
     /// What tells it from the others.
     pub(super) key: u32,
     /// A joint policy that it is part of.
@@ -34,7 +34,7 @@ impl<const R: usize> Group<R> {
         used: 0,
         control: None,
         factors: 0,
-        candidates: [Candidate { key: 0, policy: 0, arrival: 0, terms: Terms::ZERO }; R],
+        candidates: [Rollout { key: 0, policy: 0, arrival: 0, terms: Terms::ZERO }; R],
     };
 
     /// How many candidates are in the rows.
@@ -43,7 +43,7 @@ impl<const R: usize> Group<R> {
     }
 
     /// The candidates that are in the rows.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Candidate> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Rollout> {
         self.candidates.iter().take(self.used())
     }
 
@@ -58,7 +58,7 @@ impl<const R: usize> Group<R> {
     }
 
     /// Gives a new candidate a row; `None` when there is no room.
-    pub(super) fn add(&mut self, candidate: Candidate) -> Option<usize> {
+    pub(super) fn add(&mut self, candidate: Rollout) -> Option<usize> {
         let row = self.used();
         *self.candidates.get_mut(row)? = candidate;
         self.used += 1;
