@@ -2,7 +2,7 @@
 
 use host_sim::reproduce;
 use iibt_core::grid::{Cell, Map};
-use iibt_core::navigation::{Cause, Mission, OBSTACLE, Plan, Report, Round, Said, Stage};
+use iibt_core::navigation::{Cause, Mission, NavigationPlan, OBSTACLE, Report, Round, Said, Stage};
 use iibt_core::team::{RobotId, Stamp};
 use tests::team::{Bench, Hardship, Team};
 
@@ -96,7 +96,7 @@ fn lines_17_to_30_an_obstacle_on_the_way_is_avoided_by_another_joint_plan() {
     for robot in &team.robots {
         let path = report(robot).path;
         assert!(path.cells(&mission.map).all(|cell| cell != blocked), "{path:?} avoids {blocked:?}");
-        assert!(!robot.robot().navigation().logic(Plan::Follow).is(OBSTACLE));
+        assert!(!robot.robot().navigation().logic(NavigationPlan::Follow).is(OBSTACLE));
     }
     fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }

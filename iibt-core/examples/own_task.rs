@@ -4,7 +4,7 @@
 //! The model and the choice are the inference engine's; the task says what is sensed, what may be chosen, and what a choice does.
 //! `cargo run -p iibt-core --example own_task`
 
-use iibt_core::iibt::{Literal, Node, Task};
+use iibt_core::iibt::{InferenceNode, Literal, Task};
 use iibt_core::inference::{
     Candidates, Control, Evidence, Factor, Modality, Model, NextState, OutcomeTable, Policy, Shape, Terms,
 };
@@ -113,7 +113,7 @@ impl Task for Boxes {
 fn main() -> Result<(), Box<dyn Error>> {
     let alone = Roster::new(Member::new(RobotId(0), 1)?, Limits::for_beacons(Duration(1))?);
     let mut task = Boxes { agent: agent!(MODEL, 3), found: false, command: None, why: [Terms::ZERO; 3] };
-    let mut node = Node::new(Duration(50));
+    let mut node = InferenceNode::new(Duration(50));
     // The part is in the right box, 1. The first knock misleads.
     let knocks = [0, 1, 1, 1, 1, 1, 1];
     let (mut done, mut result) = (vec![], 0);

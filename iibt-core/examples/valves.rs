@@ -6,7 +6,7 @@ use iibt_core::iibt::table::{
     Accuracy, Aim, Announcement, Effect, Fact, HiddenFactor, Holds, Labels, Operator, Percept, Postcondition,
     Reads, Remedy, Role, Sensor, TableTask, Tables, Wish,
 };
-use iibt_core::iibt::{Literal, Node};
+use iibt_core::iibt::{InferenceNode, Literal};
 use iibt_core::team::{Envelope, Limits, Member, RobotId, Roster, Stamp};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
@@ -71,7 +71,7 @@ type Valve = TableTask<'static, { VALVES.states() }, { VALVES.robots() }, { VALV
 /// One robot: its task and node, its teammate as it was heard, and its valve in truth.
 struct Robot {
     task: Valve,
-    node: Node<Valve>,
+    node: InferenceNode<Valve>,
     roster: Roster<Announcement>,
     turns: u32,
     /// How many turns the valve sticks.
@@ -83,7 +83,7 @@ impl Robot {
         let member = Member::new(RobotId(number), 2)?;
         let roster = Roster::new(member, Limits::for_beacons(Duration(1))?);
         let task = Valve::new(&VALVES, RobotId(number))?;
-        Ok(Self { task, node: Node::new(Duration(20)), roster, turns: 0, sticks })
+        Ok(Self { task, node: InferenceNode::new(Duration(20)), roster, turns: 0, sticks })
     }
 
     fn is_closed(&self) -> bool {

@@ -2,8 +2,8 @@
 //!
 //! | symbol | here | shape |
 //! |---|---|---|
-//! | A = P(o \| s) | [`Likelihood`]: [`Dense`](likelihood::Dense), [`IdentityNoise`], [`OutcomeTable`] | outcomes x states |
-//! | B = P(s' \| s, u) | [`Transition`]: [`Dense`](transition::Dense), [`NextState`], [`Blocks`] | states x states per action |
+//! | A = P(o \| s) | [`Likelihood`]: [`DenseLikelihood`](likelihood::DenseLikelihood), [`IdentityNoise`], [`OutcomeTable`] | outcomes x states |
+//! | B = P(s' \| s, u) | [`Transition`]: [`DenseTransition`](transition::DenseTransition), [`NextState`], [`Blocks`] | states x states per action |
 //! | C, ln P(o) up to a constant | a slice in each [`Modality`], or a [`Preference`] | outcomes |
 //! | D = P(s) at the start | a slice in each [`Factor`] | states |
 //! | E = P(π) | [`Habits`] | policies |

@@ -2,7 +2,7 @@
 //!
 //! | form | what it is | numbers it stores |
 //! |---|---|---|
-//! | [`Dense`] | any table | outcomes x states |
+//! | [`DenseLikelihood`] | any table | outcomes x states |
 //! | [`IdentityNoise`] | the state itself, read with even errors | 3 |
 //! | [`OutcomeTable`] | an outcome that labels of the states determine, with or without noise | a byte per state and per combination of labels, and a column per kind |
 //!
@@ -12,7 +12,7 @@ mod dense;
 mod identity_noise;
 mod outcome_table;
 
-pub use dense::Dense;
+pub use dense::DenseLikelihood;
 pub use identity_noise::IdentityNoise;
 pub use outcome_table::{MAX_KINDS, MAX_LABELS, OutcomeTable};
 
@@ -161,7 +161,7 @@ fn add(sums: &mut [f32], at: Option<&usize>, term: f32) {
 /// ```
 /// use iibt_core::inference::{TableError, likelihood, NextState};
 ///
-/// let error = likelihood::Dense::try_new(&[0.5, -0.5, 0.5, 1.5], 2, &[2]).unwrap_err();
+/// let error = likelihood::DenseLikelihood::try_new(&[0.5, -0.5, 0.5, 1.5], 2, &[2]).unwrap_err();
 /// assert_eq!(error.to_string(), "entry 1 is negative or not finite");
 /// let error = NextState::try_new(&[0, 2], 2, 0.0).unwrap_err();
 /// assert_eq!(error, TableError::Range(1));

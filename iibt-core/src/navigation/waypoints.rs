@@ -117,9 +117,9 @@ impl core::error::Error for VisitError {}
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Mission, OBSTACLE, Percept, Plan, VISITED};
+    use super::super::{GridPercept, Mission, NavigationPlan, OBSTACLE, VISITED};
     use super::*;
-    use crate::iibt::{Literal, Node, Task};
+    use crate::iibt::{InferenceNode, Literal, Task};
     use crate::navigation::Stage;
     use crate::navigation::testing::{member, roster};
     use crate::time::Duration;
@@ -139,15 +139,15 @@ mod tests {
         robot
     }
 
-    fn reading(cell: u16) -> Percept {
-        Percept { reading: Some(Cell(cell)), ..Percept::default() }
+    fn reading(cell: u16) -> GridPercept {
+        GridPercept { reading: Some(Cell(cell)), ..GridPercept::default() }
     }
 
     fn read(robot: &mut Robot<'_>, cell: u16) {
         robot.observe(&reading(cell), roster(1).at(Default::default()));
     }
 
-    fn plan(robot: &mut Robot<'_>, preference: &Preference<49>) -> Plan {
+    fn plan(robot: &mut Robot<'_>, preference: &Preference<49>) -> NavigationPlan {
         let roster = roster(1);
         let peers = roster.at(Default::default());
         let candidates = robot.candidates(preference, peers);
@@ -203,7 +203,7 @@ mod tests {
         for cell in [39, 4, 4] {
             robot.visit(Cell(cell)).unwrap();
         }
-        let mut node = Node::new(Duration(100));
+        let mut node = InferenceNode::new(Duration(100));
         node.tick(&mut robot, &reading(28), roster(1).at(Default::default()), Default::default());
         assert_eq!(robot.agreement().stage(), Stage::Announced);
         let path = *robot.agreement().path();

@@ -6,7 +6,7 @@ use super::definition::{
     Postcondition, Reads, Role, Tables,
 };
 use crate::actions::Action;
-use crate::inference::likelihood::Dense;
+use crate::inference::likelihood::DenseLikelihood;
 use crate::inference::{
     Beliefs, Candidates, Control, Evaluation, Evidence, Factor, Habits, IdentityNoise, Likelihood, Modality,
     Model, ObservationError, Policy, Preference, Problem, Scoring, Shape, Transition,
@@ -83,14 +83,16 @@ impl Transition for Brought<'_> {
 /// P(reading | what is read).
 enum Noise<'a> {
     Even(IdentityNoise),
-    Table(Dense<'a>),
+    Table(DenseLikelihood<'a>),
 }
 
 impl<'a> Noise<'a> {
     fn new(accuracy: Accuracy<'a>, outcomes: usize) -> Option<Self> {
         Some(match accuracy {
             Accuracy::Even(right) => Self::Even(IdentityNoise::among(right, outcomes)),
-            Accuracy::Table(table) => Self::Table(Dense::try_new(table, outcomes, &[outcomes]).ok()?),
+            Accuracy::Table(table) => {
+                Self::Table(DenseLikelihood::try_new(table, outcomes, &[outcomes]).ok()?)
+            }
         })
     }
 
