@@ -10,7 +10,7 @@ use crate::tree::Status;
 /// It owns what Algorithm 1 owns: the preference with its temporary part, the roll-back, the precondition loop
 /// with its timeout, waiting, and the connection to the teammates. [`Task`] has an example.
 #[derive(Clone, Debug)]
-pub struct Node<T: Task> {
+pub struct InferenceNode<T: Task> {
     timeout: Duration,
     /// C with its temporary part L, while a precondition is unmet; rolled back by dropping it.
     preference: Option<T::Preference>,
@@ -24,7 +24,7 @@ struct Decided<T: Task> {
     policy: Option<T::Policy>,
 }
 
-impl<T: Task> Node<T> {
+impl<T: Task> InferenceNode<T> {
     /// The most passes of the precondition loop (lines 17-30) in one tick. What is left unmet goes on at the
     /// next tick, so a tick has bounded work and the timeout a clock to run on.
     pub const PASSES: usize = 8;

@@ -5,7 +5,6 @@ mod couplings;
 mod product;
 
 use self::couplings::{Coupling, Couplings};
-use self::product::Product;
 use super::evidence::Evidence;
 use super::model::Model;
 use crate::math;
@@ -72,26 +71,16 @@ pub struct Update {
 /// let mut beliefs = Beliefs::<2, 1>::prior(&MODEL);
 /// let event = beliefs.update(&MODEL, &[Evidence::Outcome(1)]);
 /// assert_eq!(event, Err(Impossible { modality: 0 }.into()));
-/// assert_eq!(beliefs.of(&MODEL, 0), [1.0, 0.0]);
+/// assert_eq!(beliefs.of(&MODEL, 0)?, [1.0, 0.0]);
+/// # Ok::<(), iibt_core::inference::OutOfRange>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the observation of modality {modality} has probability zero under the beliefs and the model")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Impossible {
     /// The modality that cannot be explained together with those before it.
     pub modality: usize,
 }
-
-impl core::fmt::Display for Impossible {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(
-            f,
-            "the observation of modality {} has probability zero under the beliefs and the model",
-            self.modality
-        )
-    }
-}
-
-impl core::error::Error for Impossible {}
 
 /// The beliefs that are being updated, and as much room again to work in, twice; exact inference does without `prior`.
 pub(super) struct Work<'b> {
@@ -149,10 +138,12 @@ fn update_together(work: &mut Work, couplings: &Couplings, method: Method) -> Re
     if method == Method::Exact {
         if let Some(coupling) = couplings.single() {
             if coupling.1.likelihood().effort(coupling.1.shape()) <= EXACT_LIMIT {
-                return by_messages(work, couplings.model, coupling).map(exact);
+                return by_messages(work, couplings.members.model, coupling).map(exact);
             }
-        } else if let Some(product) = Product::of(couplings) {
-            return product.update(work, couplings).map(exact);
+        } else if let Some(product) = couplings.members.product()
+            && product.shape.columns().is_some_and(|columns| columns <= EXACT_LIMIT)
+        {
+            return product::update(work, couplings, &product).map(exact);
         }
     }
     let sweeps = match method {
@@ -170,12 +161,14 @@ fn by_messages(
     (number, modality, evidence): Coupling,
 ) -> Result<f32, Impossible> {
     let (form, shape) = (modality.likelihood(), modality.shape());
-    // All messages first: each is under the beliefs before the observation.
-    let beliefs = model.parts(work.posterior, modality.factors());
-    for (condition, &factor) in modality.factors().iter().enumerate() {
-        let message = model.part_mut(work.scratch, factor);
-        message.fill(0.0);
-        form.message(shape, evidence, beliefs.as_slice(), condition, message);
+    {
+        // All messages first: each is under the beliefs before the observation.
+        let beliefs = model.parts(work.posterior, modality.factors());
+        for (condition, &factor) in modality.factors().iter().enumerate() {
+            let message = model.part_mut(work.scratch, factor);
+            message.fill(0.0);
+            form.message(shape, evidence, &beliefs, condition, message);
+        }
     }
     let mut probability = 1.0;
     for &factor in modality.factors() {

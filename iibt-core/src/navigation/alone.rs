@@ -10,7 +10,7 @@
 //! stepped aside, it opens the next round, and the team decides from where everybody stands. Where nobody can make
 //! room, all wait.
 
-use super::{Cause, Intention, Navigation, Percept, Stage, intentions};
+use super::{Cause, GridPercept, Intention, Navigation, Stage, intentions};
 use crate::grid::{Cell, CellSet, Path};
 use crate::team::Peers;
 
@@ -29,7 +29,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
 
     /// One tick of a robot whose battery is low, in the place of the inference node's. Without a charger it stands
     /// still; so it does while no way leads to its charger past the obstacles it knows and the teammates.
-    pub fn recharge(&mut self, percept: &Percept, peers: Peers<'_, Intention>) {
+    pub fn recharge(&mut self, percept: &GridPercept, peers: Peers<'_, Intention>) {
         self.look_after_itself(percept, peers);
         let (Some(here), Some(charger)) = (self.here(), self.charger()) else { return };
         if !self.agreement.is_away() {
@@ -45,7 +45,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
 
     /// One tick of a robot that steps out of the way of a teammate that cannot get to its charger, in the place of the
     /// inference node's; returns whether it does.
-    pub fn step_aside(&mut self, percept: &Percept, peers: Peers<'_, Intention>) -> bool {
+    pub fn step_aside(&mut self, percept: &GridPercept, peers: Peers<'_, Intention>) -> bool {
         self.percept.moving = percept.moving;
         if !self.agreement.is_away() {
             self.aside = self.here().and_then(|here| self.room_to_make(here, peers));
@@ -64,7 +64,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// Takes in what was sensed, as a robot that takes no part in the team's decisions.
-    fn look_after_itself(&mut self, percept: &Percept, peers: Peers<'_, Intention>) {
+    fn look_after_itself(&mut self, percept: &GridPercept, peers: Peers<'_, Intention>) {
         self.perceive(percept, peers);
         self.alone = true;
         self.track();

@@ -17,7 +17,7 @@ pub const VISITED: u8 = 3;
 /// What a robot can decide to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Plan {
+pub enum NavigationPlan {
     /// Stand still for now: the wait policy.
     Wait,
     /// Commit to the candidate with this index.
@@ -26,7 +26,7 @@ pub enum Plan {
     Follow,
 }
 
-impl Plan {
+impl NavigationPlan {
     /// What must hold for the plan to be executed.
     #[must_use]
     pub const fn precondition(self) -> Condition {
