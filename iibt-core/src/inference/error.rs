@@ -1,8 +1,31 @@
 //! What a caller gets wrong, apart from what happens in the world.
 
-use super::estimation::Impossible;
 use core::fmt::{Display, Formatter, Result as Formatted};
 use thiserror::Error;
+
+/// The observation has probability zero under the beliefs and the model. The beliefs were left as they were.
+///
+/// ```
+/// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Impossible, Modality, Model, NextState};
+///
+/// # static STAY: NextState = NextState::new(&[0, 1], 2);
+/// static SURE: IdentityNoise = IdentityNoise::new(1.0, 2);
+/// static FACTORS: [Factor; 1] = [Factor::new(&STAY, STAY.shape(), &[1.0, 0.0])];
+/// static MODALITIES: [Modality; 1] = [Modality::new(&SURE, SURE.shape(), &[0], &[0.0; 2])];
+/// static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
+/// let mut beliefs = Beliefs::<2, 1>::prior(&MODEL);
+/// let event = beliefs.update(&MODEL, &[Evidence::Outcome(1)]);
+/// assert_eq!(event, Err(Impossible { modality: 0 }.into()));
+/// assert_eq!(beliefs.of(&MODEL, 0)?, [1.0, 0.0]);
+/// # Ok::<(), iibt_core::inference::OutOfRange>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the observation of modality {modality} has probability zero under the beliefs and the model")]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Impossible {
+    /// The modality that cannot be explained together with those before it.
+    pub modality: usize,
+}
 
 /// An argument that does not fit the model or the memory.
 ///

@@ -1,7 +1,8 @@
 //! Coordinate ascent: approximate inference for couplings that are too large to be exact about.
 
 use super::couplings::{Coupling, Couplings};
-use super::{Impossible, Update, Work};
+use super::{Update, Work};
+use crate::inference::error::Impossible;
 use crate::math;
 
 /// The largest change of a probability in a sweep after which coordinate ascent has converged.

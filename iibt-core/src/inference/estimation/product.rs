@@ -1,7 +1,8 @@
 //! Exact inference over every combination of the states of a few factors.
 
+use super::Work;
 use super::couplings::Couplings;
-use super::{Impossible, Work};
+use crate::inference::error::Impossible;
 use crate::inference::model::{MAX_FACTORS, Product};
 use crate::math;
 
