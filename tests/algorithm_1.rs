@@ -6,7 +6,7 @@ use host_sim::manipulation::tables::{
 };
 use iibt_core::iibt::rules::Raise;
 use iibt_core::iibt::table::{Operator, Remedy, Role, Tables};
-use iibt_core::iibt::{Literal, Node};
+use iibt_core::iibt::{InferenceNode, Literal};
 use iibt_core::tree::Status;
 use tests::handling::{Bench, Handling, TIMEOUT, idle, ready, said};
 
@@ -222,8 +222,8 @@ fn lines_26_to_28_the_timeout_survives_a_wrap_of_the_clock() {
 fn lines_17_to_30_do_bounded_work_in_a_tick_and_go_on_in_the_next() {
     let mut robot = Bench::new(&HESITANT, 0);
     robot.tick(Some(idle()));
-    let raised = robot.node.raised().expect("the loop is not done").rows[0].get(LOC.into());
-    assert!((raised - 0.1 * Node::<Handling>::PASSES as f32).abs() < 1e-6, "{raised}");
+    let raised = robot.node.raised().expect("the loop is not done").rows[0].get(LOC.into()).expect("a state");
+    assert!((raised - 0.1 * InferenceNode::<Handling>::PASSES as f32).abs() < 1e-6, "{raised}");
     assert_eq!(robot.begun(), None);
     robot.tick(Some(idle()));
     assert_eq!(robot.begun(), Some((MOVE_TO, Some(GOAL_A))), "what was raised is kept");

@@ -48,5 +48,5 @@ fn the_benchmarks_fit_their_memory() {
     let small = size_of::<Workspace<{ t1::S }>>();
     let large = size_of::<Workspace<{ t2::S }>>();
     println!("working memory: T1 {small}, T2 {large} bytes");
-    assert!(small <= 1_152 && large <= 4_096, "T1 {small}, T2 {large} bytes");
+    assert!(small <= 1_024 && large <= 4_096, "T1 {small}, T2 {large} bytes");
 }

@@ -68,7 +68,7 @@ fn what_goals_are_worth_is_the_base_of_the_preference() {
     (values[1], values[2]) = (0.25, f32::NAN);
     robot.set_goal_preferences(&values);
     let worth = |robot: &Navigation<'_, 49, 2, 8>| [24, 26, 48, 25].map(|cell| robot.preference().get(cell));
-    assert_eq!(worth(&robot), [1.0, 0.25, 1.0, 0.0], "what is no worth counts as one");
+    assert_eq!(worth(&robot), [1.0, 0.25, 1.0, 0.0].map(Some), "what is no worth counts as one");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use host_sim::{EventEffect, Faults, NavigatorFlight, Radio, Reading, reproduce};
 use iibt_core::grid::{Cell, Map};
-use iibt_core::navigation::{Cause, Mission, OBSTACLE, Plan, Report, Round, Said, Stage};
+use iibt_core::navigation::{Cause, Mission, NavigationPlan, OBSTACLE, Report, Round, Said, Stage};
 use iibt_core::team::{RobotId, Stamp};
 use iibt_core::tree::Status;
 use tests::judge;
@@ -103,7 +103,7 @@ fn lines_17_to_30_an_obstacle_on_the_way_is_avoided_by_another_joint_plan() {
     for (robot, report) in team.robots().zip(team.reports()) {
         let path = report.path;
         assert!(path.cells(&mission.map).all(|cell| cell != blocked), "{path:?} avoids {blocked:?}");
-        assert!(!robot.robot().navigation().logic(Plan::Follow).is(OBSTACLE));
+        assert!(!robot.robot().navigation().logic(NavigationPlan::Follow).is(OBSTACLE));
     }
     fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
@@ -122,7 +122,7 @@ fn lines_18_and_33_the_raise_avoids_the_obstacle_and_leaves_no_trace() {
 }
 
 fn preference(team: &Team<'_>) -> Vec<u32> {
-    (0..49).map(|cell| team.robot(0).robot().preference().get(cell).to_bits()).collect()
+    team.robot(0).robot().preference().values().map(f32::to_bits).to_vec()
 }
 
 #[test]

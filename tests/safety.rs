@@ -1,4 +1,7 @@
 //! Whatever the radio, the drive and the world do: no two robots ever share or swap a cell.
+//!
+//! How many teams must arrive is what was measured less some three standard deviations of such a count, and five
+//! where nearly all arrive: another stream of random numbers passes, a team that is held up does not.
 
 use host_sim::{Faults, NavigatorFlight, Radio, Random, reproduce};
 use iibt_core::actions::HORIZON;
@@ -96,25 +99,25 @@ fn with_a_third_of_the_frames_lost_late_or_twice() {
 #[test]
 fn with_most_of_the_frames_lost() {
     let faults = Faults { radio: radio(0.7, 5, 0.5), ..Faults::default() };
-    assert!(campaign("deaf", faults) >= 170);
+    assert!(campaign("deaf", faults) >= 195);
 }
 
 #[test]
 fn with_moves_that_fail_and_obstacles_that_appear() {
     let faults = Faults { radio: radio(0.2, 0, 0.0), slip: 0.1, obstacle: 0.05, ..Faults::default() };
-    assert!(campaign("rough ground", faults) >= 185);
+    assert!(campaign("rough ground", faults) >= 192);
 }
 
 #[test]
 fn with_localisers_that_err_as_often_as_the_model_says() {
     let faults = Faults { radio: radio(0.2, 0, 0.0), misreading: 0.0048, ..Faults::default() };
-    assert!(campaign("misread", faults) >= 190);
+    assert!(campaign("misread", faults) >= 195);
 }
 
 #[test]
 fn with_low_batteries_and_way_points() {
     let faults = Faults { low_battery: 0.02, errand: 0.02, ..Faults::default() };
-    assert!(campaign_of(LONG_RUNS, "errands", faults) >= 145);
+    assert!(campaign_of(LONG_RUNS, "errands", faults) >= 142);
 }
 
 #[test]
@@ -128,7 +131,7 @@ fn with_low_batteries_and_way_points_and_everything_else_that_goes_wrong() {
         errand: 0.02,
         ..Faults::default()
     };
-    assert!(campaign_of(LONG_RUNS, "hard day", faults) >= 132);
+    assert!(campaign_of(LONG_RUNS, "hard day", faults) >= 122);
 }
 
 #[test]
@@ -141,14 +144,13 @@ fn with_low_batteries_and_robots_that_restart() {
         errand: 0.02,
         ..Faults::default()
     };
-    assert!(campaign_of(LONG_RUNS, "restarts away", faults) >= 138);
+    assert!(campaign_of(LONG_RUNS, "restarts away", faults) >= 144);
 }
 
 #[test]
 fn with_robots_that_restart_at_any_moment() {
     let faults = Faults { radio: radio(0.2, 2, 0.0), slip: 0.05, restart: 0.02, ..Faults::default() };
-    // A restart in every tenth tick leaves some teams no time.
-    assert!(campaign("restarts", faults) >= 100);
+    assert!(campaign("restarts", faults) >= 193);
 }
 
 #[test]
@@ -170,7 +172,9 @@ mod with_robots_of_different_paces {
             assert_eq!(outcome.collisions, 0, "seed {seed}, {ticks:?}: {outcome:?}");
             outcome
         });
-        outcomes.filter(|outcome| outcome.arrived.is_some()).count()
+        let arrived = outcomes.filter(|outcome| outcome.arrived.is_some()).count();
+        println!("paces: all arrived in {arrived} of {RUNS}");
+        arrived
     }
 
     fn known(ticks: [u32; 5]) -> [u8; 5] {
@@ -195,28 +199,28 @@ mod with_robots_of_different_paces {
             let [a, b, c, d, e] = known(ticks);
             [b, c, d, e, a]
         });
-        assert!(arrived >= 190, "{arrived}");
+        assert!(arrived >= 195, "{arrived}");
     }
 
     #[test]
     fn with_half_of_the_frames_lost_late_or_twice() {
         let faults = Faults { radio: radio(0.5, 3, 0.2), ..Faults::default() };
         let arrived = campaign(faults, known);
-        assert!(arrived >= 180, "{arrived}");
+        assert!(arrived >= 195, "{arrived}");
     }
 
     #[test]
     fn with_moves_that_fail_and_obstacles_that_appear() {
         let faults = Faults { radio: radio(0.2, 0, 0.0), slip: 0.1, obstacle: 0.05, ..Faults::default() };
         let arrived = campaign(faults, known);
-        assert!(arrived >= 170, "{arrived}");
+        assert!(arrived >= 190, "{arrived}");
     }
 
     #[test]
     fn with_robots_that_restart_at_any_moment() {
         let faults = Faults { radio: radio(0.2, 2, 0.0), slip: 0.05, restart: 0.005, ..Faults::default() };
         let arrived = campaign(faults, known);
-        assert!(arrived >= 120, "{arrived}");
+        assert!(arrived >= 190, "{arrived}");
     }
 }
 

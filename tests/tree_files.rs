@@ -358,7 +358,7 @@ mod binding {
     use super::*;
     use host_sim::tree::{BoundTree, LeafNode};
     use iibt_core::time::Instant;
-    use iibt_core::tree::{Halt, Leaves, NodeMemory, Status, Transition};
+    use iibt_core::tree::{Halt, Leaves, NodeMemory, Status, StatusChange};
 
     const TREE: &str = r#"<root BTCPP_format="4"><BehaviorTree ID="Main"><ReactiveFallback>
       <Sequence><IsLow/><GoTo place="dock"/></Sequence><GoTo place="field"/>
@@ -406,7 +406,7 @@ mod binding {
             Halt::Done
         }
 
-        fn transition(&mut self, _: Transition) {
+        fn transition(&mut self, _: StatusChange) {
             self.transitions += 1;
         }
     }

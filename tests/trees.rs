@@ -6,7 +6,7 @@
 use iibt_core::time::Instant;
 use iibt_core::tree;
 use iibt_core::tree::{
-    Compat, Full, Halt, Kinds, Leaves, Log, Memory, Next, Node, Rule, Status, Tick, Transition, Tree,
+    Compat, Full, Halt, Kinds, Leaves, Log, Memory, Next, Node, Status, StatusChange, Tick, Tree, TreeRule,
 };
 use std::collections::HashMap;
 
@@ -76,7 +76,7 @@ impl Leaves<char> for Script {
         letter.to_digit(10).map_or(usize::MAX, |digit| digit as usize)
     }
 
-    fn transition(&mut self, transition: Transition) {
+    fn transition(&mut self, transition: StatusChange) {
         if let Some(log) = &mut self.log {
             log.push(transition);
         }
@@ -301,7 +301,7 @@ fn zero_rounds_end_without_a_tick() {
     ] {
         assert_eq!(
             Tree::<_, 2, Full>::try_new([node, Node::Action('a')]).unwrap_err().rule,
-            Rule::NeverTicked
+            TreeRule::NeverTicked
         );
         let mut rows = [Row::new(node), Row::new(Node::Action('a'))];
         let tree = TreeRef::<_, Full>::try_new(&mut rows).unwrap();
@@ -475,26 +475,26 @@ fn transitions_go_into_a_ring_that_counts_what_it_lost() {
 fn every_broken_rule_is_found_at_its_row() {
     use Node::*;
     use iibt_core::tree::{Millis, Times};
-    fn found<const N: usize>(nodes: [Node<char>; N]) -> (u16, Rule) {
+    fn found<const N: usize>(nodes: [Node<char>; N]) -> (u16, TreeRule) {
         let error = Tree::<char, N, Full>::try_new(nodes).unwrap_err();
         (error.node, error.rule)
     }
     let a = Action('a');
     let parallel = |success_count, failure_count| Parallel { children: 2, success_count, failure_count };
-    assert_eq!(found([IfThenElse(1), a]), (0, Rule::Arity));
-    assert_eq!(found([WhileDoElse(4), a, a, a, a]), (0, Rule::Arity));
-    assert_eq!(found([Switch(2, 'v'), a, a]), (0, Rule::Arity));
-    assert_eq!(found([Inverter, parallel(3, 1), a, a]), (1, Rule::SuccessCount));
-    assert_eq!(found([parallel(-1, 3), a, a]), (0, Rule::FailureCount));
-    assert_eq!(found([ParallelAll { children: 1, max_failures: 2 }, a]), (0, Rule::FailureCount));
-    assert_eq!(found([Repeat(Times::new(-2)), a]), (0, Rule::Times));
-    assert_eq!(found([Sleep(Millis::new(u32::MAX))]), (0, Rule::Duration));
-    assert_eq!(found([RateController(Millis::new(0)), a]), (0, Rule::Duration));
-    assert_eq!(found([Sequence(2), AlwaysFailure, a]), (2, Rule::NeverTicked));
+    assert_eq!(found([IfThenElse(1), a]), (0, TreeRule::Arity));
+    assert_eq!(found([WhileDoElse(4), a, a, a, a]), (0, TreeRule::Arity));
+    assert_eq!(found([Switch(2, 'v'), a, a]), (0, TreeRule::Arity));
+    assert_eq!(found([Inverter, parallel(3, 1), a, a]), (1, TreeRule::SuccessCount));
+    assert_eq!(found([parallel(-1, 3), a, a]), (0, TreeRule::FailureCount));
+    assert_eq!(found([ParallelAll { children: 1, max_failures: 2 }, a]), (0, TreeRule::FailureCount));
+    assert_eq!(found([Repeat(Times::new(-2)), a]), (0, TreeRule::Times));
+    assert_eq!(found([Sleep(Millis::new(u32::MAX))]), (0, TreeRule::Duration));
+    assert_eq!(found([RateController(Millis::new(0)), a]), (0, TreeRule::Duration));
+    assert_eq!(found([Sequence(2), AlwaysFailure, a]), (2, TreeRule::NeverTicked));
     let c = Condition('c');
-    assert_eq!(found([Sequence(2), Repeat(Times::FOREVER), c, a]), (3, Rule::NeverTicked));
+    assert_eq!(found([Sequence(2), Repeat(Times::FOREVER), c, a]), (3, TreeRule::NeverTicked));
     let basic = Tree::<char, 1>::try_new([AlwaysSuccess]).unwrap_err();
-    assert_eq!((basic.node, basic.rule), (0, Rule::NotInSet));
+    assert_eq!((basic.node, basic.rule), (0, TreeRule::NotInSet));
 }
 
 #[test]

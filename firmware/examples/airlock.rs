@@ -9,7 +9,7 @@ use iibt_core::iibt::table::{
     Accuracy, Aim, Announcement, Effect, Fact, HiddenFactor, Holds, Labels, Operator, Percept, Postcondition,
     Reads, Role, Sensor, TableTask, Tables, TablesError, Wish,
 };
-use iibt_core::iibt::{Node, Task as _};
+use iibt_core::iibt::{InferenceNode, Task as _};
 use iibt_core::team::{Message, Peers, RobotId};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::{Halt, Leaves, Memory, Status, Tree};
@@ -102,7 +102,7 @@ pub struct Door {
 
 struct Skills {
     task: Task,
-    node: Node<Task>,
+    node: InferenceNode<Task>,
     percept: Percept,
     charge: u8,
 }
@@ -110,7 +110,7 @@ struct Skills {
 impl Door {
     /// The inner door, robot 0, or the outer one, robot 1.
     pub fn new(robot: RobotId) -> Result<Self, TablesError> {
-        let (task, node) = (Task::new(&AIRLOCK, robot)?, Node::new(Duration(200)));
+        let (task, node) = (Task::new(&AIRLOCK, robot)?, InferenceNode::new(Duration(200)));
         let skills = Skills { task, node, percept: Percept::default(), charge: 0 };
         Ok(Self { memory: Memory::new(), skills })
     }

@@ -3,9 +3,9 @@
 use crate::Robot;
 use crate::Settings;
 use crate::hardware::{Battery, Drive, Localiser, Scanner};
-use iibt_core::iibt::{Node, Task};
+use iibt_core::iibt::{InferenceNode, Task};
 use iibt_core::inference::Preference;
-use iibt_core::navigation::{Intention, Mission, MissionError, Navigation, Percept};
+use iibt_core::navigation::{GridPercept, Intention, Mission, MissionError, Navigation};
 use iibt_core::team::{Invalid, Peers};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree;
@@ -54,14 +54,14 @@ static TREE: Tree<Skill, NODES> = tree! {
 pub struct Navigator<'m, const S: usize, const W: usize, const P: usize> {
     memory: Memory<NODES>,
     skills: Skills<'m, S, W, P>,
-    percept: Percept,
+    percept: GridPercept,
 }
 
 /// The state that the leaves share.
 #[derive(Clone, Debug)]
 struct Skills<'m, const S: usize, const W: usize, const P: usize> {
     navigation: Navigation<'m, S, W, P>,
-    node: Node<Navigation<'m, S, W, P>>,
+    node: InferenceNode<Navigation<'m, S, W, P>>,
     charge: u8,
     thresholds: Thresholds,
 }
@@ -95,11 +95,11 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigator<'m, S, W, P> 
             memory: Memory::new(),
             skills: Skills {
                 navigation: Navigation::new(mission, settings.member(), settings.epoch())?,
-                node: Node::new(timeout),
+                node: InferenceNode::new(timeout),
                 charge: 100,
                 thresholds: Thresholds::DEFAULT,
             },
-            percept: Percept::default(),
+            percept: GridPercept::default(),
         })
     }
 
@@ -180,7 +180,7 @@ where
 /// The skills in a tick, with what was sensed and heard.
 struct Ticking<'t, 'm, const S: usize, const W: usize, const P: usize> {
     skills: &'t mut Skills<'m, S, W, P>,
-    percept: &'t Percept,
+    percept: &'t GridPercept,
     peers: Peers<'t, Intention>,
 }
 

@@ -8,7 +8,7 @@
 mod chip;
 
 use iibt_core::inference::learning::{Rates, TransitionCounts};
-use iibt_core::inference::transition::Dense;
+use iibt_core::inference::transition::DenseTransition;
 use iibt_core::inference::{
     Agent, Candidates, DecisionError, Evidence, Factor, IdentityNoise, Modality, Model, Policy, Scoring,
 };
@@ -19,7 +19,7 @@ const PLACES: usize = 4; // start, passage, ramp, goal
 
 /// B as the robot was built: action 0 drives by the passage, action 1 by the ramp.
 #[rustfmt::skip]
-static BUILT: Dense = Dense::new(&[
+static BUILT: DenseTransition = DenseTransition::new(&[
     0.05, 0.0,  1.0, 0.0,   0.95, 0.05, 0.0, 0.0,   0.0, 0.0, 0.0, 0.0,   0.0, 0.95, 0.0, 1.0,
     0.2,  1.0,  0.0, 0.0,   0.0,  0.0,  0.0, 0.0,   0.8, 0.0, 0.2, 0.0,   0.0, 0.0,  0.8, 1.0,
 ], 2, &[PLACES]);

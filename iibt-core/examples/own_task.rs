@@ -8,7 +8,7 @@
 #[macro_use]
 mod chip;
 
-use iibt_core::iibt::{Literal, Node, Task};
+use iibt_core::iibt::{InferenceNode, Literal, Task};
 use iibt_core::inference::{
     Candidates, Control, Evidence, Factor, Modality, Model, NextState, OutcomeTable, Policy, Shape, Terms,
 };
@@ -116,7 +116,7 @@ impl Task for Boxes {
 fn play() {
     let alone = Roster::new(Member::new(RobotId(0), 1).unwrap(), Limits::for_beacons(Duration(1)).unwrap());
     let mut task = Boxes { agent: agent!(MODEL, 3), found: false, command: None, why: [Terms::ZERO; 3] };
-    let mut node = Node::new(Duration(50));
+    let mut node = InferenceNode::new(Duration(50));
     // The part is in the right box, 1. The first knock misleads.
     let knocks = [0, 1, 1, 1, 1, 1, 1];
     let (mut done, mut ticks, mut result) = ([LISTEN; 8], 0, 0);

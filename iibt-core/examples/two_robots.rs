@@ -8,8 +8,8 @@
 mod chip;
 
 use iibt_core::grid::{Cell, Map};
-use iibt_core::iibt::Node;
-use iibt_core::navigation::{Intention, Mission, Navigation, Percept, Stage};
+use iibt_core::iibt::InferenceNode;
+use iibt_core::navigation::{GridPercept, Intention, Mission, Navigation, Stage};
 use iibt_core::team::{
     Context, Deframer, Envelope, Key, Limits, MAX_FRAME, Member, Numbering, RobotId, Roster, SipHash64,
     encode,
@@ -27,7 +27,7 @@ type Task<'m> = Navigation<'m, CELLS, WORDS, POLICIES>;
 struct Robot<'m> {
     cell: Cell,
     task: Task<'m>,
-    node: Node<Task<'m>>,
+    node: InferenceNode<Task<'m>>,
     roster: Roster<Intention>,
     deframer: Deframer,
     numbering: Numbering,
@@ -39,7 +39,7 @@ impl<'m> Robot<'m> {
         Self {
             cell: mission.starts[usize::from(number)],
             task: Navigation::new(mission, member, 1).unwrap(),
-            node: Node::new(Duration(100)),
+            node: InferenceNode::new(Duration(100)),
             roster: Roster::new(member, Limits::for_beacons(Duration(1)).unwrap()),
             deframer: Deframer::new(),
             numbering: Numbering::new(1),
@@ -67,7 +67,7 @@ fn play() {
             }
         }
         for (number, robot) in robots.iter_mut().enumerate() {
-            let percept = Percept { reading: Some(robot.cell), ..Percept::default() };
+            let percept = GridPercept { reading: Some(robot.cell), ..GridPercept::default() };
             statuses[number] = robot.node.tick(&mut robot.task, &percept, robot.roster.at(now), now);
             let stamp = robot.numbering.next_stamp().expect("there are numbers left");
             let said = Envelope { sender: RobotId(number as u8), stamp, message: robot.task.intention() };

@@ -10,7 +10,7 @@ use iibt_core::iibt::table::{
     Accuracy, Aim, Announcement, Effect, Fact, HiddenFactor, Holds, Labels, Operator, Percept, Postcondition,
     Reads, Remedy, Role, Sensor, TableTask, Tables, Wish,
 };
-use iibt_core::iibt::{Literal, Node};
+use iibt_core::iibt::{InferenceNode, Literal};
 use iibt_core::team::{Envelope, Limits, Member, RobotId, Roster, Stamp};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
@@ -74,7 +74,7 @@ type Valve = TableTask<'static, { VALVES.states() }, { VALVES.robots() }, { VALV
 /// One robot: its task and node, its teammate as it was heard, and its valve in truth.
 struct Robot {
     task: Valve,
-    node: Node<Valve>,
+    node: InferenceNode<Valve>,
     roster: Roster<Announcement>,
     turns: u32,
     /// How many turns the valve sticks.
@@ -86,7 +86,7 @@ impl Robot {
         let member = Member::new(RobotId(number), 2).unwrap();
         let roster = Roster::new(member, Limits::for_beacons(Duration(1)).unwrap());
         let task = Valve::new(&VALVES, RobotId(number)).unwrap();
-        Self { task, node: Node::new(Duration(20)), roster, turns: 0, sticks }
+        Self { task, node: InferenceNode::new(Duration(20)), roster, turns: 0, sticks }
     }
 
     fn is_closed(&self) -> bool {

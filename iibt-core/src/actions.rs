@@ -27,7 +27,8 @@ pub struct Actions {
 }
 
 /// The sequence holds [`HORIZON`] actions already, or the code is not below [`Actions::CODES`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("more than {HORIZON} actions, or an action code of {} or above", Actions::CODES)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ActionError;
 
@@ -131,14 +132,6 @@ impl Actions {
         self.packed.get(..self.len().div_ceil(2)).unwrap_or(&[])
     }
 }
-
-impl core::fmt::Display for ActionError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "more than {HORIZON} actions, or an action code of {} or above", Actions::CODES)
-    }
-}
-
-impl core::error::Error for ActionError {}
 
 impl Default for Actions {
     fn default() -> Self {

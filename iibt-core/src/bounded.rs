@@ -3,6 +3,7 @@
 use heapless::Vec;
 
 /// As many of `items` as there is room for; the rest is left out.
+#[inline]
 pub(crate) fn up_to<T, const N: usize>(items: impl IntoIterator<Item = T>) -> Vec<T, N> {
     let mut list = Vec::new();
     for item in items {

@@ -1,6 +1,6 @@
 //! Where behavior trees and inference meet: the interactive inference node and the tasks it serves.
 //!
-//! [`Node`] is Algorithm 1 of the paper, generic over a [`Task`].
+//! [`InferenceNode`] is Algorithm 1 of the paper, generic over a [`Task`].
 //! [`Navigation`](crate::navigation::Navigation) is the task of reaching goals on a grid as a team,
 //! and [`table`] makes tasks of tables. [`Logic`] holds what is true of the world as logic
 //! variables, and [`rules`] turn an unmet precondition into a preference (the paper's f_L). This is
@@ -13,5 +13,5 @@ pub mod table;
 mod task;
 
 pub use logic::{Condition, Literal, Logic};
-pub use node::Node;
+pub use node::InferenceNode;
 pub use task::Task;

@@ -2,8 +2,8 @@
 //!
 //! | symbol | here | shape |
 //! |---|---|---|
-//! | A = P(o \| s) | [`Likelihood`]: [`Dense`](likelihood::Dense), [`IdentityNoise`], [`OutcomeTable`] | outcomes x states |
-//! | B = P(s' \| s, u) | [`Transition`]: [`Dense`](transition::Dense), [`NextState`], [`Blocks`] | states x states per action |
+//! | A = P(o \| s) | [`Likelihood`]: [`DenseLikelihood`](likelihood::DenseLikelihood), [`IdentityNoise`], [`OutcomeTable`] | outcomes x states |
+//! | B = P(s' \| s, u) | [`Transition`]: [`DenseTransition`](transition::DenseTransition), [`NextState`], [`Blocks`] | states x states per action |
 //! | C, ln P(o) up to a constant | a slice in each [`Modality`], or a [`Preference`] | outcomes |
 //! | D = P(s) at the start | a slice in each [`Factor`] | states |
 //! | E = P(π) | [`Habits`] | policies |
@@ -12,7 +12,8 @@
 //! | γ | [`Scoring::precision`], updated by a [`Precision`] | |
 //! | a, counts of A | [`LikelihoodCounts`](learning::LikelihoodCounts), itself a [`Likelihood`] | outcomes x states |
 //! | b, counts of B | [`TransitionCounts`](learning::TransitionCounts), itself a [`Transition`] | states x states per action |
-//! | c, d, e, counts of C, D, E | [`PreferenceCounts`](learning::PreferenceCounts), [`PriorCounts`](learning::PriorCounts), [`HabitCounts`](learning::HabitCounts) | outcomes; states; policies |
+//! | c, counts of C | [`PreferenceCounts`](learning::PreferenceCounts) | outcomes |
+//! | d, e, counts of D, E | [`DistributionCounts`](learning::DistributionCounts) | states; policies |
 //!
 //! A [`Model`] never changes after it is built; beliefs, preferences and counts are state. Data flows
 //! model → beliefs → problem → evaluation → choice, and the room knows neither trees nor robots.
@@ -41,8 +42,8 @@ pub mod transition;
 pub use agent::{Agent, Decision, Room};
 pub use belief::Beliefs;
 pub use candidates::{Candidates, Combinations, Habits};
-pub use error::{Argument, DecisionError, ObservationError, OutOfRange};
-pub use estimation::{EXACT_LIMIT, Impossible, MAX_SWEEPS, Update};
+pub use error::{Argument, DecisionError, Impossible, ObservationError, OutOfRange};
+pub use estimation::{EXACT_LIMIT, MAX_SWEEPS, Update};
 pub use evaluation::Evaluation;
 pub use evidence::Evidence;
 pub use free_energy::{Gain, PreferenceTiming, Scoring, Terms};

@@ -7,7 +7,7 @@
 //! | use behavior trees alone | [`mod@tree`] |
 //! | use active inference alone | [`inference`] |
 //! | have a team go to goals on a grid | [`navigation::Mission`], and `firmware::Controller` around it |
-//! | bring a task of your own | [`iibt::Task`], which [`iibt::Node`] runs as Algorithm 1 |
+//! | bring a task of your own | [`iibt::Task`], which [`iibt::InferenceNode`] runs as Algorithm 1 |
 //!
 //! The modules, each of which knows only those above it:
 //!

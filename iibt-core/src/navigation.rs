@@ -1,7 +1,7 @@
 //! The task of a team that goes to different goals on a grid and arrives together.
 //!
 //! ```text
-//! Percept ─► belief ─► logic ─► preferences ─► candidates ─► decision ─► agreement ─► command
+//! GridPercept ─► belief ─► logic ─► preferences ─► candidates ─► decision ─► agreement ─► command
 //!   frames ─► roster ─► intentions ──────────────┴──────────────┘            └─► intention ─► frame
 //! ```
 //!
@@ -31,12 +31,12 @@ mod world;
 pub use agreement::Agreement;
 pub use candidates::{Candidate, Situation};
 pub use cause::Cause;
-pub use decision::Decision;
+pub use decision::NavigationDecision;
 pub use experience::Experience;
 pub use intention::{Intention, MAX_HAZARDS, Round, Said, Stage};
 pub use mission::{MAX_GOALS, Mission, MissionError};
 pub use paces::{MAX_PACE, Paces};
-pub use plans::{ARRIVED, OBSTACLE, Plan, REACHABLE, RULES, VISITED};
+pub use plans::{ARRIVED, NavigationPlan, OBSTACLE, REACHABLE, RULES, VISITED};
 pub use report::Report;
 pub use waypoints::{MAX_WAYPOINTS, VisitError};
 
@@ -53,7 +53,7 @@ use heapless::Vec;
 /// What a robot senses in one tick.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Percept {
+pub struct GridPercept {
     /// The localiser's reading, which may be wrong.
     pub reading: Option<Cell>,
     /// Blocked cells in view.
@@ -67,8 +67,8 @@ pub struct Percept {
 ///
 /// ```
 /// use iibt_core::grid::{Cell, Map, Move, words};
-/// use iibt_core::iibt::Node;
-/// use iibt_core::navigation::{Mission, Navigation, Percept, Stage};
+/// use iibt_core::iibt::InferenceNode;
+/// use iibt_core::navigation::{Mission, Navigation, GridPercept, Stage};
 /// use iibt_core::team::{Limits, Member, RobotId, Roster};
 /// use iibt_core::time::{Duration, Instant};
 /// use iibt_core::tree::Status;
@@ -77,12 +77,12 @@ pub struct Percept {
 /// let mission = Mission::new(map, &[Cell(0)], &[Cell(4)]); // one robot in a corridor
 /// let member = Member::new(RobotId(0), 1)?;
 /// let mut task = Navigation::<5, 1, 8>::new(&mission, member, 1)?;
-/// let mut node = Node::new(Duration(100));
+/// let mut node = InferenceNode::new(Duration(100));
 /// let roster = Roster::new(member, Limits::for_beacons(Duration(1))?);
 ///
 /// let (mut cell, mut status, mut now) = (Cell(0), Status::Running, Instant(0));
 /// while status == Status::Running && !now.has_reached(Instant(20)) {
-///     let percept = Percept { reading: Some(cell), ..Percept::default() };
+///     let percept = GridPercept { reading: Some(cell), ..GridPercept::default() };
 ///     status = node.tick(&mut task, &percept, roster.at(now), now);
 ///     cell = map.neighbour(cell, task.command().unwrap_or(Move::Wait));
 ///     now = now.after(Duration(1));
@@ -103,11 +103,11 @@ pub struct Navigation<'m, const S: usize, const W: usize, const P: usize> {
     surprise: Result<f32, ObservationError>,
     hazards: Vec<Cell, MAX_KNOWN_HAZARDS>,
     waypoints: Vec<Cell, MAX_WAYPOINTS>,
-    percept: Percept,
+    percept: GridPercept,
     candidates: Vec<Candidate, P>,
     teammates: Vec<Candidate, P>,
     generator: Generator<S, W>,
-    decision: Decision<S, P>,
+    decision: NavigationDecision<S, P>,
     choice: Option<Choice>,
     /// What the drive was told at the last tick, and what it is told now.
     commanded: Option<Move>,
@@ -148,7 +148,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             return Err(MissionError::TeamSize);
         }
         let robot = member.robot();
-        let decision = Decision::new(mission, robot);
+        let decision = NavigationDecision::new(mission, robot);
         let start = mission.starts.get(robot.index()).copied().ok_or(MissionError::NoSuchRobot)?;
         Ok(Self {
             mission,
@@ -159,7 +159,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
             surprise: Ok(0.0),
             hazards: Vec::new(),
             waypoints: Vec::new(),
-            percept: Percept::default(),
+            percept: GridPercept::default(),
             candidates: Vec::new(),
             teammates: Vec::new(),
             generator: Generator::new(),
@@ -257,7 +257,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
 
     /// Returns the last decision: its posterior and the candidates it was made among.
     #[must_use]
-    pub const fn decision(&self) -> &Decision<S, P> {
+    pub const fn decision(&self) -> &NavigationDecision<S, P> {
         &self.decision
     }
 
@@ -291,24 +291,24 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigation<'m, S, W, P>
 
     /// Returns the logic variables for a plan in the current state.
     #[must_use]
-    pub fn logic(&self, plan: Plan) -> Logic {
+    pub fn logic(&self, plan: NavigationPlan) -> Logic {
         let blocked = match plan {
-            Plan::Take(index) => {
+            NavigationPlan::Take(index) => {
                 self.candidates.get(index).is_some_and(|taken| self.meets_hazard(&taken.path, 0))
             }
-            Plan::Follow => self.meets_hazard(self.agreement.path(), self.agreement.step()),
-            Plan::Wait => false,
+            NavigationPlan::Follow => self.meets_hazard(self.agreement.path(), self.agreement.step()),
+            NavigationPlan::Wait => false,
         };
         let visited = match plan {
             // A path that stays because no way leads on does not visit the way-points either.
-            Plan::Take(index) => self
+            NavigationPlan::Take(index) => self
                 .candidates
                 .get(index)
                 .is_none_or(|taken| taken.goal.is_none() || self.visits_all(&taken.path, 0)),
-            Plan::Follow => self.visits_all(self.agreement.path(), self.agreement.step()),
-            Plan::Wait => true,
+            NavigationPlan::Follow => self.visits_all(self.agreement.path(), self.agreement.step()),
+            NavigationPlan::Wait => true,
         };
-        let reachable = plan != Plan::Follow || self.agreement.goal().is_some();
+        let reachable = plan != NavigationPlan::Follow || self.agreement.goal().is_some();
         let logic = Logic::NONE.with(OBSTACLE, blocked).with(ARRIVED, self.has_arrived());
         logic.with(REACHABLE, reachable).with(VISITED, visited)
     }

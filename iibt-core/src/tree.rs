@@ -14,7 +14,7 @@
 //!
 //! # A first tree
 //! [`tree!`](crate::tree!) writes a tree as it nests. [`Leaves`] says what its leaves do. The
-//! compiler checks the tree: one that breaks a [`Rule`] does not build.
+//! compiler checks the tree: one that breaks a [`TreeRule`] does not build.
 //!
 //! ```
 //! use iibt_core::time::Instant;
@@ -114,7 +114,7 @@
 //! | `RecoveryNode` whose recovery is skipped | fails and keeps its count | fails and forgets it |
 //! | `RateController` | keeps its rate until its parent resets it | after a success only below a `PipelineSequence` |
 //! | a node that yields in the last pass of a tree | wakes the tree up again in the next `tickOnce` | is not heard any more |
-//! | thresholds, missing children and parameters | exceptions at run time | [`Rule`]s, broken when the table is built |
+//! | thresholds, missing children and parameters | exceptions at run time | [`TreeRule`]s, broken when the table is built |
 //!
 //! [`Compat`] does as there where the table says so, and in nothing else.
 
@@ -145,12 +145,12 @@ mod oracle;
 #[cfg(test)]
 mod script;
 
-pub use check::{Rule, TreeError};
+pub use check::{TreeError, TreeRule};
 pub use compiled::Compiled;
 pub use counts::NodeCounts;
 pub use kinds::{Basic, Compat, Full, Kinds};
 pub use leaves::Leaves;
-pub use log::{Log, Transition};
+pub use log::{Log, StatusChange};
 pub use memory::{Memory, NodeMemory};
 pub use node::{Millis, Node, Times};
 pub use owned::OwnedTree;

@@ -37,7 +37,12 @@ fn assert_beliefs<const S: usize>(
     let update = sweeps.update(&mut beliefs, model, &observed);
     assert!(close(update.free_energy, peer.free_energy, 1e-5), "{update:?}");
     for (factor, peer) in peer.beliefs.iter().enumerate() {
-        assert_numbers("state", beliefs.of(model, factor).iter().copied(), peer, 1e-5);
+        assert_numbers(
+            "state",
+            beliefs.of(model, factor).expect("the model has it").iter().copied(),
+            peer,
+            1e-5,
+        );
     }
     beliefs
 }
@@ -108,7 +113,7 @@ fn after(
 ) -> ([usize; 2], Update) {
     let mut beliefs = Grid::prior(&t2::MODEL);
     let update = update(&mut beliefs, &observed.map(Evidence::Outcome));
-    ([0, 1].map(|robot| beliefs.most_likely(&t2::MODEL, robot).0), update)
+    ([0, 1].map(|robot| beliefs.most_likely(&t2::MODEL, robot).expect("there are two").0), update)
 }
 
 fn exactly(observed: [usize; 3]) -> ([usize; 2], Update) {

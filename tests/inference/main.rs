@@ -40,7 +40,9 @@ fn for_seeds(name: u64, count: u64, test: impl Fn(&mut Chance)) {
 
 /// The beliefs about each factor, in double precision and normalised there.
 fn marginals<const S: usize, const G: usize>(beliefs: &Beliefs<S, G>, model: &Model) -> Marginals {
-    (0..model.factors().len()).map(|factor| normalised(&wide(beliefs.of(model, factor)))).collect()
+    (0..model.factors().len())
+        .map(|factor| normalised(&wide(beliefs.of(model, factor).expect("the model has it"))))
+        .collect()
 }
 
 /// Whether two numbers agree within a tolerance, relative where they are large.
@@ -60,7 +62,7 @@ fn assert_marginals(ours: &Marginals, reference: &Marginals, tolerance: f64) {
 /// Finite, not negative, summing to one.
 fn assert_distributions<const S: usize, const G: usize>(beliefs: &Beliefs<S, G>, model: &Model) {
     for factor in 0..model.factors().len() {
-        let q = beliefs.of(model, factor);
+        let q = beliefs.of(model, factor).expect("the model has it");
         assert!(q.iter().all(|q| q.is_finite() && *q >= 0.0), "factor {factor}: {q:?}");
         let sum: f32 = q.iter().sum();
         assert!((sum - 1.0).abs() < 1e-5, "factor {factor} sums to {sum}");

@@ -28,7 +28,7 @@ fn results(description: &Description, seen: &[Observed], decision: &Decision) ->
             Result {
                 update,
                 beliefs: (0..model.factors().len())
-                    .map(|factor| beliefs.of(model, factor).to_vec())
+                    .map(|factor| beliefs.of(model, factor).expect("the model has it").to_vec())
                     .collect(),
                 terms: trial.terms().to_vec(),
                 scores: trial.scores().to_vec(),
@@ -252,7 +252,7 @@ fn room_to_spare_changes_no_bit() {
             let mut beliefs = Beliefs::<17, 5>::prior(model);
             assert_eq!(beliefs.update(model, &evidence).map(|update| update.free_energy), whole.update);
             for (factor, q) in whole.beliefs.iter().enumerate() {
-                assert_eq!(beliefs.of(model, factor), q);
+                assert_eq!(beliefs.of(model, factor).expect("the model has it"), q);
             }
             decision.pose(model, &beliefs, |problem| {
                 let mut evaluation = Evaluation::<17, 5, 8, 8>::new();

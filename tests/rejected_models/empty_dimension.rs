@@ -1,6 +1,6 @@
-use iibt_core::inference::likelihood::Dense;
+use iibt_core::inference::likelihood::DenseLikelihood;
 
-static A: Dense = Dense::new(&[], 2, &[0]);
+static A: DenseLikelihood = DenseLikelihood::new(&[], 2, &[0]);
 
 fn main() {
     let _ = &A;

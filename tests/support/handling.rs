@@ -2,7 +2,7 @@
 
 use host_sim::manipulation::tables::{ELSEWHERE, EMPTY, FREE, GOAL_C, GRIP, HOLDS, IDLE, PLACE};
 use iibt_core::iibt::table::{Announcement, Percept, TableTask, Tables};
-use iibt_core::iibt::{Node, Task};
+use iibt_core::iibt::{InferenceNode, Task};
 use iibt_core::team::{Envelope, Limits, Member, RobotId, Roster, Stamp};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
@@ -16,7 +16,7 @@ pub struct Bench {
     /// Its task.
     pub task: Handling,
     /// Its inference node.
-    pub node: Node<Handling>,
+    pub node: InferenceNode<Handling>,
     /// Its teammate.
     pub roster: Roster<Announcement>,
     /// The time of the next tick.
@@ -57,7 +57,7 @@ impl Bench {
         let member = Member::new(RobotId(robot), 2).expect("a team of two");
         Self {
             task: Handling::new(tables, RobotId(robot)).expect("it is sized by the tables"),
-            node: Node::new(Duration(TIMEOUT)),
+            node: InferenceNode::new(Duration(TIMEOUT)),
             roster: Roster::new(member, limits),
             now: 0,
             readings: [ELSEWHERE, FREE],

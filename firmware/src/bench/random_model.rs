@@ -136,7 +136,8 @@ impl RandomModel {
     pub fn build<T>(&self, with: impl FnOnce(&Model, Candidates, &[Evidence; 3]) -> T) -> Option<T> {
         let motion = NextState::try_new(&self.next, 5, self.slip).ok()?;
         let last = NextState::try_new(&self.last_next, 4, 0.0).ok()?;
-        let coupled = transition::Dense::try_new(self.coupled.as_flattened(), ACTIONS, &[3, 4]).ok()?;
+        let coupled =
+            transition::DenseTransition::try_new(self.coupled.as_flattened(), ACTIONS, &[3, 4]).ok()?;
         let [first_prior, second_prior, third_prior] = &self.priors;
         let factors = [
             Factor::try_new(&motion, motion.shape(), first_prior)?,
@@ -150,7 +151,7 @@ impl RandomModel {
         let result =
             OutcomeTable::try_new(&labels, &self.kinds, self.kind_columns.as_flattened(), OUTCOMES[0])
                 .ok()?;
-        let dense = likelihood::Dense::try_new(&self.dense, OUTCOMES[1], &[3, 4]).ok()?;
+        let dense = likelihood::DenseLikelihood::try_new(&self.dense, OUTCOMES[1], &[3, 4]).ok()?;
         let [first, second, third] = &self.preferences;
         let modalities = [
             Modality::try_new(&sensor, sensor.shape(), &[0], first)?,

@@ -5,7 +5,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use host_sim::tree::{
     self, Document, DryRun, Extras, Instance, LoadError, Mode, Severity, Statuses, library,
 };
-use iibt_core::tree::Transition;
+use iibt_core::tree::StatusChange;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -363,7 +363,7 @@ impl Replay {
 }
 
 impl Logs {
-    fn write(&self, instance: &Instance, transitions: &[Transition]) -> Result<(), Failure> {
+    fn write(&self, instance: &Instance, transitions: &[StatusChange]) -> Result<(), Failure> {
         if let Some(path) = &self.log {
             fs::write(path, instance.btlog(transitions))
                 .map_err(|error| format!("{}: {error}", path.display()))?;

@@ -7,7 +7,7 @@ use crate::task::{HostTask, Station, Worker};
 use crate::tree::BoundTree;
 use firmware::Robot;
 use iibt_core::iibt::table::{Announcement, Command, Percept};
-use iibt_core::iibt::{Node, Task};
+use iibt_core::iibt::{InferenceNode, Task};
 use iibt_core::team::{Invalid, Peers};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::{Full, Halt, Leaves, NodeMemory, Status};
@@ -20,7 +20,7 @@ pub(super) struct Inferring<'t> {
     tree: BoundTree<Skill>,
     memory: Vec<NodeMemory<Full>>,
     task: HostTask<'t>,
-    node: Node<HostTask<'t>>,
+    node: InferenceNode<HostTask<'t>>,
     order: Order,
     percept: Percept,
 }
@@ -28,7 +28,7 @@ pub(super) struct Inferring<'t> {
 impl<'t> Inferring<'t> {
     pub(super) fn new(tree: BoundTree<Skill>, task: HostTask<'t>, order: Order) -> Self {
         let memory = vec![NodeMemory::NEW; tree.len()];
-        Self { tree, memory, task, node: Node::new(TIMEOUT), order, percept: Percept::default() }
+        Self { tree, memory, task, node: InferenceNode::new(TIMEOUT), order, percept: Percept::default() }
     }
 
     /// What it thinks after a tick.
@@ -81,7 +81,7 @@ impl<'t> Worker<'t> for Inferring<'t> {
 /// The leaves in a tick.
 struct Ticking<'k, 't> {
     task: &'k mut HostTask<'t>,
-    node: &'k mut Node<HostTask<'t>>,
+    node: &'k mut InferenceNode<HostTask<'t>>,
     order: Order,
     percept: Percept,
     peers: Peers<'k, Announcement>,

@@ -223,7 +223,7 @@ impl Runner<'_> {
             beliefs: observed.method,
             note: observed.note,
             qs: (0..self.model.factors().len())
-                .map(|factor| beliefs.of(self.model, factor).to_vec())
+                .map(|factor| beliefs.of(self.model, factor).expect("the model has it").to_vec())
                 .collect(),
             F: observed.update.map(|update| update.free_energy),
             surprise: observed.surprise,

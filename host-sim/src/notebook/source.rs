@@ -110,8 +110,8 @@ impl Source {
     fn uses(&mut self) -> String {
         let mut lines = String::new();
         for (path, names) in [
-            ("iibt_core::inference::likelihood", &["Dense as DenseLikelihood"][..]),
-            ("iibt_core::inference::transition", &["Dense as DenseTransition"]),
+            ("iibt_core::inference::likelihood", &["DenseLikelihood"][..]),
+            ("iibt_core::inference::transition", &["DenseTransition"]),
         ] {
             for name in names.iter().filter(|name| self.used.contains(**name)) {
                 lines += &format!("use {path}::{name};\n");
@@ -135,7 +135,7 @@ impl Source {
                 self.line(format_args!("static B_{number}: NextState = {new};\n"));
             }
             TransitionForm::Dense { table, actions, states } => {
-                self.used.insert("Dense as DenseTransition");
+                self.used.insert("DenseTransition");
                 self.numbers(format_args!("static B_{number}_TABLE: [f32; {}]", table.len()), table);
                 let new = format!("DenseTransition::new(&B_{number}_TABLE, {actions}, &{states:?})");
                 self.line(format_args!("static B_{number}: DenseTransition = {new};\n"));
@@ -165,7 +165,7 @@ impl Source {
                 self.line(format_args!("    {outcomes},\n);\n"));
             }
             LikelihoodForm::Dense { table, outcomes, states } => {
-                self.used.insert("Dense as DenseLikelihood");
+                self.used.insert("DenseLikelihood");
                 self.numbers(format_args!("static A_{number}_TABLE: [f32; {}]", table.len()), table);
                 let new = format!("DenseLikelihood::new(&A_{number}_TABLE, {outcomes}, &{states:?})");
                 self.line(format_args!("static A_{number}: DenseLikelihood = {new};\n"));

@@ -224,7 +224,7 @@ fn is_close(form: f32, table: f64) -> bool {
 pub(super) enum LikelihoodOf<'a> {
     IdentityNoise(IdentityNoise),
     OutcomeTable(OutcomeTable<'a>),
-    Dense(likelihood::Dense<'a>),
+    Dense(likelihood::DenseLikelihood<'a>),
 }
 
 impl<'a> LikelihoodOf<'a> {
@@ -240,7 +240,7 @@ impl<'a> LikelihoodOf<'a> {
                 Self::OutcomeTable(OutcomeTable::try_new(labels, kinds, columns, *outcomes)?)
             }
             LikelihoodForm::Dense { table, outcomes, states } => {
-                Self::Dense(likelihood::Dense::try_new(table, *outcomes, states)?)
+                Self::Dense(likelihood::DenseLikelihood::try_new(table, *outcomes, states)?)
             }
         })
     }
@@ -257,7 +257,7 @@ impl<'a> LikelihoodOf<'a> {
 /// A form of a transition as the core has it.
 pub(super) enum TransitionOf<'a> {
     NextState(NextState<'a>),
-    Dense(transition::Dense<'a>),
+    Dense(transition::DenseTransition<'a>),
 }
 
 impl<'a> TransitionOf<'a> {
@@ -267,7 +267,7 @@ impl<'a> TransitionOf<'a> {
                 Self::NextState(NextState::try_new(table, *states, *slip)?)
             }
             TransitionForm::Dense { table, actions, states } => {
-                Self::Dense(transition::Dense::try_new(table, *actions, states)?)
+                Self::Dense(transition::DenseTransition::try_new(table, *actions, states)?)
             }
         })
     }

@@ -70,7 +70,10 @@ impl Sweeps {
         evidence: &[Evidence],
     ) -> Update {
         let factors = 0..model.factors().len();
-        let prior: Marginals = factors.clone().map(|factor| beliefs.of(model, factor).to_vec()).collect();
+        let prior: Marginals = factors
+            .clone()
+            .map(|factor| beliefs.of(model, factor).expect("the model has it").to_vec())
+            .collect();
         let observed = SweptEvidence { model, evidence, floor: self.floor };
         let mut q: Marginals = prior.iter().map(|p| vec![1.0 / p.len() as f32; p.len()]).collect();
         let mut update =

@@ -50,8 +50,8 @@ fn correction<const S: usize, const G: usize>(
         let of = |control| candidates.actions(control, candidates.sequence(policy, control));
         let actions: Vec<Option<u8>> = (0..model.controls()).map(|control| of(control).get(step)).collect();
         predicted.predict(model, &actions)?;
-        let parts: Vec<_> = (0..model.factors().len()).map(|factor| predicted.of(model, factor)).collect();
-        Ok(floors.correction(&parts))
+        let parts = (0..model.factors().len()).map(|factor| predicted.of(model, factor));
+        Ok(floors.correction(&parts.collect::<Result<Vec<_>, _>>()?))
     };
     (0..problem.horizon).map(step).sum()
 }

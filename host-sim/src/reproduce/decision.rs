@@ -170,7 +170,7 @@ impl PaperDecision {
         evaluation.evaluate(&problem).expect("there is room for 100 policies");
         let posterior = evaluation.posterior().as_flattened()[..evaluation.done()].to_vec();
         Judged {
-            beliefs: [0, 1].map(|robot| beliefs.of(&model, robot).to_vec()),
+            beliefs: [0, 1].map(|robot| beliefs.of(&model, robot).expect("the model has it").to_vec()),
             posterior,
             scores: evaluation.scores().to_vec(),
         }

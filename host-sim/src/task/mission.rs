@@ -5,7 +5,7 @@ use super::read::TableMission;
 use super::{HostTask, Station};
 use firmware::Robot;
 use iibt_core::iibt::table::{Announcement, Percept, TablesError};
-use iibt_core::iibt::{Node, Task as _};
+use iibt_core::iibt::{InferenceNode, Task as _};
 use iibt_core::team::{Invalid, MemberError, Peers, RobotId};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
@@ -66,7 +66,13 @@ impl TableMission<'_> {
             .map(|robot| {
                 let task = HostTask::new(&self.tables, RobotId(robot)).map_err(TaskError::Tables)?;
                 let aims = self.tables.roles()[usize::from(robot)].aims.len();
-                Ok(Sequence { task, aims, aim: 0, node: Node::new(TIMEOUT), percept: Percept::default() })
+                Ok(Sequence {
+                    task,
+                    aims,
+                    aim: 0,
+                    node: InferenceNode::new(TIMEOUT),
+                    percept: Percept::default(),
+                })
             })
             .collect();
         let flight = TaskFlight::new(&self.tables, &truth, radio, seed, robots?).map_err(TaskError::Team)?;
@@ -111,7 +117,7 @@ struct Sequence<'t> {
     aims: usize,
     /// The aim that is pursued; all are reached when there is no such aim.
     aim: usize,
-    node: Node<HostTask<'t>>,
+    node: InferenceNode<HostTask<'t>>,
     percept: Percept,
 }
 

@@ -6,7 +6,7 @@ use super::lower::{HookTask, Lowered, Rules};
 use super::player::Player;
 use super::statuses::{Statuses, name};
 use iibt_core::time::Instant;
-use iibt_core::tree::{Compat, Full, Kinds, Next, NodeMemory, Status, Transition, TreeRef};
+use iibt_core::tree::{Compat, Full, Kinds, Next, NodeMemory, Status, StatusChange, TreeRef};
 use std::fmt::Write;
 
 /// The most passes over a tree in one tick; BehaviorTree.CPP has no bound.
@@ -46,7 +46,7 @@ pub struct DryRecord {
     /// The status of the root in each tick, and the milliseconds at which it was ticked.
     pub ticks: Vec<(u32, Status)>,
     /// The changes of the nodes' statuses; a node is named by its place in the tree, from zero.
-    pub transitions: Vec<Transition>,
+    pub transitions: Vec<StatusChange>,
     /// The reason why it ended early.
     pub error: Option<Diagnostic>,
 }

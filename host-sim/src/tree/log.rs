@@ -4,7 +4,7 @@ use super::export::{push_attribute, push_entry};
 use super::instance::{Instance, Node};
 use super::model::{Class, Model};
 use iibt_core::time::Instant;
-use iibt_core::tree::{Status, Transition};
+use iibt_core::tree::{Status, StatusChange};
 use std::collections::BTreeMap;
 
 /// What such a file begins with.
@@ -22,7 +22,7 @@ impl Instance {
     /// The engine does not mention that a finished node is idle again; here it is, at the next time
     /// at which anything happens.
     #[must_use]
-    pub fn btlog(&self, transitions: &[Transition]) -> Vec<u8> {
+    pub fn btlog(&self, transitions: &[StatusChange]) -> Vec<u8> {
         let start = transitions.first().map_or(Instant(0), |first| first.time);
         let xml = self.log_xml();
         let mut log = MAGIC.to_vec();
@@ -34,7 +34,7 @@ impl Instance {
         let mut last = start;
         for transition in transitions {
             if transition.time != last {
-                let idle = |node| Transition { time: transition.time, node, from: None, to: None };
+                let idle = |node| StatusChange { time: transition.time, node, from: None, to: None };
                 finished.drain(..).for_each(|node| log.extend(idle(node).btlog(start)));
                 last = transition.time;
             }

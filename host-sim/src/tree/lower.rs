@@ -5,7 +5,7 @@ use super::instance::{Guard, Instance, Node};
 use super::parameter::Given;
 use super::script::Script;
 use iibt_core::tree::{
-    Full, Kinds, Millis, Node as Row, OwnedTree, Row as LinkedRow, Rule, Status, Times, TreeError,
+    Full, Kinds, Millis, Node as Row, OwnedTree, Row as LinkedRow, Status, Times, TreeError, TreeRule,
 };
 
 /// A tree as the engine's table.
@@ -86,7 +86,7 @@ impl Instance {
             Err(error) => {
                 let place = self.place_of(&lowering.lowered, error.node);
                 let reason =
-                    if error.rule == Rule::TooDeep { " (conditions before nodes count)" } else { "" };
+                    if error.rule == TreeRule::TooDeep { " (conditions before nodes count)" } else { "" };
                 Err(Diagnostic::error(&place, format!("{}{reason}", message(error.rule))))
             }
         }
@@ -345,15 +345,15 @@ impl<'i> Lowering<'i> {
     }
 }
 
-fn message(rule: Rule) -> &'static str {
+fn message(rule: TreeRule) -> &'static str {
     match rule {
-        Rule::TooLarge => "the table has more than 32768 rows, conditions before nodes included",
-        Rule::TooDeep => "the tree has more than 256 levels",
-        Rule::TooManyChildren => "a parallel node has at most 127 children",
-        Rule::Arity => "the node has a number of children that its kind cannot have",
-        Rule::SuccessCount | Rule::FailureCount => "the node has fewer children than its threshold",
-        Rule::Duration => "the duration is longer than the clock can measure, or zero",
-        Rule::Times => "the number of times is less than -1",
+        TreeRule::TooLarge => "the table has more than 32768 rows, conditions before nodes included",
+        TreeRule::TooDeep => "the tree has more than 256 levels",
+        TreeRule::TooManyChildren => "a parallel node has at most 127 children",
+        TreeRule::Arity => "the node has a number of children that its kind cannot have",
+        TreeRule::SuccessCount | TreeRule::FailureCount => "the node has fewer children than its threshold",
+        TreeRule::Duration => "the duration is longer than the clock can measure, or zero",
+        TreeRule::Times => "the number of times is less than -1",
         _ => "the engine's table refuses this node",
     }
 }

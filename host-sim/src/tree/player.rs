@@ -8,7 +8,7 @@ use super::script::Script;
 use super::statuses::{Statuses, letter};
 use super::timers::Timers;
 use iibt_core::time::Instant;
-use iibt_core::tree::{Halt, Leaves, Status, Transition};
+use iibt_core::tree::{Halt, Leaves, Status, StatusChange};
 
 /// What plays all leaves, and what it noted.
 pub(super) struct Player<'i> {
@@ -21,7 +21,7 @@ pub(super) struct Player<'i> {
     running: Vec<bool>,
     /// What the leaves were told since it was last taken.
     pub events: Vec<String>,
-    pub transitions: Vec<Transition>,
+    pub transitions: Vec<StatusChange>,
     pub timers: Timers,
     /// The first script that could not be run.
     pub error: Option<Diagnostic>,
@@ -162,7 +162,7 @@ impl Leaves<u16> for Player<'_> {
         self.node(*hook).map_or(usize::MAX, |(node, _)| self.board.case(instance, node))
     }
 
-    fn transition(&mut self, transition: Transition) {
+    fn transition(&mut self, transition: StatusChange) {
         self.timers.note(&transition);
         let row = usize::from(transition.node);
         if let Some(running) = self.running.get_mut(row) {
@@ -170,7 +170,7 @@ impl Leaves<u16> for Player<'_> {
         }
         let Some(&node) = self.lowered.nodes.get(row) else { return };
         if self.lowered.outer.get(node) == Some(&row) {
-            self.transitions.push(Transition { node: node as u16, ..transition });
+            self.transitions.push(StatusChange { node: node as u16, ..transition });
             self.after(node, transition.to);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::instance::Instance;
 use iibt_core::time::Instant;
-use iibt_core::tree::{Status, Transition};
+use iibt_core::tree::{Status, StatusChange};
 use std::collections::BTreeSet;
 
 /// The bytes of a record.
@@ -10,16 +10,16 @@ const SIZE: usize = 9;
 
 impl Instance {
     /// The transitions in what a robot that ticks the table of [`codegen`](Self::codegen) wrote
-    /// with [`Transition::btlog`], one record after the other.
+    /// with [`StatusChange::btlog`], one record after the other.
     ///
     /// # Errors
     /// What is wrong, and with which record, counted from 1.
-    pub fn records(&self, bytes: &[u8]) -> Result<Vec<Transition>, String> {
+    pub fn records(&self, bytes: &[u8]) -> Result<Vec<StatusChange>, String> {
         records(bytes, self.nodes.len())
     }
 }
 
-fn records(bytes: &[u8], nodes: usize) -> Result<Vec<Transition>, String> {
+fn records(bytes: &[u8], nodes: usize) -> Result<Vec<StatusChange>, String> {
     if !bytes.len().is_multiple_of(SIZE) {
         return Err(format!("{} bytes are not whole records of {SIZE} bytes", bytes.len()));
     }
@@ -49,7 +49,7 @@ fn records(bytes: &[u8], nodes: usize) -> Result<Vec<Transition>, String> {
         if to == Some(Status::Running) {
             running.insert(node);
         }
-        transitions.push(Transition { time: Instant(time), node, from, to });
+        transitions.push(StatusChange { time: Instant(time), node, from, to });
     }
     Ok(transitions)
 }
@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn what_a_robot_records_is_read_as_it_was() {
-        let at = |time, node, from, to| Transition { time: Instant(time), node, from, to };
+        let at = |time, node, from, to| StatusChange { time: Instant(time), node, from, to };
         let (running, success) = (Some(Status::Running), Some(Status::Success));
         let told = [at(0, 2, None, running), at(7, 2, running, None), at(90_000, 0, None, success)];
         let bytes: Vec<u8> = told.iter().flat_map(|it| it.btlog(Instant(0))).collect();

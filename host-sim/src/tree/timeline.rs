@@ -4,7 +4,7 @@ use super::instance::Instance;
 use super::statuses::name;
 use super::xml::escaped;
 use iibt_core::time::Instant;
-use iibt_core::tree::{Status, Transition};
+use iibt_core::tree::{Status, StatusChange};
 use std::fmt::Write;
 
 /// The height of a node's line, in pixels.
@@ -23,7 +23,7 @@ impl Instance {
     /// it ended or was halted. Times count milliseconds; nodes are named as for
     /// [`btlog`](Self::btlog).
     #[must_use]
-    pub fn timeline(&self, transitions: &[Transition]) -> String {
+    pub fn timeline(&self, transitions: &[StatusChange]) -> String {
         let start = transitions.first().map_or(Instant(0), |first| first.time);
         let end = transitions.last().map_or(start, |last| last.time);
         let scale = WIDTH / f64::from(end.since(start).0.max(1));

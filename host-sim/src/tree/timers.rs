@@ -6,7 +6,7 @@
 //! has come already.
 
 use iibt_core::time::{Duration, Instant};
-use iibt_core::tree::{Node, Status, Transition};
+use iibt_core::tree::{Node, Status, StatusChange};
 
 /// The timers of a table's rows.
 pub(super) struct Timers {
@@ -48,7 +48,7 @@ impl Timers {
     }
 
     /// A timer runs from when its node begins to run until it goes off or the node ends.
-    pub(super) fn note(&mut self, transition: &Transition) {
+    pub(super) fn note(&mut self, transition: &StatusChange) {
         if let Some(timer) = self.timers.get_mut(usize::from(transition.node)) {
             timer.started = (transition.to == Some(Status::Running)).then_some(self.now);
         }

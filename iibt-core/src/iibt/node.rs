@@ -14,7 +14,7 @@ use crate::tree::Status;
 #[doc(alias = "Algorithm 1")]
 #[doc(alias = "active inference")]
 #[derive(Clone, Debug)]
-pub struct Node<T: Task> {
+pub struct InferenceNode<T: Task> {
     timeout: Duration,
     /// C with its temporary part L, while a precondition is unmet; rolled back by dropping it.
     preference: Option<T::Preference>,
@@ -28,7 +28,7 @@ struct Decided<T: Task> {
     policy: Option<T::Policy>,
 }
 
-impl<T: Task> Node<T> {
+impl<T: Task> InferenceNode<T> {
     /// The most passes of the precondition loop (lines 17-30) in one tick. What is left unmet goes
     /// on at the next tick, so a tick has bounded work and the timeout a clock to run on.
     pub const PASSES: usize = 8;

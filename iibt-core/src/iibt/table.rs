@@ -31,7 +31,7 @@
 //!     Accuracy, Aim, Effect, Fact, Given, HiddenFactor, Holds, Labels, Operator, Percept,
 //!     Postcondition, Reads, Remedy, Role, Sensor, TableTask, Tables, To, Wish,
 //! };
-//! use iibt_core::iibt::{Literal, Node};
+//! use iibt_core::iibt::{Literal, InferenceNode};
 //! use iibt_core::team::{Limits, Member, RobotId, Roster};
 //! use iibt_core::time::{Duration, Instant};
 //! use iibt_core::tree::Status;
@@ -111,7 +111,7 @@
 //! type Porter = TableTask<'static, { DOOR.states() }, { DOOR.robots() }, { DOOR.policies() }>;
 //!
 //! let mut task = Porter::new(&DOOR, RobotId(0))?;
-//! let mut node = Node::new(Duration(100));
+//! let mut node = InferenceNode::new(Duration(100));
 //! let alone = Roster::new(Member::new(RobotId(0), 1)?, Limits::for_beacons(Duration(1))?);
 //! let (mut place, mut door, mut begun) = (FAR, SHUT, vec![]);
 //! for tick in 0..40 {

@@ -8,10 +8,10 @@ use crate::team::{Message, Peers};
 ///
 /// Data flows through the signatures: a percept and the teammates' messages become belief, a
 /// preference becomes candidates, candidates become a choice, and a choice becomes its precondition
-/// or an execution. What Algorithm 1 keeps between those lines is the [`Node`](super::Node)'s.
+/// or an execution. What Algorithm 1 keeps between those lines is the [`InferenceNode`](super::InferenceNode)'s.
 ///
 /// ```
-/// use iibt_core::iibt::{Literal, Node, Task};
+/// use iibt_core::iibt::{Literal, InferenceNode, Task};
 /// use iibt_core::team::{Limits, Member, Message, Peers, RobotId, Roster};
 /// use iibt_core::time::{Duration, Instant};
 /// use iibt_core::tree::Status;
@@ -78,7 +78,7 @@ use crate::team::{Message, Peers};
 ///
 /// let limits = Limits::for_beacons(Duration(1))?;
 /// let alone = Roster::<Silence>::new(Member::new(RobotId(0), 1)?, limits);
-/// let (mut lamp, mut node) = (Lamp::default(), Node::new(Duration(100)));
+/// let (mut lamp, mut node) = (Lamp::default(), InferenceNode::new(Duration(100)));
 /// let mut tick = |lit, now| node.tick(&mut lamp, &lit, alone.at(Instant(now)), Instant(now));
 /// assert_eq!(tick(false, 0), Status::Running); // it is plugged in first, because that was missing
 /// assert_eq!(tick(false, 1), Status::Running); // then it is lit

@@ -76,10 +76,10 @@ use crate::actions::Action;
 pub struct Agent<'m, const S: usize, const G: usize, const R: usize, const P: usize> {
     model: &'m Model<'m>,
     scoring: Scoring,
-    horizon: Option<usize>,
+    horizon: Option<u16>,
     beliefs: Beliefs<S, G>,
+    /// Once concluded: its scores are the posterior of the last decision.
     evaluation: Evaluation<S, G, R, P>,
-    posterior: [[f32; R]; P],
 }
 
 impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'m, S, G, R, P> {
@@ -111,7 +111,6 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
                 horizon: None,
                 beliefs,
                 evaluation: Evaluation::new(),
-                posterior: [[0.0; R]; P],
             }),
             Err(error) => Err(error),
         }
@@ -128,7 +127,7 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
     /// stays after a shorter policy, and a longer one is judged by its first steps.
     #[must_use]
     pub const fn with_horizon(mut self, steps: usize) -> Self {
-        self.horizon = Some(steps);
+        self.horizon = Some(if steps > u16::MAX as usize { u16::MAX } else { steps as u16 });
         self
     }
 
@@ -155,7 +154,7 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
     /// [`OutOfRange`] when there is no such factor.
     #[doc(alias = "hidden state")]
     pub fn belief(&self, factor: usize) -> Result<&[f32], OutOfRange> {
-        self.beliefs.try_of(self.model, factor)
+        self.beliefs.of(self.model, factor)
     }
 
     /// The most probable state of one factor, the first of equals, and its probability.
@@ -163,8 +162,7 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
     /// # Errors
     /// [`OutOfRange`] when there is no such factor.
     pub fn most_likely(&self, factor: usize) -> Result<(usize, f32), OutOfRange> {
-        below(Argument::Factor, 0, factor, self.model.factors().len())?;
-        Ok(self.beliefs.most_likely(self.model, factor))
+        self.beliefs.most_likely(self.model, factor)
     }
 
     /// Updates the beliefs by an observation, with evidence for each modality; one left out at the end is missing.
@@ -216,8 +214,7 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
     ) -> Result<Decision, DecisionError> {
         let problem = problem(self.model, &self.beliefs, candidates, self.scoring, self.horizon);
         self.evaluation.evaluate(&Problem { preferences, negative_preferences: negative, ..problem })?;
-        self.posterior = self.evaluation.posterior();
-        let policy = self.evaluation.best().ok_or(DecisionError::NoPolicy)?;
+        let policy = self.evaluation.conclude().ok_or(DecisionError::NoPolicy)?;
         let probability = self.posterior().get(policy).copied().unwrap_or(0.0);
         Ok(Decision::new(&candidates, self.model.controls(), policy, probability))
     }
@@ -225,7 +222,7 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
     /// q(π), the posterior over the joint policies of the last decision; empty before one, and after one that failed.
     #[must_use]
     pub fn posterior(&self) -> &[f32] {
-        self.posterior.as_flattened().get(..self.evaluation.done()).unwrap_or(&[])
+        self.evaluation.scores()
     }
 
     /// The terms of the expected free energy of the joint policies of the last decision, in nats.
@@ -267,10 +264,10 @@ fn problem<'c, const S: usize, const G: usize>(
     beliefs: &'c Beliefs<S, G>,
     candidates: Candidates<'c>,
     scoring: Scoring,
-    horizon: Option<usize>,
+    horizon: Option<u16>,
 ) -> Problem<'c, S, G> {
     let problem = Problem::new(model, beliefs, candidates, scoring);
-    Problem { horizon: horizon.unwrap_or(problem.horizon), ..problem }
+    Problem { horizon: horizon.map_or(problem.horizon, usize::from), ..problem }
 }
 
 #[cfg(test)]

@@ -22,16 +22,16 @@ use crate::math;
 /// static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
 ///
 /// let mut beliefs = Beliefs::<3, 1>::prior(&MODEL);
-/// assert_eq!(beliefs.of(&MODEL, 0), [0.5, 0.5, 0.0]);
+/// assert_eq!(beliefs.of(&MODEL, 0)?, [0.5, 0.5, 0.0]);
 /// beliefs.predict(&MODEL, &[Some(1)])?; // right
-/// assert_eq!(beliefs.of(&MODEL, 0), [0.0, 0.5, 0.5]);
+/// assert_eq!(beliefs.of(&MODEL, 0)?, [0.0, 0.5, 0.5]);
 /// beliefs.update(&MODEL, &[Evidence::Outcome(1)])?;
-/// assert_eq!(beliefs.most_likely(&MODEL, 0).0, 1);
+/// assert_eq!(beliefs.most_likely(&MODEL, 0)?.0, 1);
 ///
 /// beliefs.set(&MODEL, 0, &[1.0, 0.0, 3.0])?; // in proportion
-/// assert_eq!(beliefs.of(&MODEL, 0), [0.25, 0.0, 0.75]);
+/// assert_eq!(beliefs.of(&MODEL, 0)?, [0.25, 0.0, 0.75]);
 /// beliefs.mix(&Beliefs::prior(&MODEL), 0.5);
-/// assert_eq!(beliefs.of(&MODEL, 0), [0.375, 0.25, 0.375]);
+/// assert_eq!(beliefs.of(&MODEL, 0)?, [0.375, 0.25, 0.375]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[doc(alias = "posterior over states")]
@@ -75,14 +75,14 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
     ///
     /// # Errors
     /// [`OutOfRange`] when there is no such factor.
-    pub fn try_of(&self, model: &Model, factor: usize) -> Result<&[f32], OutOfRange> {
+    pub fn of(&self, model: &Model, factor: usize) -> Result<&[f32], OutOfRange> {
         below(Argument::Factor, 0, factor, model.factors().len())?;
-        Ok(self.of(model, factor))
+        Ok(self.part(model, factor))
     }
 
-    /// The belief about one factor; empty where there is no such factor.
-    #[must_use]
-    pub fn of(&self, model: &Model, factor: usize) -> &[f32] {
+    /// The belief about a factor that the model has; empty for another.
+    #[inline]
+    pub(crate) fn part(&self, model: &Model, factor: usize) -> &[f32] {
         model.part(self.as_flat(), factor)
     }
 
@@ -96,12 +96,14 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         self.0.as_flattened_mut()
     }
 
-    /// The most probable state of one factor and its probability; the first of equals.
-    #[must_use]
-    pub fn most_likely(&self, model: &Model, factor: usize) -> (usize, f32) {
-        let part = self.of(model, factor);
+    /// The most probable state of one factor, the first of equals, and its probability.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] when there is no such factor.
+    pub fn most_likely(&self, model: &Model, factor: usize) -> Result<(usize, f32), OutOfRange> {
+        let part = self.of(model, factor)?;
         let state = math::argmax(part);
-        (state, part.get(state).copied().unwrap_or(0.0))
+        Ok((state, part.get(state).copied().unwrap_or(0.0)))
     }
 
     /// Replaces the belief about one factor by one in proportion to `weights`.
@@ -119,7 +121,7 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         }
         let sum: f32 = weights.iter().sum();
         if !(sum > 0.0 && sum.is_finite()) {
-            return Err(OutOfRange::new(Argument::BeliefWeight, factor, weights.len(), part.len()));
+            return Err(OutOfRange::new(Argument::BeliefSum, factor, weights.len(), part.len()));
         }
         part.iter_mut().zip(weights).for_each(|(q, weight)| *q = weight / sum);
         Ok(())

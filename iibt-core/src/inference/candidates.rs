@@ -64,9 +64,9 @@ pub enum Habits<'a> {
 
 /// The number of the sequence that a joint policy has for each control.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row([u16; MAX_FACTORS]);
+pub(super) struct JointPolicy([u16; MAX_FACTORS]);
 
-impl Row {
+impl JointPolicy {
     #[inline]
     pub(super) fn get(&self, control: usize) -> usize {
         self.0.get(control).copied().map_or(0, usize::from)
@@ -151,8 +151,8 @@ impl<'a> Candidates<'a> {
     }
 
     /// The number of each control's sequence in a joint policy.
-    pub(super) fn row(&self, policy: usize) -> Row {
-        let mut row = Row([0; MAX_FACTORS]);
+    pub(super) fn row(&self, policy: usize) -> JointPolicy {
+        let mut row = JointPolicy([0; MAX_FACTORS]);
         match self.combinations {
             Combinations::All => {
                 let mut rest = policy;
@@ -169,7 +169,7 @@ impl<'a> Candidates<'a> {
 
     /// Makes the row of joint policy `next` from that of the one before it.
     #[inline]
-    pub(super) fn go_on(&self, next: usize, row: &mut Row) {
+    pub(super) fn go_on(&self, next: usize, row: &mut JointPolicy) {
         match self.combinations {
             Combinations::All => {
                 for (control, list) in self.sequences.iter().enumerate().rev() {
@@ -185,10 +185,12 @@ impl<'a> Candidates<'a> {
         }
     }
 
-    fn read(&self, policy: usize, row: &mut Row) {
+    // Apart: inlined, its bounds are worked out for every policy where all combinations are meant.
+    #[inline(never)]
+    fn read(&self, policy: usize, row: &mut JointPolicy) {
         let Combinations::Listed(rows) = self.combinations else { return };
-        let width = self.sequences.len().max(1);
-        row.0.iter_mut().zip(rows.iter().skip(policy * width).take(width)).for_each(|(to, from)| *to = *from);
+        let listed = rows.chunks(self.sequences.len().max(1)).nth(policy).unwrap_or_default();
+        row.0.iter_mut().zip(listed).for_each(|(to, from)| *to = *from);
     }
 
     /// A control's sequence of this number; without actions where there is none.

@@ -1,7 +1,31 @@
 //! What a caller gets wrong, apart from what happens in the world.
 
-use super::estimation::Impossible;
 use core::fmt::{Display, Formatter, Result as Formatted};
+use thiserror::Error;
+
+/// The observation has probability zero under the beliefs and the model. The beliefs were left as they were.
+///
+/// ```
+/// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Impossible, Modality, Model, NextState};
+///
+/// # static STAY: NextState = NextState::new(&[0, 1], 2);
+/// static SURE: IdentityNoise = IdentityNoise::new(1.0, 2);
+/// static FACTORS: [Factor; 1] = [Factor::new(&STAY, STAY.shape(), &[1.0, 0.0])];
+/// static MODALITIES: [Modality; 1] = [Modality::new(&SURE, SURE.shape(), &[0], &[0.0; 2])];
+/// static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
+/// let mut beliefs = Beliefs::<2, 1>::prior(&MODEL);
+/// let event = beliefs.update(&MODEL, &[Evidence::Outcome(1)]);
+/// assert_eq!(event, Err(Impossible { modality: 0 }.into()));
+/// assert_eq!(beliefs.of(&MODEL, 0)?, [1.0, 0.0]);
+/// # Ok::<(), iibt_core::inference::OutOfRange>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the observation of modality {modality} has probability zero under the beliefs and the model")]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Impossible {
+    /// The modality that cannot be explained together with those before it.
+    pub modality: usize,
+}
 
 /// An argument that does not fit the model or the memory.
 ///
@@ -57,8 +81,10 @@ pub enum Argument {
     Weight,
     /// The number of entries of a belief.
     Belief,
-    /// The place of a weight of a belief that is negative or not finite; past the last where they sum to no number above zero.
+    /// The place of a weight of a belief that is negative or not finite.
     BeliefWeight,
+    /// The weights of a belief, which sum to no number above zero.
+    BeliefSum,
     /// An action of a control.
     Action,
     /// The number of action sequences of a control.
@@ -79,6 +105,10 @@ pub enum Argument {
     Preference,
     /// The outcome whose preference is not finite.
     PreferenceValue,
+    /// The number of an outcome whose preference is asked for or raised.
+    PreferredOutcome,
+    /// The outcome whose raised preference is not finite.
+    Raise,
     /// A group in the scope.
     Scope,
     /// The horizon, in steps.
@@ -123,72 +153,53 @@ pub(super) const fn exactly(
 
 impl Display for OutOfRange {
     fn fmt(&self, f: &mut Formatter<'_>) -> Formatted {
-        let Self { what, index, value, limit } = *self;
-        match what {
-            Argument::States => {
-                write!(f, "the model has {value} states, but the beliefs have room for {limit}")
-            }
-            Argument::Groups => {
-                write!(f, "the model has {value} groups of factors, but the evaluation has room for {limit}")
-            }
-            Argument::Policies => {
-                write!(f, "there are {value} joint policies, but the evaluation has room for {limit}")
-            }
-            Argument::Modality => write!(f, "there is no modality {value}: there are {limit}, from 0"),
-            Argument::Factor => write!(f, "there is no factor {value}: there are {limit}, from 0"),
-            Argument::Control => write!(f, "there is no control {value}: there are {limit}, from 0"),
-            Argument::Controls => {
-                write!(f, "something is given for {value} controls, but the model has {limit}")
-            }
-            Argument::Policy => write!(f, "there is no joint policy {value}: there are {limit}, from 0"),
-            Argument::Evidence => write!(f, "evidence for {value} modalities, but the model has {limit}"),
-            Argument::Outcome => {
-                write!(f, "modality {index} has no outcome {value}: there are {limit}, from 0")
-            }
-            Argument::Weights => {
-                write!(f, "modality {index} has {limit} outcomes, but {value} weights are given")
-            }
-            Argument::Weight => write!(f, "modality {index}: weight {value} is negative or not finite"),
-            Argument::Belief => {
-                write!(
-                    f,
-                    "the belief about factor {index} has {limit} entries, but {value} weights are given"
-                )
-            }
-            Argument::BeliefWeight if value == limit => {
-                write!(f, "the weights of the belief about factor {index} sum to no number above zero")
-            }
-            Argument::BeliefWeight => {
-                write!(f, "the belief about factor {index}: weight {value} is negative or not finite")
-            }
-            Argument::Action => write!(f, "control {index} has no action {value}: there are {limit}, from 0"),
-            Argument::Sequences => {
-                write!(f, "control {index} has {value} action sequences, but there can be {limit}")
-            }
-            Argument::Sequence => {
-                write!(f, "control {index} has no action sequence {value}: there are {limit}, from 0")
-            }
-            Argument::Rows => {
-                write!(f, "{value} numbers of action sequences are no list of policies of {limit} controls")
-            }
-            Argument::Combinations => {
-                write!(f, "group {index} is moved by {value} combinations, but there can be {limit}")
-            }
-            Argument::Habits => write!(f, "{value} habits, but there are {limit} joint policies"),
-            Argument::HabitsOfControl => {
-                write!(f, "control {index} has {limit} action sequences, but {value} habits are given")
-            }
-            Argument::Preferences => {
-                write!(f, "preferences for {value} modalities, but the model has {limit}")
-            }
-            Argument::Preference => {
-                write!(f, "modality {index} has {limit} outcomes, but {value} preferences are given")
-            }
-            Argument::PreferenceValue => {
-                write!(f, "modality {index}: the preference for outcome {value} is not finite")
-            }
-            Argument::Scope => write!(f, "the scope names group {value}: there are {limit}, from 0"),
-            Argument::Horizon => write!(f, "a horizon of {value} steps, but there can be {limit}"),
+        let mut parts = self.what.message().split('%');
+        f.write_str(parts.next().unwrap_or_default())?;
+        parts.try_for_each(|part| {
+            let mut rest = part.chars();
+            let number = match rest.next() {
+                Some('i') => self.index,
+                Some('v') => self.value,
+                _ => self.limit,
+            };
+            write!(f, "{number}{}", rest.as_str())
+        })
+    }
+}
+
+impl Argument {
+    /// What an [`OutOfRange`] says, with `%i` for its index, `%v` for its value and `%l` for its limit.
+    const fn message(self) -> &'static str {
+        match self {
+            Self::States => "the model has %v states, but the beliefs have room for %l",
+            Self::Groups => "the model has %v groups of factors, but the evaluation has room for %l",
+            Self::Policies => "there are %v joint policies, but the evaluation has room for %l",
+            Self::Modality => "there is no modality %v: there are %l, from 0",
+            Self::Factor => "there is no factor %v: there are %l, from 0",
+            Self::Control => "there is no control %v: there are %l, from 0",
+            Self::Controls => "something is given for %v controls, but the model has %l",
+            Self::Policy => "there is no joint policy %v: there are %l, from 0",
+            Self::Evidence => "evidence for %v modalities, but the model has %l",
+            Self::Outcome => "modality %i has no outcome %v: there are %l, from 0",
+            Self::Weights => "modality %i has %l outcomes, but %v weights are given",
+            Self::Weight => "modality %i: weight %v is negative or not finite",
+            Self::Belief => "the belief about factor %i has %l entries, but %v weights are given",
+            Self::BeliefWeight => "the belief about factor %i: weight %v is negative or not finite",
+            Self::BeliefSum => "the weights of the belief about factor %i sum to no number above zero",
+            Self::Action => "control %i has no action %v: there are %l, from 0",
+            Self::Sequences => "control %i has %v action sequences, but there can be %l",
+            Self::Sequence => "control %i has no action sequence %v: there are %l, from 0",
+            Self::Rows => "%v numbers of action sequences are no list of policies of %l controls",
+            Self::Combinations => "group %i is moved by %v combinations, but there can be %l",
+            Self::Habits => "%v habits, but there are %l joint policies",
+            Self::HabitsOfControl => "control %i has %l action sequences, but %v habits are given",
+            Self::Preferences => "preferences for %v modalities, but the model has %l",
+            Self::Preference => "modality %i has %l outcomes, but %v preferences are given",
+            Self::PreferenceValue => "modality %i: the preference for outcome %v is not finite",
+            Self::PreferredOutcome => "there is no outcome %v to prefer: there are %l, from 0",
+            Self::Raise => "the preference for outcome %v is raised to no finite number",
+            Self::Scope => "the scope names group %v: there are %l, from 0",
+            Self::Horizon => "a horizon of %v steps, but there can be %l",
         }
     }
 }
@@ -196,63 +207,25 @@ impl Display for OutOfRange {
 impl core::error::Error for OutOfRange {}
 
 /// Why an observation changed no belief.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ObservationError {
     /// An event of the world: the observation has probability zero under the beliefs and the model.
-    Impossible(Impossible),
+    #[error(transparent)]
+    Impossible(#[from] Impossible),
     /// An error of use: the observation is none of the model's.
-    OutOfRange(OutOfRange),
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
 }
-
-impl From<Impossible> for ObservationError {
-    fn from(impossible: Impossible) -> Self {
-        Self::Impossible(impossible)
-    }
-}
-
-impl From<OutOfRange> for ObservationError {
-    fn from(error: OutOfRange) -> Self {
-        Self::OutOfRange(error)
-    }
-}
-
-impl Display for ObservationError {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Formatted {
-        match self {
-            Self::Impossible(impossible) => impossible.fmt(f),
-            Self::OutOfRange(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for ObservationError {}
 
 /// Why nothing was decided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DecisionError {
     /// No joint policy can be chosen: there are none, or each is ruled out or has a score that is no number.
+    #[error("no joint policy can be chosen: none is given, or all are ruled out")]
     NoPolicy,
     /// An error of use: the candidates do not fit the model or the memory.
-    OutOfRange(OutOfRange),
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
 }
-
-impl From<OutOfRange> for DecisionError {
-    fn from(error: OutOfRange) -> Self {
-        Self::OutOfRange(error)
-    }
-}
-
-impl Display for DecisionError {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Formatted {
-        match self {
-            Self::NoPolicy => {
-                f.write_str("no joint policy can be chosen: none is given, or all are ruled out")
-            }
-            Self::OutOfRange(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for DecisionError {}

@@ -5,7 +5,7 @@ mod couplings;
 mod product;
 
 use self::couplings::{Coupling, Couplings};
-use self::product::Product;
+use super::error::Impossible;
 use super::evidence::Evidence;
 use super::model::Model;
 use crate::math;
@@ -58,40 +58,6 @@ pub struct Update {
     /// The sweeps it took.
     pub sweeps: u8,
 }
-
-/// The observation has probability zero under the beliefs and the model. The beliefs were left as they were.
-///
-/// ```
-/// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Impossible, Modality, Model, NextState};
-///
-/// # static STAY: NextState = NextState::new(&[0, 1], 2);
-/// static SURE: IdentityNoise = IdentityNoise::new(1.0, 2);
-/// static FACTORS: [Factor; 1] = [Factor::new(&STAY, STAY.shape(), &[1.0, 0.0])];
-/// static MODALITIES: [Modality; 1] = [Modality::new(&SURE, SURE.shape(), &[0], &[0.0; 2])];
-/// static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
-/// let mut beliefs = Beliefs::<2, 1>::prior(&MODEL);
-/// let event = beliefs.update(&MODEL, &[Evidence::Outcome(1)]);
-/// assert_eq!(event, Err(Impossible { modality: 0 }.into()));
-/// assert_eq!(beliefs.of(&MODEL, 0), [1.0, 0.0]);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Impossible {
-    /// The modality that cannot be explained together with those before it.
-    pub modality: usize,
-}
-
-impl core::fmt::Display for Impossible {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(
-            f,
-            "the observation of modality {} has probability zero under the beliefs and the model",
-            self.modality
-        )
-    }
-}
-
-impl core::error::Error for Impossible {}
 
 /// The beliefs that are being updated, and as much room again to work in, twice; exact inference does without `prior`.
 pub(super) struct Work<'b> {
@@ -149,10 +115,12 @@ fn update_together(work: &mut Work, couplings: &Couplings, method: Method) -> Re
     if method == Method::Exact {
         if let Some(coupling) = couplings.single() {
             if coupling.1.likelihood().effort(coupling.1.shape()) <= EXACT_LIMIT {
-                return by_messages(work, couplings.model, coupling).map(exact);
+                return by_messages(work, couplings.members.model, coupling).map(exact);
             }
-        } else if let Some(product) = Product::of(couplings) {
-            return product.update(work, couplings).map(exact);
+        } else if let Some(product) = couplings.members.product()
+            && product.shape.columns().is_some_and(|columns| columns <= EXACT_LIMIT)
+        {
+            return product::update(work, couplings, &product).map(exact);
         }
     }
     let sweeps = match method {
@@ -170,12 +138,14 @@ fn by_messages(
     (number, modality, evidence): Coupling,
 ) -> Result<f32, Impossible> {
     let (form, shape) = (modality.likelihood(), modality.shape());
-    // All messages first: each is under the beliefs before the observation.
-    let beliefs = model.parts(work.posterior, modality.factors());
-    for (condition, &factor) in modality.factors().iter().enumerate() {
-        let message = model.part_mut(work.scratch, factor);
-        message.fill(0.0);
-        form.message(shape, evidence, beliefs.as_slice(), condition, message);
+    {
+        // All messages first: each is under the beliefs before the observation.
+        let beliefs = model.parts(work.posterior, modality.factors());
+        for (condition, &factor) in modality.factors().iter().enumerate() {
+            let message = model.part_mut(work.scratch, factor);
+            message.fill(0.0);
+            form.message(shape, evidence, &beliefs, condition, message);
+        }
     }
     let mut probability = 1.0;
     for &factor in modality.factors() {

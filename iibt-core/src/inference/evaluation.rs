@@ -6,23 +6,29 @@
 
 mod actions;
 mod group;
+mod preferred_modality;
 mod rows;
-mod sense;
 
 pub(super) use self::actions::{action_of, arrival};
-pub(super) use self::sense::{Normalisers, Sense, normalisers};
+pub(super) use self::preferred_modality::{Normalisers, PreferredModality, normalisers};
 
 use self::actions::{bits, key, only_control};
-use self::group::{Candidate, Group, Places};
-use self::rows::{Combinations, Rows};
+use self::group::{Group, Places, Rollout};
+use self::rows::{Rows, Tuples};
 use super::belief::Beliefs;
+use super::candidates::JointPolicy;
 use super::error::{Argument, OutOfRange, at_most};
 use super::free_energy::{Gain, Terms};
 use super::gain;
 use super::model::{Model, Parts};
 use super::policy;
 use super::problem::Problem;
+use crate::bounded::up_to;
 use crate::math;
+use core::ops::Range;
+
+/// The numbers of joint policies that are rolled out side by side.
+type Batch = Range<usize>;
 
 /// An evaluation under way, and its results so far.
 ///
@@ -67,9 +73,9 @@ pub struct Evaluation<const S: usize, const G: usize, const R: usize, const P: u
     /// Terms of combinations of the groups that one coupled modality depends on.
     combinations: [[Terms; R]; P],
     scores: [[f32; R]; P],
-    done: usize,
+    done: u16,
     /// The joint policies of the problem that was begun with.
-    total: usize,
+    total: u16,
     window: f32,
 }
 
@@ -103,7 +109,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         self.forget(problem);
         problem.check()?;
         at_most(Argument::Policies, 0, problem.candidates.len(), Self::CAPACITY)?;
-        self.total = problem.candidates.len();
+        // There is room for so many, and not for more than a `u16` counts.
+        self.total = problem.candidates.len() as u16;
         Ok(())
     }
 
@@ -113,7 +120,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     /// types need not carry. More joint policies than there is room for are not scored at all.
     pub(crate) fn evaluate_fitting(&mut self, problem: &Problem<'_, S, G>) {
         self.forget(problem);
-        self.total = Some(problem.candidates.len()).filter(|&count| count <= Self::CAPACITY).unwrap_or(0);
+        let count = Some(problem.candidates.len()).filter(|&count| count <= Self::CAPACITY).unwrap_or(0);
+        self.total = count as u16;
         while self.advance(problem, Self::CAPACITY) {}
     }
 
@@ -130,12 +138,12 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     /// predictions of each coupled modality per step; candidates that joint policies have in common are rolled out
     /// once, `R` at a time.
     pub fn advance(&mut self, problem: &Problem<'_, S, G>, count: usize) -> bool {
-        let until = self.done.saturating_add(count).min(self.total);
-        while self.done < until {
-            let next = self.gather(problem, until);
-            self.roll_out(problem, next);
-            self.score(problem, next);
-            self.done = next;
+        let until = self.done().saturating_add(count).min(usize::from(self.total));
+        while self.done() < until {
+            let batch = self.gather(problem, self.done()..until);
+            self.roll_out(problem, &batch);
+            self.score(problem, &batch);
+            self.done = batch.end as u16;
         }
         self.done < self.total
     }
@@ -153,13 +161,13 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     /// How many joint policies are scored.
     #[must_use]
     pub const fn done(&self) -> usize {
-        self.done
+        self.done as usize
     }
 
     /// The terms of the joint policies scored so far, summed over modalities and steps.
     #[must_use]
     pub fn terms(&self) -> &[Terms] {
-        self.terms.as_flattened().get(..self.done).unwrap_or(&[])
+        self.terms.as_flattened().get(..self.done()).unwrap_or(&[])
     }
 
     /// The terms of one group's own part for each of its candidates among those scored last, in the order in which joint
@@ -171,7 +179,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     /// ln E - F - γ G of the joint policies scored so far: their log posterior up to a constant.
     #[must_use]
     pub fn scores(&self) -> &[f32] {
-        self.scores.as_flattened().get(..self.done).unwrap_or(&[])
+        self.scores.as_flattened().get(..self.done()).unwrap_or(&[])
     }
 
     /// The most probable joint policy scored so far, the first of equals; `None` while there is none that can be chosen:
@@ -190,58 +198,52 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         posterior
     }
 
-    /// Gathers joint policies from `self.done` on whose candidates find room, and returns where they end.
+    /// Ends the evaluation: the scores become the posterior, in their own place. Returns the best joint policy, as
+    /// [`best`](Self::best) does.
+    pub(super) fn conclude(&mut self) -> Option<usize> {
+        let best = self.best();
+        policy::posterior(self.scores.as_flattened_mut(), self.window);
+        best
+    }
+
+    /// Gathers the first of these joint policies, as far as their candidates find room.
     #[inline(never)]
-    fn gather(&mut self, problem: &Problem<'_, S, G>, until: usize) -> usize {
+    fn gather(&mut self, problem: &Problem<'_, S, G>, batch: Batch) -> Batch {
         let groups = problem.model.groups();
-        let mut row = problem.candidates.row(self.done);
-        let places = self.places.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
+        let mut row = problem.candidates.row(batch.start);
+        let places = self.places.as_flattened_mut().get_mut(batch.clone()).unwrap_or_default();
         let of = self.groups.get_mut(..groups).unwrap_or_default();
         for (group, number) in of.iter_mut().zip(0..) {
             (group.used, group.control) = (0, only_control(problem, number));
-            group.factors = problem.model.in_group(number);
+            group.factors = problem.model.members_of(number);
         }
-        for (places, policy) in places.iter_mut().zip(self.done..) {
+        for (places, policy) in places.iter_mut().zip(batch.start..) {
             for ((group, place), number) in of.iter_mut().zip(places).zip(0..) {
                 let key = match group.control {
                     Some(control) => row.get(usize::from(control)) as u32,
                     None => key(problem, number, &row),
                 };
-                let found = group.find(key).or_else(|| {
-                    let arrival = arrival(problem, number, &row);
-                    group.add(Candidate { key, policy: policy as u16, arrival, terms: Terms::ZERO })
-                });
-                match found {
+                match group.find(key).or_else(|| admit(group, problem, number, (policy, &row), key)) {
                     Some(row) => *place = row as u8,
-                    None => return policy,
+                    None => return batch.start..policy,
                 }
             }
             problem.candidates.go_on(policy + 1, &mut row);
         }
-        until
+        batch
     }
 
     /// Rolls out what was gathered, all in step.
     #[inline(never)]
-    fn roll_out(&mut self, problem: &Problem<'_, S, G>, until: usize) {
+    fn roll_out(&mut self, problem: &Problem<'_, S, G>, batch: &Batch) {
         self.rows = [*problem.beliefs; R];
-        self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or_default().fill(Terms::ZERO);
+        self.terms.as_flattened_mut().get_mut(batch.clone()).unwrap_or_default().fill(Terms::ZERO);
         let normalisers = normalisers(problem);
         for step in 0..problem.horizon {
-            self.add_pairs(problem, until, Some(step));
+            self.add_pairs(problem, batch, Some(step));
             self.step(problem, step);
-            self.add_pairs(problem, until, None);
-            self.observe(problem, &normalisers, until, step);
-        }
-        let terms = self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
-        let places = self.places.as_flattened().get(self.done..until).unwrap_or_default();
-        let groups = self.groups.get(..problem.model.groups()).unwrap_or_default();
-        for (terms, places) in terms.iter_mut().zip(places) {
-            for (group, &place) in groups.iter().zip(places) {
-                if let Some(candidate) = group.candidates.get(usize::from(place)) {
-                    *terms += candidate.terms;
-                }
-            }
+            self.add_pairs(problem, batch, None);
+            self.observe(problem, &normalisers, batch, step);
         }
     }
 
@@ -254,14 +256,14 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
             if problem.scope >> number & 1 == 0 {
                 continue;
             }
-            let (control, factors) = (group.control, group.factors);
-            for (row, candidate) in self.rows.iter_mut().zip(&mut group.candidates).take(group.used) {
+            let (used, control, factors) = (group.used(), group.control, group.factors);
+            for (row, candidate) in self.rows.iter_mut().zip(&mut group.candidates).take(used) {
                 // Before the first step there is no need for a copy: the beliefs are still those of the problem.
                 let before = if step == 0 {
                     problem.beliefs
                 } else {
                     for factor in bits(factors) {
-                        math::assign(model.part_mut(copy.as_flat_mut(), factor), row.of(model, factor));
+                        math::assign(model.part_mut(copy.as_flat_mut(), factor), row.part(model, factor));
                     }
                     &copy
                 };
@@ -284,28 +286,35 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// Adds what every modality is expected to bring after a step.
     #[inline(never)]
-    fn observe(&mut self, problem: &Problem<'_, S, G>, normalisers: &Normalisers, until: usize, step: usize) {
+    fn observe(
+        &mut self,
+        problem: &Problem<'_, S, G>,
+        normalisers: &Normalisers,
+        batch: &Batch,
+        step: usize,
+    ) {
         for ((number, modality, groups), normalisers) in problem.modalities().zip(normalisers) {
-            let sense = Sense::new(problem, number, modality, *normalisers);
+            let sense = PreferredModality::new(problem, number, modality, *normalisers);
             if groups.is_power_of_two() {
                 self.observe_own(problem.model, &sense, groups, step);
             } else {
-                self.observe_coupled(problem.model, &sense, groups, until, step);
+                self.observe_coupled(problem.model, &sense, groups, batch, step);
             }
         }
         if problem.scoring.gain == Gain::Joint {
-            self.gain_jointly(problem, until, step);
+            self.gain_jointly(problem, batch, step);
         }
     }
 
     /// A modality that one group's states determine: once for each of its candidates.
     #[inline(never)]
-    fn observe_own(&mut self, model: &Model, sense: &Sense, groups: u16, step: usize) {
+    fn observe_own(&mut self, model: &Model, sense: &PreferredModality, groups: u16, step: usize) {
         let Some(group) = self.groups.get_mut(groups.trailing_zeros() as usize) else { return };
-        for (row, candidate) in self.rows.iter().zip(&mut group.candidates).take(group.used) {
+        let used = group.used();
+        for (row, candidate) in self.rows.iter().zip(&mut group.candidates).take(used) {
             let arrives = step + 1 == usize::from(candidate.arrival);
             candidate.terms += match *sense.modality.factors() {
-                [factor] => sense.expect(&[row.of(model, factor)], arrives),
+                [factor] => sense.expect(&[row.part(model, factor)], arrives),
                 ref factors => sense.expect(model.parts(row.as_flat(), factors).as_slice(), arrives),
             };
         }
@@ -313,14 +322,21 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// A modality that several groups' states determine. What they bring about together is judged once, when the first of
     /// them arrives, if arrivals count.
-    fn observe_coupled(&mut self, model: &Model, sense: &Sense, groups: u16, until: usize, step: usize) {
+    fn observe_coupled(
+        &mut self,
+        model: &Model,
+        sense: &PreferredModality,
+        groups: u16,
+        batch: &Batch,
+        step: usize,
+    ) {
         if !sense.on_arrival
             && let &[first, second] = sense.modality.factors()
-            && self.observe_pairs(model, sense, [first, second], until)
+            && self.observe_pairs(model, sense, [first, second], batch)
         {
             return;
         }
-        self.couple(groups, until, &|rows, places| {
+        self.couple(groups, batch, &|rows, places| {
             let arrives = sense.on_arrival && step + 1 == rows.first_arrival(groups, places);
             if sense.on_arrival && !arrives {
                 return Terms::ZERO;
@@ -330,7 +346,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
                     sense.expect(&[first, second].map(|factor| rows.part(model, factor, places)), arrives)
                 }
                 ref factors => {
-                    let parts = Parts::new(factors.iter().map(|&factor| rows.part(model, factor, places)));
+                    let parts: Parts = up_to(factors.iter().map(|&factor| rows.part(model, factor, places)));
                     sense.expect(parts.as_slice(), arrives)
                 }
             }
@@ -340,16 +356,22 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     /// A modality of two factors in different groups, for all pairs of their candidates at once; returns whether there are as
     /// many as joint policies at the most.
     #[inline(never)]
-    fn observe_pairs(&mut self, model: &Model, sense: &Sense, factors: [usize; 2], until: usize) -> bool {
+    fn observe_pairs(
+        &mut self,
+        model: &Model,
+        sense: &PreferredModality,
+        factors: [usize; 2],
+        batch: &Batch,
+    ) -> bool {
         let groups = factors.map(|factor| model.group(factor));
-        let used = groups.map(|group| self.groups.get(group).map_or(0, |group| group.used));
+        let used = groups.map(|group| self.groups.get(group).map_or(0, Group::used));
         let Some(pairs) = self.combinations.as_flattened_mut().get_mut(..used[0] * used[1]) else {
             return false;
         };
-        if pairs.len() > until - self.done {
+        if pairs.len() > batch.len() {
             return false;
         }
-        let beliefs = factors.map(|factor| self.rows.each_ref().map(|row| row.of(model, factor)));
+        let beliefs = factors.map(|factor| self.rows.each_ref().map(|row| row.part(model, factor)));
         let [Some(firsts), Some(seconds)] = [beliefs[0].get(..used[0]), beliefs[1].get(..used[1])] else {
             return false;
         };
@@ -357,8 +379,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
             (sense.modality.likelihood(), sense.modality.shape(), sense.under_way);
         form.expect_pairs(shape, firsts, seconds, preference.preference, pairs);
         pairs.iter_mut().for_each(|terms| *terms = sense.weigh_up(*terms, preference.normaliser));
-        let places = self.places.as_flattened().get(self.done..until).unwrap_or(&[]);
-        let terms = self.terms.as_flattened_mut().get_mut(self.done..until).unwrap_or(&mut []);
+        let places = self.places.as_flattened().get(batch.clone()).unwrap_or(&[]);
+        let terms = self.terms.as_flattened_mut().get_mut(batch.clone()).unwrap_or(&mut []);
         for (places, terms) in places.iter().zip(terms) {
             let [first, second] = groups.map(|group| places.get(group).copied().map_or(0, usize::from));
             if let Some(expected) = pairs.get(first * used[1] + second) {
@@ -370,13 +392,12 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// Adds terms that several groups' candidates bring about together: found once for each combination of them that is
     /// gathered, or for each joint policy where those are fewer.
-    fn couple(&mut self, groups: u16, until: usize, of: &dyn Fn(&Rows<S, G, R>, &Places<G>) -> Terms) {
-        let combinations = Combinations { groups, used: &self.groups };
-        let (from, gathered) = (self.done, until - self.done);
+    fn couple(&mut self, groups: u16, batch: &Batch, of: &dyn Fn(&Rows<S, G, R>, &Places<G>) -> Terms) {
+        let combinations = Tuples { groups, used: &self.groups };
         let rows = Rows { beliefs: &self.rows, groups: &self.groups };
-        let places = self.places.as_flattened().get(from..until).unwrap_or_default().iter();
-        let places = places.zip(self.terms.as_flattened_mut().get_mut(from..until).unwrap_or_default());
-        match combinations.count().filter(|&count| count < gathered) {
+        let places = self.places.as_flattened().get(batch.clone()).unwrap_or_default().iter();
+        let places = places.zip(self.terms.as_flattened_mut().get_mut(batch.clone()).unwrap_or_default());
+        match combinations.count().filter(|&count| count < batch.len()) {
             Some(count) => {
                 for (at, kept) in self.combinations.as_flattened_mut().iter_mut().enumerate().take(count) {
                     *kept = of(&rows, &combinations.places(at));
@@ -391,14 +412,14 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// Adds the preferences for pairs of factors, before a step when there is one and after it otherwise.
-    fn add_pairs(&mut self, problem: &Problem<'_, S, G>, until: usize, departing: Option<usize>) {
+    fn add_pairs(&mut self, problem: &Problem<'_, S, G>, batch: &Batch, departing: Option<usize>) {
         for pair in problem.pair_preferences {
             let factors = pair.factors();
             let groups = factors.iter().fold(0, |groups, &factor| groups | 1 << problem.model.group(factor));
             if groups & !problem.scope != 0 {
                 continue;
             }
-            self.couple(groups, until, &|rows, places| {
+            self.couple(groups, batch, &|rows, places| {
                 let beliefs = factors.map(|factor| rows.part(problem.model, factor, places));
                 let utility = match departing {
                     Some(step) => {
@@ -413,11 +434,11 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 
     /// The joint gain of all modalities that have factors in common, directly or by way of others.
-    fn gain_jointly(&mut self, problem: &Problem<'_, S, G>, until: usize, step: usize) {
+    fn gain_jointly(&mut self, problem: &Problem<'_, S, G>, batch: &Batch, step: usize) {
         let model = problem.model;
         let all = problem.modalities().fold(0, |all, (number, ..)| all | 1 << number);
         for component in gain::components(model, all) {
-            self.couple(component.groups, until, &|rows, places| {
+            self.couple(component.groups(), batch, &|rows, places| {
                 let mut beliefs = Beliefs::<S, G>::EMPTY;
                 for factor in 0..model.factors().len() {
                     math::assign(
@@ -425,27 +446,49 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
                         rows.part(model, factor, places),
                     );
                 }
-                let observed = rows.observed(problem, component.members, places, step);
-                let information_gain = if observed == component.members {
-                    component.gain(model, &beliefs)
+                let observed = rows.observed(problem, component.bits, places, step);
+                let information_gain = if observed == component.bits {
+                    gain::of(&component, &beliefs)
                 } else {
-                    gain::components(model, observed).map(|part| part.gain(model, &beliefs)).sum()
+                    gain::components(model, observed).map(|part| gain::of(&part, &beliefs)).sum()
                 };
                 Terms { information_gain, ..Terms::ZERO }
             });
         }
     }
 
-    /// Works out the log posterior of what was rolled out.
+    /// Adds up the terms of what was rolled out, and works out its log posterior.
     #[inline(never)]
-    fn score(&mut self, problem: &Problem<'_, S, G>, until: usize) {
-        let scores = self.scores.as_flattened_mut().get_mut(self.done..until).unwrap_or_default();
-        let terms = self.terms.as_flattened().get(self.done..until).unwrap_or_default();
-        for ((score, terms), policy) in scores.iter_mut().zip(terms).zip(self.done..) {
+    fn score(&mut self, problem: &Problem<'_, S, G>, batch: &Batch) {
+        let scores = self.scores.as_flattened_mut().get_mut(batch.clone()).unwrap_or_default();
+        let terms = self.terms.as_flattened_mut().get_mut(batch.clone()).unwrap_or_default();
+        let places = self.places.as_flattened().get(batch.clone()).unwrap_or_default();
+        let groups = self.groups.get(..problem.model.groups()).unwrap_or_default();
+        for (((score, terms), places), policy) in scores.iter_mut().zip(terms).zip(places).zip(batch.start..)
+        {
+            for (group, &place) in groups.iter().zip(places) {
+                if let Some(candidate) = group.candidates.get(usize::from(place)) {
+                    *terms += candidate.terms;
+                }
+            }
             let value = -terms.expected_free_energy();
             *score = problem.scoring.score(problem.candidates.ln_prior(policy), 0.0, value);
         }
     }
+}
+
+/// Gives what a joint policy does to a group a row; `None` when there is no room.
+// Apart, and few times called: the loop around it is short enough for registers then.
+#[inline(never)]
+fn admit<const S: usize, const G: usize, const R: usize>(
+    group: &mut Group<R>,
+    problem: &Problem<'_, S, G>,
+    number: usize,
+    (policy, row): (usize, &JointPolicy),
+    key: u32,
+) -> Option<usize> {
+    let arrival = arrival(problem, number, row);
+    group.add(Rollout { key, policy: policy as u16, arrival, terms: Terms::ZERO })
 }
 
 impl<const S: usize, const G: usize, const R: usize, const P: usize> Default for Evaluation<S, G, R, P> {

@@ -2,7 +2,7 @@
 
 use super::belief::Beliefs;
 use super::error::{Argument, OutOfRange, below};
-use super::evaluation::{Sense, action_of, arrival, normalisers};
+use super::evaluation::{PreferredModality, action_of, arrival, normalisers};
 use super::free_energy::{Gain, PreferenceTiming, Terms};
 use super::gain;
 use super::model::MAX_MODALITIES;
@@ -93,7 +93,7 @@ fn visit_pairs<const S: usize, const G: usize>(
         if factors.iter().any(|&factor| problem.scope >> problem.model.group(factor) & 1 == 0) {
             continue;
         }
-        let parts = factors.map(|factor| beliefs.of(problem.model, factor));
+        let parts = factors.map(|factor| beliefs.part(problem.model, factor));
         let utility = match departing {
             Some((policy, step)) => {
                 pair.departing(parts, factors.map(|factor| action_of(problem, factor, policy, step - 1)))
@@ -143,14 +143,14 @@ fn observe<const S: usize, const G: usize>(
             continue;
         }
         observed |= 1 << number;
-        let sense = Sense::new(problem, number, modality, normalisers);
+        let sense = PreferredModality::new(problem, number, modality, normalisers);
         let parts = problem.model.parts(beliefs.as_flat(), modality.factors());
         let terms = sense.expect(parts.as_slice(), arrives);
         visit(Contribution { step, source: Source::Modality(number), terms });
     }
     if problem.scoring.gain == Gain::Joint {
         let gains = gain::components(problem.model, observed);
-        let information_gain = gains.map(|component| component.gain(problem.model, beliefs)).sum();
+        let information_gain = gains.map(|component| gain::of(&component, beliefs)).sum();
         let terms = Terms { information_gain, ..Terms::ZERO };
         visit(Contribution { step, source: Source::Jointly, terms });
     }

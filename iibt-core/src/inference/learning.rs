@@ -6,8 +6,8 @@
 //! | [`TransitionCounts`] | B | an action and the beliefs before and after it | a [`Transition`](super::Transition) |
 //! | [`SlipCounts`] | B of moves that may fail | whether a move was made | the slips of a [`NextState`](super::NextState) |
 //! | [`PreferenceCounts`] | C | outcomes, and how well each turned out | a list for a [`Modality`](super::Modality) |
-//! | [`PriorCounts`] | D | beliefs about where things began | the prior of a [`Factor`](super::Factor) |
-//! | [`HabitCounts`] | E | what was chosen | [`Habits::Joint`](super::Habits::Joint) |
+//! | [`DistributionCounts`] | D | beliefs about where things began | the prior of a [`Factor`](super::Factor) |
+//! | the same | E | what was chosen | [`Habits::Joint`](super::Habits::Joint) |
 //!
 //! Every experience changes the counts `a` with prior counts `a0` by
 //!
@@ -18,8 +18,7 @@
 //! without experience ends at nothing; here it ends at the prior, so that a column stays a distribution. The expectation of
 //! a table is its counts divided by the sum of their column.
 //!
-//! The feature `learning`, on by default, has the counts of A, B, D and E; those of C and of slips, by which navigation learns, are always
-//! there. `examples/learning.rs` has a robot whose drive wears out.
+//! The feature `learning`, on by default, has the counts of A and B; the others are always there. `examples/learning.rs` has a robot whose drive wears out.
 //!
 //! Nothing here panics and every number stays finite, whatever is learned: experience that makes no sense changes nothing,
 //! and the method that was given it returns `false`.
@@ -27,10 +26,7 @@
 #[cfg(feature = "learning")]
 mod columns;
 mod dirichlet;
-#[cfg(feature = "learning")]
-mod habit;
-#[cfg(feature = "learning")]
-mod initial;
+mod distribution;
 #[cfg(feature = "learning")]
 mod likelihood;
 #[cfg(feature = "learning")]
@@ -39,15 +35,11 @@ mod preference;
 #[cfg(test)]
 mod sampling;
 mod slip;
-mod tally;
 #[cfg(feature = "learning")]
 mod transition;
 
 pub use dirichlet::{Dirichlet, LEAST, MOST};
-#[cfg(feature = "learning")]
-pub use habit::HabitCounts;
-#[cfg(feature = "learning")]
-pub use initial::PriorCounts;
+pub use distribution::DistributionCounts;
 #[cfg(feature = "learning")]
 pub use likelihood::LikelihoodCounts;
 pub use preference::PreferenceCounts;

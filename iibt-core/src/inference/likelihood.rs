@@ -2,7 +2,7 @@
 //!
 //! | form | what it is | numbers it stores |
 //! |---|---|---|
-//! | [`Dense`] | any table | outcomes x states |
+//! | [`DenseLikelihood`] | any table | outcomes x states |
 //! | [`IdentityNoise`] | the state itself, read with even errors | 3 |
 //! | [`OutcomeTable`] | an outcome that labels of the states determine, with or without noise | a byte per state and per combination of labels, and a column per kind |
 //!
@@ -12,7 +12,7 @@ mod dense;
 mod identity_noise;
 mod outcome_table;
 
-pub use dense::Dense;
+pub use dense::DenseLikelihood;
 pub use identity_noise::IdentityNoise;
 pub use outcome_table::{MAX_KINDS, MAX_LABELS, OutcomeTable};
 
@@ -53,7 +53,7 @@ pub const FLOOR: f32 = 2.220_446e-16;
 /// let model = Model::new(&factors, &modalities);
 /// let mut beliefs = Beliefs::<3, 1>::prior(&model);
 /// beliefs.update(&model, &[Evidence::Outcome(1)])?;
-/// assert!((beliefs.of(&model, 0)[2] - 2.0 / 3.0).abs() < 1e-6);
+/// assert!((beliefs.of(&model, 0)?[2] - 2.0 / 3.0).abs() < 1e-6);
 /// # Ok::<(), iibt_core::inference::ObservationError>(())
 /// ```
 #[doc(alias = "observation model")]
@@ -161,38 +161,27 @@ fn add(sums: &mut [f32], at: Option<&usize>, term: f32) {
 /// ```
 /// use iibt_core::inference::{TableError, likelihood, NextState};
 ///
-/// let error = likelihood::Dense::try_new(&[0.5, -0.5, 0.5, 1.5], 2, &[2]).unwrap_err();
+/// let error = likelihood::DenseLikelihood::try_new(&[0.5, -0.5, 0.5, 1.5], 2, &[2]).unwrap_err();
 /// assert_eq!(error.to_string(), "entry 1 is negative or not finite");
 /// let error = NextState::try_new(&[0, 2], 2, 0.0).unwrap_err();
 /// assert_eq!(error, TableError::Range(1));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TableError {
     /// It has no values, no conditions, too many conditions, or a dimension without entries.
+    #[error("a dimension is empty, or there are too many")]
     Empty,
     /// It has this many entries, which is not what its shape asks for.
+    #[error("the table has {0} entries, which its shape does not ask for")]
     Length(usize),
     /// An entry is negative or not finite, at this place of the table.
+    #[error("entry {0} is negative or not finite")]
     Entry(usize),
     /// The column of this combination of conditions sums to this, and not to one.
+    #[error("column {0} sums to {1}, not to one")]
     Column(usize, f32),
     /// A label, kind or next state at this place is out of range.
+    #[error("entry {0} is out of range")]
     Range(usize),
 }
-
-impl core::fmt::Display for TableError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Empty => f.write_str("a dimension is empty, or there are too many"),
-            Self::Length(entries) => {
-                write!(f, "the table has {entries} entries, which its shape does not ask for")
-            }
-            Self::Entry(at) => write!(f, "entry {at} is negative or not finite"),
-            Self::Column(column, sum) => write!(f, "column {column} sums to {sum}, not to one"),
-            Self::Range(at) => write!(f, "entry {at} is out of range"),
-        }
-    }
-}
-
-impl core::error::Error for TableError {}

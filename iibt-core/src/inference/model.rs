@@ -3,17 +3,22 @@
 mod error;
 mod factor;
 mod groups;
+mod members;
 mod modality;
-mod parts;
 
 pub use error::ModelError;
 pub use factor::{Control, Factor};
+pub(super) use members::{Members, Product};
 pub use modality::Modality;
-pub(super) use parts::Parts;
 
 use super::error::{Argument, OutOfRange, at_most};
 use super::evidence::Evidence;
+use super::shape::MAX_CONDITIONS;
 use crate::actions::Action;
+use crate::bounded::up_to;
+
+/// Parts of a flat list of beliefs: no table has more conditions.
+pub(super) type Parts<'b> = heapless::Vec<&'b [f32], MAX_CONDITIONS>;
 
 /// The most hidden factors of one model.
 pub const MAX_FACTORS: usize = 16;
@@ -38,7 +43,7 @@ pub const MAX_MODALITIES: usize = 40;
 ///
 /// let mut beliefs = Beliefs::<3, 1>::prior(&CORRIDOR);
 /// let update = beliefs.update(&CORRIDOR, &[Evidence::Outcome(1)])?;
-/// assert!(update.free_energy > 0.0 && beliefs.most_likely(&CORRIDOR, 0).0 == 1);
+/// assert!(update.free_energy > 0.0 && beliefs.most_likely(&CORRIDOR, 0)?.0 == 1);
 /// # Ok::<(), iibt_core::inference::ObservationError>(())
 /// ```
 ///
@@ -61,6 +66,8 @@ pub struct Model<'a> {
     groups: [u8; MAX_FACTORS],
     group_count: u8,
     controls: u8,
+    /// The factors of each group, a bit for each.
+    members: [u16; MAX_FACTORS],
     /// The action sequences that move each group, a bit for each.
     moved_by: [u16; MAX_FACTORS],
     /// The groups that each modality depends on, a bit for each.
@@ -118,6 +125,7 @@ impl<'a> Model<'a> {
             groups: [0; MAX_FACTORS],
             group_count: 0,
             controls: 0,
+            members: [0; MAX_FACTORS],
             moved_by: [0; MAX_FACTORS],
             scopes: [0; MAX_MODALITIES],
         };
@@ -192,10 +200,8 @@ impl<'a> Model<'a> {
     }
 
     /// A group's factors, a bit for each.
-    pub(super) fn in_group(&self, group: usize) -> u32 {
-        let numbered = self.groups.iter().take(self.factors.len()).enumerate();
-        let members = numbered.filter(|(_, of)| usize::from(**of) == group);
-        members.fold(0, |members, (factor, _)| members | 1 << factor)
+    pub(super) fn members_of(&self, group: usize) -> u32 {
+        self.members.get(group).copied().map_or(0, u32::from)
     }
 
     /// The group of a factor; zero for one that does not exist.
@@ -226,10 +232,10 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The parts of `factors`, in their order; `MAX_CONDITIONS` at the most.
+    /// The parts of the factors that a table is conditioned on, in their order.
     #[inline]
     pub(super) fn parts<'b>(&self, flat: &'b [f32], factors: &[usize]) -> Parts<'b> {
-        Parts::new(factors.iter().map(|&factor| self.part(flat, factor)))
+        up_to(factors.iter().map(|&factor| self.part(flat, factor)))
     }
 
     /// One step of one factor: q(s') = Σ_s B_u(s', s) q(s), from the flat beliefs `from` into `to`. Returns how much the step
@@ -252,7 +258,7 @@ impl<'a> Model<'a> {
     fn conditions<'b>(&self, factor: usize, flat: &'b [f32]) -> Parts<'b> {
         let others = self.factors.get(factor).map_or(&[][..], |of| of.coupled_to);
         let factors = core::iter::once(factor).chain(others.iter().copied());
-        Parts::new(factors.map(|factor| self.part(flat, factor)))
+        up_to(factors.map(|factor| self.part(flat, factor)))
     }
 
     /// How many actions a control has: as many as each of the factors that it moves knows.

@@ -1,5 +1,7 @@
 //! C, what a robot would like to observe.
 
+use super::error::{Argument, OutOfRange};
+
 /// A preference per outcome on a log scale: P(o) = softmax(C).
 ///
 /// The base is what the task wants; [`raise`](Self::raise) adds a temporary preference on top of it, and
@@ -9,12 +11,16 @@
 /// use iibt_core::inference::Preference;
 ///
 /// let mut preference = Preference::new([0.0, 1.0, -2.0]);
-/// preference.raise(0, 3.0); // for a while
+/// preference.raise(0, 3.0)?; // for a while
 /// assert!(preference.is_raised());
-/// assert_eq!((preference.get(0), preference.largest()), (3.0, 3.0));
+/// assert_eq!((preference.get(0), preference.largest()), (Some(3.0), 3.0));
 /// assert_eq!(preference.negative(), [0.0, 0.0, -2.0]);
 /// preference.roll_back();
 /// assert_eq!(preference.values(), [0.0, 1.0, -2.0]);
+///
+/// let error = preference.raise(3, 1.0).unwrap_err();
+/// assert_eq!(error.to_string(), "there is no outcome 3 to prefer: there are 3, from 0");
+/// # Ok::<(), iibt_core::inference::OutOfRange>(())
 /// ```
 #[doc(alias = "C")]
 #[doc(alias = "prior preference")]
@@ -49,27 +55,30 @@ impl<const O: usize> Preference<O> {
         Self { base: core::array::from_fn(finite), raised: [0.0; O] }
     }
 
-    /// The preference for one outcome, temporary raise included; zero outside the table.
+    /// The preference for one outcome, temporary raise included; `None` outside the table.
     #[must_use]
-    pub fn get(&self, outcome: usize) -> f32 {
-        let at = |values: &[f32; O]| values.get(outcome).copied().unwrap_or(0.0);
-        at(&self.base) + at(&self.raised)
+    pub fn get(&self, outcome: usize) -> Option<f32> {
+        Some(self.base.get(outcome)? + self.raised.get(outcome)?)
     }
 
     /// The largest preference, temporary raises included: max(C).
     #[must_use]
     pub fn largest(&self) -> f32 {
-        (0..O).map(|outcome| self.get(outcome)).fold(f32::NEG_INFINITY, f32::max)
+        self.values().into_iter().fold(f32::NEG_INFINITY, f32::max)
     }
 
-    /// Adds a temporary preference, which may be negative, to one outcome: C := C + L. A value that is not
-    /// finite or an outcome that does not exist changes nothing.
-    pub fn raise(&mut self, outcome: usize, by: f32) {
-        if let Some(raised) = self.raised.get_mut(outcome)
-            && (*raised + by).is_finite()
-        {
-            *raised += by;
+    /// Adds a temporary preference, which may be negative, to one outcome: C := C + L.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] for an outcome that does not exist and for a sum that is not finite. Nothing is changed.
+    pub fn raise(&mut self, outcome: usize, by: f32) -> Result<(), OutOfRange> {
+        let unknown = OutOfRange::new(Argument::PreferredOutcome, 0, outcome, O);
+        let raised = self.raised.get_mut(outcome).ok_or(unknown)?;
+        if !(*raised + by).is_finite() {
+            return Err(OutOfRange::new(Argument::Raise, 0, outcome, O));
         }
+        *raised += by;
+        Ok(())
     }
 
     /// Whether a temporary preference is in place.
@@ -86,7 +95,7 @@ impl<const O: usize> Preference<O> {
     /// C as it is now, temporary raises included.
     #[must_use]
     pub fn values(&self) -> [f32; O] {
-        core::array::from_fn(|outcome| self.get(outcome))
+        core::array::from_fn(|outcome| self.get(outcome).unwrap_or(0.0))
     }
 
     /// The negative preferences alone: positive ones count as zero. See [`PreferenceTiming`](super::PreferenceTiming).
@@ -104,21 +113,23 @@ mod tests {
     fn a_raise_is_rolled_back_to_the_last_bit() {
         let base = Preference::new([0.1, 0.2, 0.3]);
         let mut preference = base;
-        preference.raise(1, 1e7);
-        preference.raise(1, -0.7);
-        preference.raise(2, 1.3);
+        for (outcome, by) in [(1, 1e7), (1, -0.7), (2, 1.3)] {
+            preference.raise(outcome, by).unwrap();
+        }
         assert!(preference.is_raised());
-        assert_eq!(preference.largest(), preference.get(1));
+        assert_eq!(Some(preference.largest()), preference.get(1));
         preference.roll_back();
         assert_eq!(preference, base);
     }
 
     #[test]
-    fn nonsense_raises_nothing() {
+    fn nonsense_raises_nothing_and_is_named() {
         let mut preference = Preference::new([0.0, 1.0]);
-        preference.raise(0, f32::NAN);
-        preference.raise(0, f32::INFINITY);
-        preference.raise(9, 1.0);
+        for by in [f32::NAN, f32::INFINITY] {
+            assert_eq!(preference.raise(0, by), Err(OutOfRange::new(Argument::Raise, 0, 0, 2)));
+        }
+        assert_eq!(preference.raise(9, 1.0), Err(OutOfRange::new(Argument::PreferredOutcome, 0, 9, 2)));
+        assert_eq!(preference.get(2), None);
         assert!(!preference.is_raised());
         let odd = Preference::from_fn(|outcome| if outcome == 0 { f32::INFINITY } else { 1.0 });
         assert_eq!(odd, preference);

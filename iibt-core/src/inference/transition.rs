@@ -2,7 +2,7 @@
 //!
 //! | form | what it is | numbers it stores |
 //! |---|---|---|
-//! | [`Dense`] | any table, coupled to other factors or not | actions x states x states |
+//! | [`DenseTransition`] | any table, coupled to other factors or not | actions x states x states |
 //! | [`NextState`] | one next state per action and state, reached always, with a slip, or with a slip per action | two bytes per action and state |
 //! | [`Blocks`] | a weighted sum of blocks, one per factor: the coupling blocks of the paper's section 4 | its blocks |
 
@@ -11,7 +11,7 @@ mod dense;
 mod next_state;
 
 pub use blocks::Blocks;
-pub use dense::Dense;
+pub use dense::DenseTransition;
 pub use next_state::NextState;
 
 use super::shape::{Shape, mass};

@@ -12,7 +12,7 @@
 //! steps aside. When a robot is charged, or has stepped aside, it opens the next round, and the
 //! team decides from its current positions. If no robot can make room, all wait.
 
-use super::{Cause, Intention, Navigation, Percept, Stage, intentions};
+use super::{Cause, GridPercept, Intention, Navigation, Stage, intentions};
 use crate::grid::{Cell, CellSet, Path};
 use crate::team::Peers;
 
@@ -33,7 +33,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     ///
     /// The robot stands still without a charger, and while no way leads to it past the obstacles it
     /// knows and the teammates.
-    pub fn recharge(&mut self, percept: &Percept, peers: Peers<'_, Intention>) {
+    pub fn recharge(&mut self, percept: &GridPercept, peers: Peers<'_, Intention>) {
         self.look_after_itself(percept, peers);
         let (Some(here), Some(charger)) = (self.here(), self.charger()) else { return };
         if !self.agreement.is_away() {
@@ -49,7 +49,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
 
     /// Runs one tick of a robot that steps aside for a teammate on its way to a charger, in place
     /// of the inference node's tick. Returns whether it does.
-    pub fn step_aside(&mut self, percept: &Percept, peers: Peers<'_, Intention>) -> bool {
+    pub fn step_aside(&mut self, percept: &GridPercept, peers: Peers<'_, Intention>) -> bool {
         self.percept.moving = percept.moving;
         if !self.agreement.is_away() {
             self.aside = self.here().and_then(|here| self.room_to_make(here, peers));
@@ -68,7 +68,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     }
 
     /// Takes in what was sensed without taking part in the team's decisions.
-    fn look_after_itself(&mut self, percept: &Percept, peers: Peers<'_, Intention>) {
+    fn look_after_itself(&mut self, percept: &GridPercept, peers: Peers<'_, Intention>) {
         self.perceive(percept, peers);
         self.alone = true;
         self.track();

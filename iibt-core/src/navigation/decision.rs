@@ -15,7 +15,7 @@ use heapless::Vec;
 
 /// The generative model for joint policies, and the last evaluation.
 #[derive(Clone, Debug)]
-pub struct Decision<const S: usize, const P: usize> {
+pub struct NavigationDecision<const S: usize, const P: usize> {
     world: World<S>,
     scoring: Scoring,
     collision: f32,
@@ -47,7 +47,7 @@ pub(super) struct Timing {
     pub(super) earliest: usize,
 }
 
-impl<const S: usize, const P: usize> Decision<S, P> {
+impl<const S: usize, const P: usize> NavigationDecision<S, P> {
     pub(super) fn new<const W: usize>(mission: &Mission<'_, W>, robot: RobotId) -> Self {
         Self {
             world: World::new(mission, robot),

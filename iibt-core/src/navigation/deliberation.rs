@@ -18,7 +18,7 @@ const ROUNDS_PER_ROBOT: u8 = 3;
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     /// Returns the map with the cells of negative preference blocked.
     fn passable(&self, preference: &Preference<S>) -> Map<W> {
-        let disliked = |state: &usize| preference.get(*state) < 0.0;
+        let disliked = |state: &usize| preference.get(*state).is_some_and(|worth| worth < 0.0);
         self.mission
             .map
             .avoiding((0..self.mission.map.len()).filter(disliked).map(|state| Cell(state as u16)))
@@ -82,7 +82,9 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     fn wanted(&self, preference: &Preference<S>, peers: Peers<'_, Intention>) -> Preference<S> {
         let mut wanted = *preference;
         for claimed in self.partners(peers).filter_map(|peer| peer.message.goal) {
-            wanted.raise(claimed.index(), -wanted.get(claimed.index()).max(0.0));
+            // A cell that this map does not have is no goal either.
+            let worth = wanted.get(claimed.index()).map_or(0.0, |worth| worth.max(0.0));
+            let _ = wanted.raise(claimed.index(), -worth);
         }
         wanted
     }

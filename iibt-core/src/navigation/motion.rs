@@ -81,7 +81,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Mission, Percept};
+    use super::super::{GridPercept, Mission};
     use super::*;
     use crate::grid::Map;
     use crate::iibt::Task;
@@ -94,7 +94,7 @@ mod tests {
     }
 
     fn read(robot: &mut Robot<'_>, reading: Option<u16>) {
-        let percept = Percept { reading: reading.map(Cell), ..Percept::default() };
+        let percept = GridPercept { reading: reading.map(Cell), ..GridPercept::default() };
         robot.observe(&percept, roster(1).at(Default::default()));
     }
 

@@ -17,7 +17,7 @@ pub const VISITED: u8 = 3;
 /// A choice of the inference node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Plan {
+pub enum NavigationPlan {
     /// Stand still for now: the wait policy.
     Wait,
     /// Commit to the candidate with this index.
@@ -26,7 +26,7 @@ pub enum Plan {
     Follow,
 }
 
-impl Plan {
+impl NavigationPlan {
     /// Returns the precondition of the plan.
     #[must_use]
     pub const fn precondition(self) -> Condition {

@@ -2,8 +2,8 @@
 
 use super::candidates::{Place, Situation};
 use super::{
-    Candidate, Cause, Intention, MAX_HAZARDS, MAX_KNOWN_HAZARDS, Navigation, Percept, Plan, RULES, Stage,
-    VISITED, intentions,
+    Candidate, Cause, GridPercept, Intention, MAX_HAZARDS, MAX_KNOWN_HAZARDS, Navigation, NavigationPlan,
+    RULES, Stage, VISITED, intentions,
 };
 use crate::bounded::up_to;
 use crate::grid::{Cell, Path};
@@ -14,15 +14,15 @@ use crate::team::{MAX_TEAM, Peers};
 use heapless::Vec;
 
 impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, W, P> {
-    type Percept = Percept;
+    type Percept = GridPercept;
     type Message = Intention;
     type Preference = Preference<S>;
     /// The situation in which the robot decides; `None` while it is not its turn. The paths are in
     /// [`candidates`](Navigation::candidates).
     type Candidates = Option<Situation<W>>;
-    type Policy = Plan;
+    type Policy = NavigationPlan;
 
-    fn observe(&mut self, percept: &Percept, peers: Peers<'_, Intention>) {
+    fn observe(&mut self, percept: &GridPercept, peers: Peers<'_, Intention>) {
         self.perceive(percept, peers);
         self.track();
         self.follow_agreement(peers);
@@ -61,22 +61,22 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
         situation: &Option<Situation<W>>,
         preference: &Preference<S>,
         peers: Peers<'_, Intention>,
-    ) -> Option<Plan> {
+    ) -> Option<NavigationPlan> {
         self.choice = None;
         if let Some(situation) = situation {
             self.deliberate(situation, preference, peers);
             self.choice = self.decision.choose();
         }
         if self.agreement.stage() != Stage::Deciding {
-            return Some(Plan::Follow);
+            return Some(NavigationPlan::Follow);
         }
         if situation.is_none() {
-            return Some(Plan::Wait);
+            return Some(NavigationPlan::Wait);
         }
-        self.choice.map(|choice| Plan::Take(choice.policy))
+        self.choice.map(|choice| NavigationPlan::Take(choice.policy))
     }
 
-    fn unmet(&self, plan: Plan, _: &Option<Situation<W>>) -> Option<Literal> {
+    fn unmet(&self, plan: NavigationPlan, _: &Option<Situation<W>>) -> Option<Literal> {
         plan.precondition().unmet(self.logic(plan))
     }
 
@@ -95,15 +95,15 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
         }
     }
 
-    fn execute(&mut self, plan: Plan, _: &Option<Situation<W>>, peers: Peers<'_, Intention>) {
+    fn execute(&mut self, plan: NavigationPlan, _: &Option<Situation<W>>, peers: Peers<'_, Intention>) {
         match plan {
-            Plan::Take(index) => {
+            NavigationPlan::Take(index) => {
                 if let Some(&candidate) = self.candidates.get(index) {
                     self.commit(candidate, peers);
                 }
             }
-            Plan::Follow => self.follow(peers),
-            Plan::Wait => {}
+            NavigationPlan::Follow => self.follow(peers),
+            NavigationPlan::Wait => {}
         }
     }
 
@@ -114,7 +114,7 @@ impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, 
 
 impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     /// Takes in what was sensed since the last tick, and the obstacles that teammates have found.
-    pub(super) fn perceive(&mut self, percept: &Percept, peers: Peers<'_, Intention>) {
+    pub(super) fn perceive(&mut self, percept: &GridPercept, peers: Peers<'_, Intention>) {
         self.percept = percept.clone();
         (self.command, self.alone) = (None, false);
         for &hazard in &percept.hazards {
@@ -146,7 +146,8 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
         };
         let hazards: Vec<Cell, MAX_KNOWN_HAZARDS> = up_to(self.hazards_on(&path, done));
         for &hazard in &hazards {
-            preference.raise(hazard.index(), amount);
+            // Every cell of the map is an outcome.
+            let _ = preference.raise(hazard.index(), amount);
         }
     }
 }

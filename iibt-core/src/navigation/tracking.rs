@@ -147,7 +147,7 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{MAX_KNOWN_HAZARDS, Mission, Percept};
+    use super::super::{GridPercept, MAX_KNOWN_HAZARDS, Mission};
     use super::*;
     use crate::grid::Map;
     use crate::iibt::Task;
@@ -163,7 +163,7 @@ mod tests {
         let teammate = Navigation::<49, 2, 4>::new(&mission, member(1, 2), 1).unwrap();
         let last = MAX_KNOWN_HAZARDS as u16 + 4;
         for cell in (1..=last).map(Cell) {
-            let percept = Percept { hazards: [cell].into_iter().collect(), ..Percept::default() };
+            let percept = GridPercept { hazards: [cell].into_iter().collect(), ..GridPercept::default() };
             robot.observe(&percept, roster(2).at(Default::default()));
         }
         let in_mind: Vec<Cell> = (5..=last).map(Cell).collect();
@@ -173,7 +173,7 @@ mod tests {
         let mut roster = roster(2);
         let told = Envelope { sender: RobotId(1), stamp: Stamp::default(), message };
         roster.hear(told, Default::default()).unwrap();
-        robot.observe(&Percept::default(), roster.at(Default::default()));
+        robot.observe(&GridPercept::default(), roster.at(Default::default()));
         assert_eq!(robot.hazards(), in_mind);
     }
 
@@ -183,7 +183,7 @@ mod tests {
         let mission = Mission::new(Map::<2>::new(7, 7).unwrap(), &starts, &[Cell(24)]);
         let mut robot = Navigation::<49, 2, 4>::new(&mission, member(0, 1), 1).unwrap();
         let sense = |robot: &mut Navigation<'_, 49, 2, 4>, moving, cell| {
-            let percept = Percept { moving, reading: Some(Cell(cell)), ..Percept::default() };
+            let percept = GridPercept { moving, reading: Some(Cell(cell)), ..GridPercept::default() };
             robot.perceive(&percept, roster(1).at(Default::default()));
             robot.track();
             robot.here()

@@ -71,7 +71,8 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
             up_to(self.open_waypoints().filter(|cell| !wanted.contains(cell)));
         for (index, cell) in missing.iter().enumerate() {
             if !missing.iter().take(index).any(|before| before == cell) {
-                preference.raise(cell.index(), amount);
+                // Every cell of the map is an outcome.
+                let _ = preference.raise(cell.index(), amount);
             }
         }
     }
@@ -79,7 +80,10 @@ impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
     /// Returns the open way-points that are preferred above all goals: the way-points of
     /// candidates.
     pub(super) fn via(&self, preference: &Preference<S>) -> Vec<Cell, MAX_WAYPOINTS> {
-        up_to(self.open_waypoints().filter(|cell| preference.get(cell.index()) > GOAL))
+        up_to(
+            self.open_waypoints()
+                .filter(|cell| preference.get(cell.index()).is_some_and(|worth| worth > GOAL)),
+        )
     }
 
     /// Returns whether the rest of a path leads over all open way-points.
@@ -117,9 +121,9 @@ impl core::error::Error for VisitError {}
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Mission, OBSTACLE, Percept, Plan, VISITED};
+    use super::super::{GridPercept, Mission, NavigationPlan, OBSTACLE, VISITED};
     use super::*;
-    use crate::iibt::{Literal, Node, Task};
+    use crate::iibt::{InferenceNode, Literal, Task};
     use crate::navigation::Stage;
     use crate::navigation::testing::{member, roster};
     use crate::time::Duration;
@@ -139,15 +143,15 @@ mod tests {
         robot
     }
 
-    fn reading(cell: u16) -> Percept {
-        Percept { reading: Some(Cell(cell)), ..Percept::default() }
+    fn reading(cell: u16) -> GridPercept {
+        GridPercept { reading: Some(Cell(cell)), ..GridPercept::default() }
     }
 
     fn read(robot: &mut Robot<'_>, cell: u16) {
         robot.observe(&reading(cell), roster(1).at(Default::default()));
     }
 
-    fn plan(robot: &mut Robot<'_>, preference: &Preference<49>) -> Plan {
+    fn plan(robot: &mut Robot<'_>, preference: &Preference<49>) -> NavigationPlan {
         let roster = roster(1);
         let peers = roster.at(Default::default());
         let candidates = robot.candidates(preference, peers);
@@ -187,7 +191,7 @@ mod tests {
         assert_eq!(robot.unmet(choice, &None), Some(missing), "the first choice knows nothing of way-points");
         robot.raise(missing, &None, &mut wanted);
         robot.raise(missing, &None, &mut wanted);
-        assert_eq!((wanted.get(4), wanted.get(24)), (2.0, 3.0), "max(C) + 1, once");
+        assert_eq!((wanted.get(4), wanted.get(24)), (Some(2.0), Some(3.0)), "max(C) + 1, once");
         let choice = plan(&mut robot, &wanted);
         assert_eq!(robot.unmet(choice, &None), None);
         for candidate in Robot::candidates(&robot) {
@@ -203,7 +207,7 @@ mod tests {
         for cell in [39, 4, 4] {
             robot.visit(Cell(cell)).unwrap();
         }
-        let mut node = Node::new(Duration(100));
+        let mut node = InferenceNode::new(Duration(100));
         node.tick(&mut robot, &reading(28), roster(1).at(Default::default()), Default::default());
         assert_eq!(robot.agreement().stage(), Stage::Announced);
         let path = *robot.agreement().path();

@@ -7,27 +7,27 @@ use super::row::{ASK, LATER, MAX_DEPTH, MAX_NODES, NONE, Row, UP};
 /// A rule for tables, as the reason why one is no tree.
 ///
 /// ```
-/// use iibt_core::tree::{Full, Millis, Node, Rule, Tree};
+/// use iibt_core::tree::{Full, Millis, Node, TreeRule, Tree};
 /// use Node::*;
 ///
-/// fn broken<const N: usize>(nodes: [Node<()>; N]) -> Option<Rule> {
+/// fn broken<const N: usize>(nodes: [Node<()>; N]) -> Option<TreeRule> {
 ///     Tree::<(), N, Full>::try_new(nodes).err().map(|error| error.rule)
 /// }
 ///
 /// assert_eq!(broken([Sequence(1), Action(())]), None);
-/// assert_eq!(broken([]), Some(Rule::Empty));
-/// assert_eq!(broken([Sequence(0)]), Some(Rule::NoChildren));
-/// assert_eq!(broken([Sequence(2), Action(())]), Some(Rule::MissingChildren));
-/// assert_eq!(broken([Action(()), Action(())]), Some(Rule::Unreachable));
-/// assert_eq!(broken([IfThenElse(1), Action(())]), Some(Rule::Arity));
-/// assert_eq!(broken([RateController(Millis::new(0)), Action(())]), Some(Rule::Duration));
-/// assert_eq!(broken([Fallback(2), AlwaysSuccess, Action(())]), Some(Rule::NeverTicked));
+/// assert_eq!(broken([]), Some(TreeRule::Empty));
+/// assert_eq!(broken([Sequence(0)]), Some(TreeRule::NoChildren));
+/// assert_eq!(broken([Sequence(2), Action(())]), Some(TreeRule::MissingChildren));
+/// assert_eq!(broken([Action(()), Action(())]), Some(TreeRule::Unreachable));
+/// assert_eq!(broken([IfThenElse(1), Action(())]), Some(TreeRule::Arity));
+/// assert_eq!(broken([RateController(Millis::new(0)), Action(())]), Some(TreeRule::Duration));
+/// assert_eq!(broken([Fallback(2), AlwaysSuccess, Action(())]), Some(TreeRule::NeverTicked));
 /// let three = Parallel { children: 1, success_count: 3, failure_count: 1 };
-/// assert_eq!(broken([three, Action(())]), Some(Rule::SuccessCount));
+/// assert_eq!(broken([three, Action(())]), Some(TreeRule::SuccessCount));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Rule {
+pub enum TreeRule {
     /// A tree has at least a root.
     Empty,
     /// A tree has at most [`MAX_NODES`] nodes.
@@ -63,11 +63,11 @@ pub enum Rule {
 /// The error of a table that is no tree: the first row that breaks a rule.
 ///
 /// ```
-/// use iibt_core::tree::{Node, Rule, Tree, TreeError};
+/// use iibt_core::tree::{Node, TreeRule, Tree, TreeError};
 ///
 /// let nodes = [Node::Sequence(2), Node::Action("fetch"), Node::Fallback(0)];
 /// let error = Tree::<_, 3>::try_new(nodes).unwrap_err();
-/// assert_eq!(error, TreeError { node: 2, rule: Rule::NoChildren });
+/// assert_eq!(error, TreeError { node: 2, rule: TreeRule::NoChildren });
 /// assert_eq!(error.to_string(), "node 2: a composite of a behavior tree has no children");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -76,7 +76,7 @@ pub struct TreeError {
     /// The row, from zero.
     pub node: u16,
     /// What is wrong with it.
-    pub rule: Rule,
+    pub rule: TreeRule,
 }
 
 /// Links the rows of a table in preorder.
@@ -86,10 +86,10 @@ pub struct TreeError {
 /// are still to come.
 pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeError> {
     if rows.is_empty() {
-        return Err(TreeError { node: 0, rule: Rule::Empty });
+        return Err(TreeError { node: 0, rule: TreeRule::Empty });
     }
     if rows.len() > MAX_NODES {
-        return Err(TreeError { node: MAX_NODES as u16, rule: Rule::TooLarge });
+        return Err(TreeError { node: MAX_NODES as u16, rule: TreeRule::TooLarge });
     }
     let mut open = NONE as usize;
     let mut depth = 0;
@@ -124,7 +124,7 @@ pub(super) const fn link<L>(rows: &mut [Row<L>], full: bool) -> Result<(), TreeE
         at += 1;
     }
     if open < rows.len() {
-        return Err(TreeError { node: open as u16, rule: Rule::MissingChildren });
+        return Err(TreeError { node: open as u16, rule: TreeRule::MissingChildren });
     }
     Ok(())
 }
@@ -142,46 +142,48 @@ const fn links<L>(node: &Node<L>, parent: u16, sibling: u16) -> [u16; 2] {
 
 /// The rule that a node in row `at` breaks, whatever it is, below `depth` levels, of which the
 /// lowest is `open` for a child.
-const fn placed_wrongly(at: usize, open: bool, depth: usize) -> Option<Rule> {
+const fn placed_wrongly(at: usize, open: bool, depth: usize) -> Option<TreeRule> {
     if at > 0 && !open {
-        Some(Rule::Unreachable)
+        Some(TreeRule::Unreachable)
     } else if depth == MAX_DEPTH {
-        Some(Rule::TooDeep)
+        Some(TreeRule::TooDeep)
     } else {
         None
     }
 }
 
 /// The rule that `node` breaks by itself.
-const fn broken<L>(node: &Node<L>, full: bool) -> Option<Rule> {
+const fn broken<L>(node: &Node<L>, full: bool) -> Option<TreeRule> {
     if !full && !node.is_basic() {
-        return Some(Rule::NotInSet);
+        return Some(TreeRule::NotInSet);
     }
     if let Some(0) = node.children() {
-        return Some(Rule::NoChildren);
+        return Some(TreeRule::NoChildren);
     }
     match node {
-        Node::IfThenElse(count) | Node::WhileDoElse(count) if *count < 2 || *count > 3 => Some(Rule::Arity),
-        Node::Switch(count, _) if *count < 3 || *count > 7 => Some(Rule::Arity),
+        Node::IfThenElse(count) | Node::WhileDoElse(count) if *count < 2 || *count > 3 => {
+            Some(TreeRule::Arity)
+        }
+        Node::Switch(count, _) if *count < 3 || *count > 7 => Some(TreeRule::Arity),
         Node::Parallel { children, .. } | Node::ParallelAll { children, .. } if *children > 127 => {
-            Some(Rule::TooManyChildren)
+            Some(TreeRule::TooManyChildren)
         }
         Node::Parallel { children, success_count, .. } if *success_count > *children as i8 => {
-            Some(Rule::SuccessCount)
+            Some(TreeRule::SuccessCount)
         }
         Node::Parallel { children, failure_count: most, .. }
         | Node::ParallelAll { children, max_failures: most }
             if *most > *children as i8 =>
         {
-            Some(Rule::FailureCount)
+            Some(TreeRule::FailureCount)
         }
-        Node::RetryUntilSuccessful(times) | Node::Repeat(times) if times.get() < -1 => Some(Rule::Times),
+        Node::RetryUntilSuccessful(times) | Node::Repeat(times) if times.get() < -1 => Some(TreeRule::Times),
         Node::Timeout(time) | Node::Delay(time) | Node::Sleep(time) | Node::RateController(time)
             if time.get() > Millis::MAX =>
         {
-            Some(Rule::Duration)
+            Some(TreeRule::Duration)
         }
-        Node::RateController(period) if period.get() == 0 => Some(Rule::Duration),
+        Node::RateController(period) if period.get() == 0 => Some(TreeRule::Duration),
         _ => None,
     }
 }
@@ -347,7 +349,7 @@ const fn branches<L>(rows: &[Row<L>], can: &[u8], at: usize, second: usize) -> (
     (set, dead)
 }
 
-impl Rule {
+impl TreeRule {
     pub(super) const fn message(self) -> &'static str {
         match self {
             Self::Empty => "a behavior tree needs a root",
@@ -386,29 +388,29 @@ mod tests {
     use std::string::ToString;
 
     #[track_caller]
-    fn refuses<const N: usize>(nodes: [Node<char>; N], node: u16, rule: Rule) {
+    fn refuses<const N: usize>(nodes: [Node<char>; N], node: u16, rule: TreeRule) {
         assert_eq!(Tree::<_, N, Full>::try_new(nodes), Err(TreeError { node, rule }));
     }
 
     #[test]
     fn a_table_that_breaks_a_rule_is_refused_at_its_row() {
-        refuses([], 0, Rule::Empty);
-        refuses([Sequence(0)], 0, Rule::NoChildren);
-        refuses([Sequence(2), Action('a'), Fallback(0), Action('b')], 2, Rule::NoChildren);
-        refuses([Sequence(2), Action('a')], 0, Rule::MissingChildren);
-        refuses([Sequence(1), Fallback(3), Action('a'), Action('b')], 1, Rule::MissingChildren);
-        refuses([ReactiveSequence(2), Action('a'), Inverter], 2, Rule::MissingChildren);
-        refuses([Action('a'), Action('b')], 1, Rule::Unreachable);
-        refuses([Inverter, Condition('g'), Action('a')], 2, Rule::Unreachable);
-        refuses([Sequence(1), Fallback(1), Action('a'), Sequence(0)], 3, Rule::Unreachable);
-        refuses([Inverter; MAX_DEPTH + 1], MAX_DEPTH as u16, Rule::TooDeep);
+        refuses([], 0, TreeRule::Empty);
+        refuses([Sequence(0)], 0, TreeRule::NoChildren);
+        refuses([Sequence(2), Action('a'), Fallback(0), Action('b')], 2, TreeRule::NoChildren);
+        refuses([Sequence(2), Action('a')], 0, TreeRule::MissingChildren);
+        refuses([Sequence(1), Fallback(3), Action('a'), Action('b')], 1, TreeRule::MissingChildren);
+        refuses([ReactiveSequence(2), Action('a'), Inverter], 2, TreeRule::MissingChildren);
+        refuses([Action('a'), Action('b')], 1, TreeRule::Unreachable);
+        refuses([Inverter, Condition('g'), Action('a')], 2, TreeRule::Unreachable);
+        refuses([Sequence(1), Fallback(1), Action('a'), Sequence(0)], 3, TreeRule::Unreachable);
+        refuses([Inverter; MAX_DEPTH + 1], MAX_DEPTH as u16, TreeRule::TooDeep);
     }
 
     #[test]
     fn a_table_has_no_more_rows_than_the_memory_can_name() {
         const REFUSED: Result<Tree<(), { MAX_NODES + 1 }>, TreeError> =
             Tree::try_new([Condition(()); MAX_NODES + 1]);
-        assert_eq!(REFUSED.err(), Some(TreeError { node: MAX_NODES as u16, rule: Rule::TooLarge }));
+        assert_eq!(REFUSED.err(), Some(TreeError { node: MAX_NODES as u16, rule: TreeRule::TooLarge }));
     }
 
     #[test]

@@ -152,11 +152,11 @@ pub struct Inverter<C>(pub C);
 
 /// A condition, named by what `F` returns.
 #[derive(Clone, Copy, Debug)]
-pub struct Condition<F>(pub F);
+pub struct CompiledCondition<F>(pub F);
 
 /// An action, named by what `F` returns.
 #[derive(Clone, Copy, Debug)]
-pub struct Action<F>(pub F);
+pub struct CompiledAction<F>(pub F);
 
 impl<T> Root<T> {
     /// An idle tree.
@@ -272,7 +272,7 @@ impl<L, V: ?Sized, C: Part<L, V>> Part<L, V> for Inverter<C> {
     }
 }
 
-impl<L, V: Leaves<L> + ?Sized, F: Fn() -> L> Part<L, V> for Condition<F> {
+impl<L, V: Leaves<L> + ?Sized, F: Fn() -> L> Part<L, V> for CompiledCondition<F> {
     const ACTIONS: u8 = 0;
 
     #[inline(always)]
@@ -284,7 +284,7 @@ impl<L, V: Leaves<L> + ?Sized, F: Fn() -> L> Part<L, V> for Condition<F> {
     fn halt(&self, _: &mut V, _: Instant, _: u8, _: u8) {}
 }
 
-impl<L, V: Leaves<L> + ?Sized, F: Fn() -> L> Part<L, V> for Action<F> {
+impl<L, V: Leaves<L> + ?Sized, F: Fn() -> L> Part<L, V> for CompiledAction<F> {
     const ACTIONS: u8 = 1;
 
     #[inline(always)]

@@ -4,18 +4,18 @@ use super::kinds::Kinds;
 use super::memory::Slot;
 use super::node::Node;
 use super::status::Status;
-use super::visit::{Decision, Effect, Visit};
+use super::visit::{Visit, VisitEffect, VisitOutcome};
 use Status::{Failure, Running, Skipped, Success};
 
 /// Which of a parallel node's children have ended how: three numbers in a node's extra word.
 #[derive(Clone, Copy)]
-struct Tally {
+struct ChildCounts {
     successes: u8,
     failures: u8,
     skipped: u8,
 }
 
-impl Tally {
+impl ChildCounts {
     const fn read(word: u32) -> Self {
         let [successes, failures, skipped, _] = word.to_le_bytes();
         Self { successes, failures, skipped }
@@ -50,7 +50,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
     /// A node of the basic set whose child is running, or decides. A later child that is running is
     /// halted: only a reactive node has one.
     #[inline(always)]
-    pub(super) fn settle(&self, child: usize, status: Status) -> Decision {
+    pub(super) fn settle(&self, child: usize, status: Status) -> VisitOutcome {
         let own = if matches!(self.node, Node::Inverter) { status.inverted() } else { status };
         if status != Running {
             let halted = self.slot.is_running().then_some(self.first());
@@ -89,7 +89,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
 
     /// A sequence (`passing` success) or fallback (failure) that yields after each child that
     /// passed in its first tick. One with memory keeps its place when it ends early.
-    pub(super) fn yielding(&self, child: usize, status: Status, passing: Status) -> Decision {
+    pub(super) fn yielding(&self, child: usize, status: Status, passing: Status) -> VisitOutcome {
         let next = self.sibling(child);
         match next {
             _ if status == Running => self.wait(child),
@@ -103,13 +103,13 @@ impl<L, K: Kinds> Visit<'_, L, K> {
                 self.conclude_with(status, rest)
             }
             None => self.conclude(status),
-            Some(next) if !self.slot.has_flag() => self.wait(next).and(Effect::Yield),
+            Some(next) if !self.slot.has_flag() => self.wait(next).and(VisitEffect::Yield),
             Some(next) => self.enter_noting(next),
         }
     }
 
-    pub(super) fn enter_parallel(&self) -> Decision {
-        let tally = Tally { skipped: 0, ..Tally::read(self.begun(0)) };
+    pub(super) fn enter_parallel(&self) -> VisitOutcome {
+        let tally = ChildCounts { skipped: 0, ..ChildCounts::read(self.begun(0)) };
         let decision = match self.unfinished(Some(self.first())) {
             Some(child) => self.enter(child),
             None => self.conclude(Running), // only with the memory of another tree
@@ -119,20 +119,26 @@ impl<L, K: Kinds> Visit<'_, L, K> {
 
     /// Goes on to the next child of a parallel node that has not ended, or waits for those that are
     /// running.
-    fn tallied(&self, child: usize, status: Status, children: u8) -> Decision {
-        let tally = Tally::read(self.extra).after(status);
+    fn tallied(&self, child: usize, status: Status, children: u8) -> VisitOutcome {
+        let tally = ChildCounts::read(self.extra).after(status);
         let decision = match self.unfinished(self.sibling(child)) {
             Some(next) => self.enter(next),
             None if tally.skipped == children => self.conclude(Skipped),
             None => self.wait(self.first()),
         };
         let has_ended = matches!(status, Success | Failure);
-        let effect = if has_ended { Effect::Done(child) } else { Effect::Nothing };
+        let effect = if has_ended { VisitEffect::Done(child) } else { VisitEffect::Nothing };
         decision.with_extra(tally.word()).and(effect)
     }
 
-    pub(super) fn parallel(&self, child: usize, status: Status, children: u8, counts: (i8, i8)) -> Decision {
-        let tally = Tally::read(self.extra).after(status);
+    pub(super) fn parallel(
+        &self,
+        child: usize,
+        status: Status,
+        children: u8,
+        counts: (i8, i8),
+    ) -> VisitOutcome {
+        let tally = ChildCounts::read(self.extra).after(status);
         let required = threshold(counts.0, children);
         let (successes, failures) = (i32::from(tally.successes), i32::from(tally.failures));
         let spared = if counts.0 < 0 { i32::from(tally.skipped) } else { 0 };
@@ -146,8 +152,8 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         self.conclude(result).halting(Some(self.first()))
     }
 
-    pub(super) fn parallel_all(&self, child: usize, status: Status, children: u8, most: i8) -> Decision {
-        let tally = Tally::read(self.extra).after(status);
+    pub(super) fn parallel_all(&self, child: usize, status: Status, children: u8, most: i8) -> VisitOutcome {
+        let tally = ChildCounts::read(self.extra).after(status);
         let ended = tally.ended() == u32::from(children) && tally.skipped < children;
         if !ended || self.unfinished(self.sibling(child)).is_some() {
             return self.tallied(child, status, children);
@@ -156,7 +162,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         self.conclude(if failed { Failure } else { Success }).halting(Some(self.first()))
     }
 
-    pub(super) fn if_then_else(&self, child: usize, status: Status) -> Decision {
+    pub(super) fn if_then_else(&self, child: usize, status: Status) -> VisitOutcome {
         let then = self.sibling(self.first()).filter(|_| child == self.first());
         match (status, then) {
             (Running, _) => self.wait(child),
@@ -168,7 +174,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         }
     }
 
-    pub(super) fn while_do_else(&self, child: usize, status: Status) -> Decision {
+    pub(super) fn while_do_else(&self, child: usize, status: Status) -> VisitOutcome {
         let first = self.sibling(self.first());
         let second = first.and_then(|first| self.sibling(first));
         let (chosen, other) = match (child == self.first(), status) {
@@ -183,7 +189,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         }
     }
 
-    pub(super) fn enter_switch(&self, children: u8, case: usize) -> Decision {
+    pub(super) fn enter_switch(&self, children: u8, case: usize) -> VisitOutcome {
         let mut chosen = self.first();
         for _ in 0..case.min(usize::from(children).saturating_sub(1)) {
             chosen = self.sibling(chosen).unwrap_or(chosen);
@@ -193,7 +199,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         self.enter(chosen).halting(leaves.then_some(left))
     }
 
-    pub(super) fn pipeline(&self, child: usize, status: Status, children: u8) -> Decision {
+    pub(super) fn pipeline(&self, child: usize, status: Status, children: u8) -> VisitOutcome {
         if status == Running && child >= self.place() {
             return self.wait(child);
         }
@@ -215,11 +221,11 @@ impl<L, K: Kinds> Visit<'_, L, K> {
     }
 
     /// Failures in the low half of the extra word, children skipped in this pass in the high one.
-    pub(super) fn enter_round_robin(&self) -> Decision {
+    pub(super) fn enter_round_robin(&self) -> VisitOutcome {
         self.enter(self.place()).with_extra(self.begun(0) & 0xFFFF)
     }
 
-    pub(super) fn round_robin(&self, child: usize, status: Status, children: u8) -> Decision {
+    pub(super) fn round_robin(&self, child: usize, status: Status, children: u8) -> VisitOutcome {
         let next = self.sibling(child).unwrap_or(self.first());
         let tally = self.extra.wrapping_add(if status == Failure { 1 } else { 0x1_0000 });
         let (failures, skipped) = (tally & 0xFFFF, tally >> 16);
@@ -232,7 +238,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         }
     }
 
-    pub(super) fn recovery(&self, child: usize, status: Status, retries: u8) -> Decision {
+    pub(super) fn recovery(&self, child: usize, status: Status, retries: u8) -> VisitOutcome {
         match (self.sibling(child), status) {
             (_, Running) => self.wait(child),
             (Some(recovery), Failure) if self.extra < u32::from(retries) => self.enter(recovery),

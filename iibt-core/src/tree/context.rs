@@ -2,13 +2,13 @@
 
 use super::kinds::Kinds;
 use super::leaves::Leaves;
-use super::log::Transition;
+use super::log::StatusChange;
 use super::memory::{NodeMemory, Slot};
 use super::row::Row;
 use super::status::Status;
 use crate::time::Instant;
 
-pub(super) struct Context<'a, L, V: ?Sized, K: Kinds> {
+pub(super) struct TickContext<'a, L, V: ?Sized, K: Kinds> {
     pub(super) rows: &'a [Row<L>],
     pub(super) cells: &'a mut [NodeMemory<K>],
     pub(super) leaves: &'a mut V,
@@ -19,7 +19,7 @@ pub(super) struct Context<'a, L, V: ?Sized, K: Kinds> {
     pub(super) yielded: bool,
 }
 
-impl<'a, L, V: Leaves<L> + ?Sized, K: Kinds> Context<'a, L, V, K> {
+impl<'a, L, V: Leaves<L> + ?Sized, K: Kinds> TickContext<'a, L, V, K> {
     /// `None` if the memory is too short for the table.
     #[inline(always)]
     pub(super) fn new(
@@ -47,7 +47,7 @@ impl<'a, L, V: Leaves<L> + ?Sized, K: Kinds> Context<'a, L, V, K> {
     pub(super) fn report(&mut self, at: usize, before: Slot, to: Option<Status>) {
         let from = before.is_running().then_some(Status::Running);
         if from != to {
-            self.leaves.transition(Transition { time: self.now, node: at as u16, from, to });
+            self.leaves.transition(StatusChange { time: self.now, node: at as u16, from, to });
         }
     }
 }

@@ -1,6 +1,6 @@
 //! When a tree that is running wants to be ticked again.
 
-use super::context::Context;
+use super::context::TickContext;
 use super::kinds::Kinds;
 use super::kinds::sealed::Extra;
 use super::leaves::Leaves;
@@ -8,7 +8,7 @@ use super::node::Node;
 use super::status::Next;
 use crate::time::{Duration, Instant};
 
-impl<L, V: Leaves<L> + ?Sized, K: Kinds> Context<'_, L, V, K> {
+impl<L, V: Leaves<L> + ?Sized, K: Kinds> TickContext<'_, L, V, K> {
     /// The earliest time at which a timer is due; looks at every node once.
     #[inline(never)]
     pub(super) fn next_deadline(&mut self) -> Next {

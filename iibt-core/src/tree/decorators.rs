@@ -5,30 +5,30 @@ use super::memory::Slot;
 use super::node::{Millis, Node, Times};
 use super::row::Row;
 use super::status::Status;
-use super::visit::{Decision, Effect, Visit};
+use super::visit::{Visit, VisitEffect, VisitOutcome};
 use Status::{Failure, Running, Skipped, Success};
 
 impl<L, K: Kinds> Visit<'_, L, K> {
     /// A loop that goes on while its child returns `again`.
-    pub(super) fn enter_loop(&self, times: Times, again: Status) -> Decision {
+    pub(super) fn enter_loop(&self, times: Times, again: Status) -> VisitOutcome {
         let decision =
             if times.more_than(0) { self.enter_noting(self.first()) } else { self.conclude(again) };
         decision.with_extra(self.begun(0))
     }
 
-    pub(super) fn looped(&self, status: Status, times: Times, again: Status) -> Decision {
+    pub(super) fn looped(&self, status: Status, times: Times, again: Status) -> VisitOutcome {
         let count = self.extra.saturating_add(1);
         let decision = match status {
             Running => return self.wait(self.first()),
             _ if status != again => return self.conclude(status),
             _ if !times.more_than(count) => self.conclude(again),
             _ if self.slot.has_flag() => self.enter_noting(self.first()),
-            _ => self.wait(self.first()).and(Effect::Yield),
+            _ => self.wait(self.first()).and(VisitEffect::Yield),
         };
         decision.with_extra(count)
     }
 
-    pub(super) fn enter_timeout(&self, limit: Millis) -> Decision {
+    pub(super) fn enter_timeout(&self, limit: Millis) -> VisitOutcome {
         let begun = self.begun(self.now.0);
         let is_over = self.slot.is_running() && limit.get() > 0 && self.has_passed(begun, limit);
         let decision = if is_over {
@@ -41,7 +41,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
 
     /// Once the flag is set the child runs on without another delay; when it has ended, the next
     /// one waits again.
-    pub(super) fn enter_delay(&self, time: Millis) -> Decision {
+    pub(super) fn enter_delay(&self, time: Millis) -> VisitOutcome {
         let begun = self.begun(self.now.0);
         let decision = if self.slot.has_flag() || self.has_passed(begun, time) {
             self.enter(self.first()).with_slot(self.slot.with_flag(true))
@@ -51,12 +51,12 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         decision.with_extra(begun)
     }
 
-    pub(super) fn enter_sleep(&self, time: Millis) -> Decision {
+    pub(super) fn enter_sleep(&self, time: Millis) -> VisitOutcome {
         let begun = self.begun(self.now.0);
         self.conclude(if self.has_passed(begun, time) { Success } else { Running }).with_extra(begun)
     }
 
-    pub(super) fn enter_run_once(&self, then_skip: bool) -> Decision {
+    pub(super) fn enter_run_once(&self, then_skip: bool) -> VisitOutcome {
         match self.slot.kept_status() {
             Some(_) if then_skip => self.conclude(Skipped),
             Some(status) => self.conclude(status),
@@ -64,7 +64,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         }
     }
 
-    pub(super) fn run_once(&self, child: usize, status: Status) -> Decision {
+    pub(super) fn run_once(&self, child: usize, status: Status) -> VisitOutcome {
         match status {
             Running => self.wait(child),
             Skipped => self.conclude(status),
@@ -72,7 +72,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         }
     }
 
-    pub(super) fn enter_precondition(&self, holds: bool, otherwise: Status) -> Decision {
+    pub(super) fn enter_precondition(&self, holds: bool, otherwise: Status) -> VisitOutcome {
         if holds {
             return self.enter(self.first());
         }
@@ -81,7 +81,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
     }
 
     /// The flag says that the rate is being kept, from the time in the extra word on.
-    pub(super) fn enter_rate_controller(&self, period: Millis) -> Decision {
+    pub(super) fn enter_rate_controller(&self, period: Millis) -> VisitOutcome {
         if !self.slot.has_flag() {
             let slot = self.slot.with_flag(true);
             return self.enter(self.first()).with_slot(slot).with_extra(self.now.0);
@@ -93,7 +93,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
     }
 
     /// Only a pipeline ticks a child again that has succeeded: there the rate outlives the success.
-    pub(super) fn rate_controller(&self, child: usize, status: Status) -> Decision {
+    pub(super) fn rate_controller(&self, child: usize, status: Status) -> VisitOutcome {
         if status == Running {
             return self.wait(child);
         }

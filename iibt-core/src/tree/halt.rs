@@ -1,6 +1,6 @@
 //! Halting.
 
-use super::context::Context;
+use super::context::TickContext;
 use super::kinds::Kinds;
 use super::kinds::sealed::Extra;
 use super::leaves::Leaves;
@@ -10,7 +10,7 @@ use super::row::Row;
 use super::status::Halt;
 use crate::time::Instant;
 
-impl<L, V: Leaves<L> + ?Sized, K: Kinds> Context<'_, L, V, K> {
+impl<L, V: Leaves<L> + ?Sized, K: Kinds> TickContext<'_, L, V, K> {
     /// Halts the whole tree.
     #[inline(always)]
     pub(super) fn halt_tree(&mut self) -> Halt {

@@ -3,12 +3,12 @@
 /// A set of node kinds, chosen by a tree's type: what a set leaves out costs neither flash nor RAM.
 ///
 /// ```
-/// use iibt_core::tree::{Basic, Full, Kinds, Node, Rule, Times, Tree};
+/// use iibt_core::tree::{Basic, Full, Kinds, Node, TreeRule, Times, Tree};
 ///
 /// let nodes = [Node::Repeat(Times::new(3)), Node::Action("knock")];
 /// assert!(Tree::<_, 2, Full>::try_new(nodes).is_ok());
 /// let error = Tree::<_, 2, Basic>::try_new(nodes).unwrap_err();
-/// assert_eq!((error.node, error.rule), (0, Rule::NotInSet));
+/// assert_eq!((error.node, error.rule), (0, TreeRule::NotInSet));
 /// assert!(Full::FULL && !Basic::FULL && !Full::COMPAT);
 /// ```
 ///

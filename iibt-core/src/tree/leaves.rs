@@ -1,6 +1,6 @@
 //! What the caller provides: the leaves of a tree.
 
-use super::log::Transition;
+use super::log::StatusChange;
 use super::status::{Halt, Status};
 use crate::time::Instant;
 
@@ -162,7 +162,7 @@ pub trait Leaves<L> {
     /// `from` is idle or running. A node that has finished is idle from then on without being
     /// mentioned again. Nodes are reported as they return, children before parents; halted ones in
     /// the order of the table. [`Log`](super::Log) keeps them.
-    fn transition(&mut self, transition: Transition) {
+    fn transition(&mut self, transition: StatusChange) {
         let _ = transition;
     }
 }
@@ -196,7 +196,7 @@ impl<L, T: Leaves<L> + ?Sized> Leaves<L> for &mut T {
         (**self).deadline(leaf, now)
     }
 
-    fn transition(&mut self, transition: Transition) {
+    fn transition(&mut self, transition: StatusChange) {
         (**self).transition(transition);
     }
 }
@@ -246,7 +246,7 @@ mod tests {
             Some(now)
         }
 
-        fn transition(&mut self, _: Transition) {
+        fn transition(&mut self, _: StatusChange) {
             self.0.push("transition");
         }
     }
@@ -260,7 +260,7 @@ mod tests {
         );
         assert_eq!((leaves.on_halted(&(), now), leaves.on_halting(&(), now)), (Halt::Pending, Halt::Pending));
         assert_eq!((leaves.case(&(), now), leaves.deadline(&(), now)), (3, Some(now)));
-        leaves.transition(Transition { time: now, node: 0, from: None, to: None });
+        leaves.transition(StatusChange { time: now, node: 0, from: None, to: None });
     }
 
     #[test]

@@ -7,16 +7,16 @@ use crate::time::Instant;
 ///
 /// ```
 /// use iibt_core::time::Instant;
-/// use iibt_core::tree::{Status, Transition};
+/// use iibt_core::tree::{Status, StatusChange};
 ///
 /// let (time, to) = (Instant(1002), Some(Status::Success));
-/// let transition = Transition { time, node: 4, from: Some(Status::Running), to };
+/// let transition = StatusChange { time, node: 4, from: Some(Status::Running), to };
 /// // 2 ms are 2000 us, 0x07D0; BehaviorTree.CPP numbers the same node 5.
 /// assert_eq!(transition.btlog(Instant(1000)), [0xD0, 0x07, 0, 0, 0, 0, 5, 0, 2]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Transition {
+pub struct StatusChange {
     /// The time of the tick or halt.
     pub time: Instant,
     /// The node's row in the table, from zero: the unique identifier of BehaviorTree.CPP less one.
@@ -27,7 +27,7 @@ pub struct Transition {
     pub to: Option<Status>,
 }
 
-impl Transition {
+impl StatusChange {
     /// The record of BehaviorTree.CPP's `.btlog` files.
     ///
     /// It has 6 bytes of microseconds since `start` and 2 of the unique identifier, least
@@ -52,7 +52,7 @@ impl Transition {
 ///
 /// ```
 /// use iibt_core::time::Instant;
-/// use iibt_core::tree::{Halt, Leaves, Log, Memory, Status, Transition, Tree};
+/// use iibt_core::tree::{Halt, Leaves, Log, Memory, Status, StatusChange, Tree};
 ///
 /// static OPEN: Tree<(), 2> = iibt_core::tree! { Inverter { Condition(()) } };
 ///
@@ -63,7 +63,7 @@ impl Transition {
 ///     fn on_start(&mut self, _: &(), _: Instant) -> Status { Status::Success }
 ///     fn on_running(&mut self, _: &(), _: Instant) -> Status { Status::Success }
 ///     fn on_halted(&mut self, _: &(), _: Instant) -> Halt { Halt::Done }
-///     fn transition(&mut self, transition: Transition) { self.log.push(transition); }
+///     fn transition(&mut self, transition: StatusChange) { self.log.push(transition); }
 /// }
 ///
 /// let mut door = Door { log: Log::new() };
@@ -83,7 +83,7 @@ impl Transition {
 #[doc(alias("trace", "ring buffer", "btlog"))]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Log<const N: usize> {
-    records: [Transition; N],
+    records: [StatusChange; N],
     first: usize,
     len: usize,
     lost: u32,
@@ -94,12 +94,12 @@ impl<const N: usize> Log<N> {
     #[must_use]
     pub const fn new() -> Self {
         const { assert!(N > 0, "a transition log has room for at least one record") }
-        const NOTHING: Transition = Transition { time: Instant(0), node: 0, from: None, to: None };
+        const NOTHING: StatusChange = StatusChange { time: Instant(0), node: 0, from: None, to: None };
         Self { records: [NOTHING; N], first: 0, len: 0, lost: 0 }
     }
 
     /// Adds a transition.
-    pub fn push(&mut self, transition: Transition) {
+    pub fn push(&mut self, transition: StatusChange) {
         if self.len == N {
             self.first = wrapped::<N>(self.first + 1);
             self.lost = self.lost.saturating_add(1);
@@ -112,7 +112,7 @@ impl<const N: usize> Log<N> {
     }
 
     /// Removes and returns the oldest transition.
-    pub fn pop(&mut self) -> Option<Transition> {
+    pub fn pop(&mut self) -> Option<StatusChange> {
         self.len = self.len.checked_sub(1)?;
         let record = self.records.get(self.first).copied();
         self.first = wrapped::<N>(self.first + 1);
@@ -153,8 +153,8 @@ const fn wrapped<const N: usize>(at: usize) -> usize {
 mod tests {
     use super::*;
 
-    fn at(time: u32) -> Transition {
-        Transition { time: Instant(time), node: 2, from: None, to: Some(Status::Success) }
+    fn at(time: u32) -> StatusChange {
+        StatusChange { time: Instant(time), node: 2, from: None, to: Some(Status::Success) }
     }
 
     #[test]
@@ -182,6 +182,6 @@ mod tests {
 
     #[test]
     fn a_transition_takes_eight_bytes() {
-        assert_eq!(size_of::<Transition>(), 8);
+        assert_eq!(size_of::<StatusChange>(), 8);
     }
 }

@@ -206,9 +206,9 @@ macro_rules! compiled_tree {
     (@node Inverter { $kind:ident $body:tt $(,)? }) => {
         $crate::tree::compiled::Inverter($crate::compiled_tree!(@node $kind $body))
     };
-    (@node Condition ($leaf:expr)) => { $crate::tree::compiled::Condition(|| $leaf) };
-    (@node Action ($leaf:expr)) => { $crate::tree::compiled::Action(|| $leaf) };
-    (@node Inference ($leaf:expr)) => { $crate::tree::compiled::Action(|| $leaf) };
+    (@node Condition ($leaf:expr)) => { $crate::tree::compiled::CompiledCondition(|| $leaf) };
+    (@node Action ($leaf:expr)) => { $crate::tree::compiled::CompiledAction(|| $leaf) };
+    (@node Inference ($leaf:expr)) => { $crate::tree::compiled::CompiledAction(|| $leaf) };
     ($kind:ident $body:tt) => {
         $crate::tree::compiled::Root::new($crate::compiled_tree!(@node $kind $body))
     };

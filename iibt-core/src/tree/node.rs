@@ -235,10 +235,10 @@ pub enum Node<L> {
 ///
 /// Every number of milliseconds below 2^23 (2 hours) fits, and from there on whole seconds up to 24
 /// days, which is what a wrapping clock can measure. A table with a duration that does not fit is
-/// refused with [`Rule::Duration`](super::Rule::Duration).
+/// refused with [`TreeRule::Duration`](super::TreeRule::Duration).
 ///
 /// ```
-/// use iibt_core::tree::{Full, Millis, Node, Rule, Tree};
+/// use iibt_core::tree::{Full, Millis, Node, TreeRule, Tree};
 ///
 /// assert_eq!(Millis::new(2500).get(), 2500);
 /// assert_eq!(Millis::new(24 * 3600 * 1000).get(), 86_400_000);
@@ -246,7 +246,7 @@ pub enum Node<L> {
 /// assert_eq!(Millis::new(Millis::MAX).get(), Millis::MAX);
 ///
 /// let tree = Tree::<(), 1, Full>::try_new([Node::Sleep(Millis::new(u32::MAX))]);
-/// assert_eq!(tree.map_err(|error| error.rule), Err(Rule::Duration));
+/// assert_eq!(tree.map_err(|error| error.rule), Err(TreeRule::Duration));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -286,10 +286,10 @@ impl Millis {
 
 /// A number of attempts or cycles, possibly without end; three bytes like [`Millis`].
 ///
-/// A table with a number that does not fit is refused with [`Rule::Times`](super::Rule::Times).
+/// A table with a number that does not fit is refused with [`TreeRule::Times`](super::TreeRule::Times).
 ///
 /// ```
-/// use iibt_core::tree::{Full, Node, Rule, Times, Tree};
+/// use iibt_core::tree::{Full, Node, TreeRule, Times, Tree};
 ///
 /// assert_eq!(Times::new(3).get(), 3);
 /// assert_eq!(Times::FOREVER, Times::new(-1));
@@ -297,7 +297,7 @@ impl Millis {
 ///
 /// let nodes = [Node::Repeat(Times::new(-7)), Node::Action(())];
 /// let error = Tree::<(), 2, Full>::try_new(nodes).unwrap_err();
-/// assert_eq!((error.node, error.rule), (0, Rule::Times));
+/// assert_eq!((error.node, error.rule), (0, TreeRule::Times));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

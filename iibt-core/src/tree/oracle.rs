@@ -8,9 +8,9 @@ use Status::{Failure, Running, Skipped, Success};
 use std::vec::Vec;
 
 /// A node that keeps its children, its status and its counts in the way of BehaviorTree.CPP.
-struct Model {
+struct OracleNode {
     node: Node<u16>,
-    children: Vec<Model>,
+    children: Vec<OracleNode>,
     status: Option<Status>,
     place: usize,
     count: i64,
@@ -23,7 +23,7 @@ struct Model {
     piped: bool,
 }
 
-impl Model {
+impl OracleNode {
     /// Takes the first node and its descendants off a table.
     fn read(table: &mut impl Iterator<Item = Node<u16>>) -> Self {
         let node = table.next().unwrap();
@@ -568,7 +568,7 @@ fn agrees<K: Kinds>(size: usize, trees: usize, answers: &'static [Status], seed:
         let mut rows = rows(&table);
         let tree = TreeRef::<u16, K>::try_new(&mut rows).unwrap();
         let most = tree.visits(&mut std::vec![(0, 0); table.len()]);
-        let mut model = Model::read(&mut table.iter().copied());
+        let mut model = OracleNode::read(&mut table.iter().copied());
         let mut memory = std::vec![NodeMemory::<K>::NEW; table.len()];
         let (mut ours, mut theirs) = (Recorder::new(&random, answers), Recorder::new(&random, answers));
         let mut now = Instant(u32::MAX - 20);

@@ -56,7 +56,7 @@ impl<L, R: AsRef<[Row<L>]>, K: Kinds> OwnedTree<L, R, K> {
     /// can reach.
     ///
     /// # Errors
-    /// The first row that breaks a [`Rule`](super::Rule).
+    /// The first row that breaks a [`TreeRule`](super::TreeRule).
     pub fn try_new(mut rows: R) -> Result<Self, TreeError>
     where
         R: AsMut<[Row<L>]>,

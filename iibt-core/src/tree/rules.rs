@@ -3,13 +3,13 @@
 use super::kinds::Kinds;
 use super::node::Node;
 use super::status::Status;
-use super::visit::{Decision, Visit};
+use super::visit::{Visit, VisitOutcome};
 use Status::{Failure, Running, Skipped, Success};
 
 impl<L, K: Kinds> Visit<'_, L, K> {
     /// What the node decides when it is ticked. `answer` is the case of a switch, and whether the
     /// condition of a precondition holds.
-    pub(super) fn ticked(&self, answer: usize) -> Decision {
+    pub(super) fn ticked(&self, answer: usize) -> VisitOutcome {
         match self.node {
             Node::SequenceWithMemory(_) | Node::AsyncSequence(_) | Node::AsyncFallback(_) => {
                 self.enter_noting(self.place())
@@ -36,7 +36,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
 
     /// What the node decides when its child in row `child` has returned `status`.
     #[inline(always)]
-    pub(super) fn child_returned(&self, child: usize, status: Status) -> Decision {
+    pub(super) fn child_returned(&self, child: usize, status: Status) -> VisitOutcome {
         match self.node {
             node if K::FULL && !node.is_basic() => self.child_of_other_returned(child, status),
             Node::Inverter => self.settle(child, status),
@@ -46,7 +46,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
     }
 
     #[cold]
-    fn child_skipped(&self, child: usize) -> Decision {
+    fn child_skipped(&self, child: usize) -> VisitOutcome {
         match self.skip(child) {
             (slot, Ok(next)) => self.enter(next).with_slot(slot),
             (_, Err(own)) => self.settle(child, own),
@@ -54,7 +54,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
     }
 
     #[inline(never)]
-    fn child_of_other_returned(&self, child: usize, status: Status) -> Decision {
+    fn child_of_other_returned(&self, child: usize, status: Status) -> VisitOutcome {
         match self.node {
             Node::SequenceWithMemory(_) | Node::AsyncSequence(_) => self.yielding(child, status, Success),
             Node::AsyncFallback(_) => self.yielding(child, status, Failure),

@@ -1,8 +1,8 @@
 //! A checked tree.
 
 use super::check;
-use super::check::{Rule, TreeError};
-use super::context::Context;
+use super::check::{TreeError, TreeRule};
+use super::context::TickContext;
 use super::kinds::{Basic, Kinds};
 use super::leaves::Leaves;
 use super::memory::{Memory, NodeMemory};
@@ -97,7 +97,7 @@ pub struct TreeRef<'t, L, K: Kinds = Basic> {
 
 impl<L: Copy, const N: usize, K: Kinds> Tree<L, N, K> {
     /// Creates the tree that a table in preorder describes. In a `const` or `static`, a table that
-    /// breaks a [`Rule`] fails the build with a message that names the rule.
+    /// breaks a [`TreeRule`] fails the build with a message that names the rule.
     ///
     /// ```compile_fail
     /// use iibt_core::tree::{Node, Tree};
@@ -120,20 +120,20 @@ impl<L: Copy, const N: usize, K: Kinds> Tree<L, N, K> {
     /// Creates the tree that a table in preorder describes.
     ///
     /// # Errors
-    /// The first row that breaks a [`Rule`]; for [`Rule::MissingChildren`] the innermost node that
+    /// The first row that breaks a [`TreeRule`]; for [`TreeRule::MissingChildren`] the innermost node that
     /// lacks a child.
     ///
     /// ```
-    /// use iibt_core::tree::{Node, Rule, Tree};
+    /// use iibt_core::tree::{Node, TreeRule, Tree};
     ///
     /// let nodes = [Node::Sequence(2), Node::Fallback(2), Node::Action('a')];
     /// let error = Tree::<_, 3>::try_new(nodes).unwrap_err();
-    /// assert_eq!((error.node, error.rule), (1, Rule::MissingChildren));
+    /// assert_eq!((error.node, error.rule), (1, TreeRule::MissingChildren));
     /// assert!(Tree::<_, 2>::try_new([Node::Inverter, Node::Condition('c')]).is_ok());
     /// ```
     pub const fn try_new(nodes: [Node<L>; N]) -> Result<Self, TreeError> {
         if N == 0 {
-            return Err(TreeError { node: 0, rule: Rule::Empty });
+            return Err(TreeError { node: 0, rule: TreeRule::Empty });
         }
         let mut rows = [Row::new(nodes[0]); N];
         let mut at = 0;
@@ -145,7 +145,7 @@ impl<L: Copy, const N: usize, K: Kinds> Tree<L, N, K> {
             return Err(error);
         }
         match check::never_ticked(&rows, &mut [0; N]) {
-            Some(node) => Err(TreeError { node, rule: Rule::NeverTicked }),
+            Some(node) => Err(TreeError { node, rule: TreeRule::NeverTicked }),
             None => Ok(Self { rows, kinds: PhantomData }),
         }
     }
@@ -343,7 +343,7 @@ impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
     /// can reach; [`never_ticked`](Self::never_ticked) finds them.
     ///
     /// # Errors
-    /// The first row that breaks a [`Rule`].
+    /// The first row that breaks a [`TreeRule`].
     pub const fn try_new(rows: &'t mut [Row<L>]) -> Result<Self, TreeError> {
         match check::link(rows, K::FULL) {
             Ok(()) => Ok(Self::linked(rows)),
@@ -376,7 +376,7 @@ impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
         leaves: &mut (impl Leaves<L> + ?Sized),
         now: Instant,
     ) -> Tick {
-        Context::new(self.rows, memory, leaves, now)
+        TickContext::new(self.rows, memory, leaves, now)
             .map_or(Tick { status: Status::Failure, next: Next::Event }, |mut context| context.tick())
     }
 
@@ -388,7 +388,7 @@ impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
         now: Instant,
         passes: u16,
     ) -> Tick {
-        Context::new(self.rows, memory, leaves, now)
+        TickContext::new(self.rows, memory, leaves, now)
             .map_or(Tick { status: Status::Failure, next: Next::Event }, |mut context| {
                 context.tick_until_idle(passes)
             })
@@ -402,7 +402,7 @@ impl<'t, L, K: Kinds> TreeRef<'t, L, K> {
         leaves: &mut (impl Leaves<L> + ?Sized),
         now: Instant,
     ) -> Halt {
-        Context::new(self.rows, memory, leaves, now).map_or(Halt::Done, |mut context| context.halt_tree())
+        TickContext::new(self.rows, memory, leaves, now).map_or(Halt::Done, |mut context| context.halt_tree())
     }
 
     /// As [`Tree::running`].

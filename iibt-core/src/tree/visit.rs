@@ -34,7 +34,7 @@ pub(super) enum Step {
 
 /// What else a node wants done before the walk goes on.
 #[derive(Clone, Copy)]
-pub(super) enum Effect {
+pub(super) enum VisitEffect {
     Nothing,
     /// Halt the child in this row and those after it.
     Halt(usize),
@@ -45,14 +45,14 @@ pub(super) enum Effect {
 }
 
 /// What a node decides: its memory from now on, and where the walk goes.
-pub(super) struct Decision {
+pub(super) struct VisitOutcome {
     pub(super) slot: Slot,
     pub(super) extra: u32,
-    pub(super) effect: Effect,
+    pub(super) effect: VisitEffect,
     pub(super) step: Step,
 }
 
-impl Decision {
+impl VisitOutcome {
     pub(super) const fn with_slot(self, slot: Slot) -> Self {
         Self { slot, ..self }
     }
@@ -64,12 +64,12 @@ impl Decision {
     /// Also halts the child in row `first` and those after it, if there is one.
     pub(super) const fn halting(self, first: Option<usize>) -> Self {
         match first {
-            Some(first) => Self { effect: Effect::Halt(first), ..self },
+            Some(first) => Self { effect: VisitEffect::Halt(first), ..self },
             None => self,
         }
     }
 
-    pub(super) const fn and(self, effect: Effect) -> Self {
+    pub(super) const fn and(self, effect: VisitEffect) -> Self {
         Self { effect, ..self }
     }
 }
@@ -89,33 +89,33 @@ impl<'a, L, K: Kinds> Visit<'a, L, K> {
     }
 
     /// Ticks the child in row `child`.
-    pub(super) const fn enter(&self, child: usize) -> Decision {
+    pub(super) const fn enter(&self, child: usize) -> VisitOutcome {
         self.decide(self.slot, Step::Enter(child))
     }
 
     /// As [`enter`](Self::enter), and remembers whether the child was running before.
-    pub(super) fn enter_noting(&self, child: usize) -> Decision {
+    pub(super) fn enter_noting(&self, child: usize) -> VisitOutcome {
         self.enter(child).with_slot(self.slot.with_flag(self.is_running(child)))
     }
 
     /// Ends with `status`, which may be running without any child running.
-    pub(super) const fn conclude(&self, status: Status) -> Decision {
+    pub(super) const fn conclude(&self, status: Status) -> VisitOutcome {
         self.conclude_with(status, self.slot.only_kept())
     }
 
     /// Ends with `status`; idle, it keeps `rest`.
-    pub(super) const fn conclude_with(&self, status: Status, rest: Slot) -> Decision {
+    pub(super) const fn conclude_with(&self, status: Status, rest: Slot) -> VisitOutcome {
         self.decide(rest.with_running(matches!(status, Status::Running)), Step::Return(status))
     }
 
     /// Is running, at the child in row `child`.
-    pub(super) const fn wait(&self, child: usize) -> Decision {
+    pub(super) const fn wait(&self, child: usize) -> VisitOutcome {
         let place = Slot::waiting(self.at, child).with_skips(self.slot.skips());
         self.decide(place.with_flag(self.slot.has_flag()), Step::Return(Status::Running))
     }
 
-    const fn decide(&self, slot: Slot, step: Step) -> Decision {
-        Decision { slot, extra: self.extra, effect: Effect::Nothing, step }
+    const fn decide(&self, slot: Slot, step: Step) -> VisitOutcome {
+        VisitOutcome { slot, extra: self.extra, effect: VisitEffect::Nothing, step }
     }
 
     /// The row of the child that it waits for, its first child if none.

@@ -8,7 +8,7 @@
 //! A set leaves its kinds out at compile time: in the basic set no branch of another kind is left,
 //! and a sequence or fallback that was not running is passed on the way up by a look at its memory.
 
-use super::context::Context;
+use super::context::TickContext;
 use super::kinds::Kinds;
 use super::kinds::sealed::Extra;
 use super::leaves::Leaves;
@@ -16,12 +16,12 @@ use super::memory::Slot;
 use super::node::Node;
 use super::row::{NONE, Row, UP};
 use super::status::{Halt, Next, Status, Tick};
-use super::visit::{Decision, Effect, Step, Visit};
+use super::visit::{Step, Visit, VisitEffect, VisitOutcome};
 
 /// What follows where there is no node.
 const NO_NODE: usize = usize::MAX;
 
-impl<L, V: Leaves<L> + ?Sized, K: Kinds> Context<'_, L, V, K> {
+impl<L, V: Leaves<L> + ?Sized, K: Kinds> TickContext<'_, L, V, K> {
     /// Ticks the tree, in one pass.
     #[inline(always)]
     pub(super) fn tick(&mut self) -> Tick {
@@ -182,17 +182,17 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> Context<'_, L, V, K> {
 
     /// Does what the node in row `at` decides: what follows, and the end of the node if it has one.
     #[inline(always)]
-    fn ask(&mut self, at: usize, decide: impl FnOnce(Visit<'_, L, K>) -> Decision) -> (usize, usize) {
+    fn ask(&mut self, at: usize, decide: impl FnOnce(Visit<'_, L, K>) -> VisitOutcome) -> (usize, usize) {
         let (Some(row), Some(cell)) = (self.rows.get(at), self.cells.get(at)) else {
             return (NO_NODE, Status::Failure.end());
         };
         let before = cell.slot;
         let decision = decide(Visit::new(self.rows, self.cells, row, cell, at, self.now));
         match decision.effect {
-            Effect::Nothing => {}
-            Effect::Halt(first) => self.halt(first, at),
-            Effect::Done(child) => self.update(child, Slot::done),
-            Effect::Yield => self.yielded = true,
+            VisitEffect::Nothing => {}
+            VisitEffect::Halt(first) => self.halt(first, at),
+            VisitEffect::Done(child) => self.update(child, Slot::done),
+            VisitEffect::Yield => self.yielded = true,
         }
         if let Some(cell) = self.cells.get_mut(at) {
             cell.slot = decision.slot;
@@ -213,7 +213,7 @@ mod tests {
     use super::super::script::{Script, play};
     use crate::time::Instant;
     use crate::tree;
-    use crate::tree::{Halt, Leaves, Memory, Status, Transition, Tree};
+    use crate::tree::{Halt, Leaves, Memory, Status, StatusChange, Tree};
     use std::vec::Vec;
 
     /// The pre-emption test of the survey of behavior-tree libraries.
@@ -410,7 +410,7 @@ mod tests {
             Halt::Done
         }
 
-        fn transition(&mut self, it: Transition) {
+        fn transition(&mut self, it: StatusChange) {
             self.transitions.push((it.node, it.from, it.to));
         }
     }

@@ -280,7 +280,9 @@ impl Description {
     fn sensor<'a>(&'a self, sense: &'a Sense, labels: &'a [&'a [u8]]) -> Box<dyn Likelihood + 'a> {
         let states = self.counts(&sense.factors);
         match &sense.sensor {
-            Sensor::Dense(table) => Box::new(likelihood::Dense::new(table, sense.outcomes, &states)),
+            Sensor::Dense(table) => {
+                Box::new(likelihood::DenseLikelihood::new(table, sense.outcomes, &states))
+            }
             Sensor::IdentityNoise(correct) => Box::new(IdentityNoise::new(*correct, sense.outcomes)),
             Sensor::OutcomeTable(_, kinds, columns) => {
                 Box::new(OutcomeTable::new(labels, kinds, columns, sense.outcomes))
@@ -326,7 +328,7 @@ impl Motion {
         match self {
             Self::Dense(table) => {
                 let matrix = values * states.iter().product::<usize>();
-                Box::new(transition::Dense::new(table, table.len() / matrix, states))
+                Box::new(transition::DenseTransition::new(table, table.len() / matrix, states))
             }
             Self::NextState(table, slip) => Box::new(NextState::with_slip(table, values, *slip)),
             Self::Blocks(_) => Box::new(Blocks::new(row, states)),

@@ -7,7 +7,7 @@ use super::definition::{
 };
 use super::tables::Tables;
 use crate::actions::Action;
-use crate::inference::likelihood::Dense;
+use crate::inference::likelihood::DenseLikelihood;
 use crate::inference::{
     Beliefs, Candidates, Control, Evaluation, Evidence, Factor, Habits, IdentityNoise, Likelihood, Modality,
     Model, ObservationError, Policy, Preference, Problem, Scoring, Shape, Transition,
@@ -85,14 +85,16 @@ impl Transition for Brought<'_> {
 /// P(reading | what is read).
 enum Noise<'a> {
     Even(IdentityNoise),
-    Table(Dense<'a>),
+    Table(DenseLikelihood<'a>),
 }
 
 impl<'a> Noise<'a> {
     fn new(accuracy: Accuracy<'a>, outcomes: usize) -> Option<Self> {
         Some(match accuracy {
             Accuracy::Even(right) => Self::Even(IdentityNoise::among(right, outcomes)),
-            Accuracy::Table(table) => Self::Table(Dense::try_new(table, outcomes, &[outcomes]).ok()?),
+            Accuracy::Table(table) => {
+                Self::Table(DenseLikelihood::try_new(table, outcomes, &[outcomes]).ok()?)
+            }
         })
     }
 
@@ -259,7 +261,7 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
             }
             let mut rows = [[0.0; S]; N];
             for (robot, row) in rows.iter_mut().enumerate() {
-                crate::math::assign(row, beliefs.of(model, robot));
+                crate::math::assign(row, beliefs.part(model, robot));
             }
             Some((rows, self.posterior(model, &beliefs)?))
         })?

@@ -435,7 +435,8 @@ where
         let largest = preference.rows.iter().map(Preference::largest).fold(0.0, f32::max);
         preference.target = remedy.target.or(preference.target);
         if let Some(own) = preference.rows.get_mut(self.own) {
-            own.raise(usize::from(remedy.state), remedy.raise.amount(largest));
+            // The role's tables were checked: it has the state, and no amount is infinite.
+            let _ = own.raise(usize::from(remedy.state), remedy.raise.amount(largest));
         }
     }
 

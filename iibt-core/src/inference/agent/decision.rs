@@ -1,7 +1,7 @@
 //! What was decided, by one robot or by a team.
 
 use crate::actions::Action;
-use crate::inference::candidates::{Candidates, Row};
+use crate::inference::candidates::{Candidates, JointPolicy};
 use crate::inference::model::MAX_FACTORS;
 
 /// The most probable of all joint policies, for one robot or for a team.
@@ -41,7 +41,7 @@ use crate::inference::model::MAX_FACTORS;
 pub struct Decision {
     policy: usize,
     probability: f32,
-    sequences: Row,
+    sequences: JointPolicy,
     first: [Option<Action>; MAX_FACTORS],
     controls: usize,
 }

@@ -1,7 +1,8 @@
 //! Coordinate ascent: approximate inference for couplings that are too large to be exact about.
 
 use super::couplings::{Coupling, Couplings};
-use super::{Impossible, Update, Work};
+use super::{Update, Work};
+use crate::inference::error::Impossible;
 use crate::math;
 
 /// The largest change of a probability in a sweep after which coordinate ascent has converged.
@@ -28,23 +29,23 @@ pub(super) fn update(work: &mut Work, couplings: &Couplings, most: u8) -> Result
 }
 
 fn factors(couplings: &Couplings) -> impl Iterator<Item = usize> {
-    let coupled = couplings.factors();
-    (0..couplings.model.factors().len()).filter(move |factor| coupled >> factor & 1 == 1)
+    let coupled = couplings.members.factors();
+    (0..couplings.members.model.factors().len()).filter(move |factor| coupled >> factor & 1 == 1)
 }
 
 /// Whether an observation has any probability under the beliefs.
 fn is_possible(work: &mut Work, couplings: &Couplings, (_, modality, evidence): Coupling) -> bool {
     let Some(&factor) = modality.factors().first() else { return false };
-    let message = couplings.model.part_mut(work.scratch, factor);
-    let conditions = couplings.model.parts(work.posterior, modality.factors());
+    let message = couplings.members.model.part_mut(work.scratch, factor);
+    let conditions = couplings.members.model.parts(work.posterior, modality.factors());
     message.fill(0.0);
     modality.likelihood().message(modality.shape(), evidence, conditions.as_slice(), 0, message);
-    math::expectation(couplings.model.part(work.posterior, factor), message) > 0.0
+    math::expectation(couplings.members.model.part(work.posterior, factor), message) > 0.0
 }
 
 /// Gives one factor the belief that is best given the others; returns the largest change of a probability.
 fn ascend(work: &mut Work, couplings: &Couplings, factor: usize) -> f32 {
-    let model = couplings.model;
+    let model = couplings.members.model;
     let scores = model.part_mut(work.scratch, factor);
     scores.fill(0.0);
     for (_, modality, evidence) in couplings.iter() {
@@ -67,7 +68,7 @@ fn ascend(work: &mut Work, couplings: &Couplings, factor: usize) -> f32 {
 
 /// F = Σ_f KL[q_f || p_f] - Σ_m E_q ln max(P(e_m | s), floor), over the factors and observations of a component.
 fn free_energy(work: &mut Work, couplings: &Couplings) -> f32 {
-    let model = couplings.model;
+    let model = couplings.members.model;
     let mut total = 0.0;
     for factor in factors(couplings) {
         total += math::kl(model.part(work.posterior, factor), model.part(work.prior, factor));

@@ -1,7 +1,8 @@
 //! What a joint policy does to a group.
 
 use crate::actions::Action;
-use crate::inference::candidates::Row;
+use crate::inference::candidates::JointPolicy;
+use crate::inference::free_energy::PreferenceTiming;
 use crate::inference::model::Model;
 use crate::inference::policy::Policy;
 use crate::inference::problem::Problem;
@@ -32,10 +33,11 @@ pub(super) fn only_control<const S: usize, const G: usize>(
 }
 
 /// A number for what a joint policy does to a group; that numbers are large enough was checked.
+#[inline(never)]
 pub(super) fn key<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     group: usize,
-    row: &Row,
+    row: &JointPolicy,
 ) -> u32 {
     if problem.scope >> group & 1 == 0 {
         return 0;
@@ -57,12 +59,16 @@ pub(in crate::inference) fn action_of<const S: usize, const G: usize>(
     sequence(problem, control, &problem.candidates.row(policy)).get(step)
 }
 
-/// After how many steps a group arrives: when the last of its action sequences ends.
+/// After how many steps a group arrives: when the last of its action sequences ends. Zero, which is never, where every step
+/// counts.
 pub(in crate::inference) fn arrival<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     group: usize,
-    row: &Row,
+    row: &JointPolicy,
 ) -> u8 {
+    if problem.scoring.timing == PreferenceTiming::EveryStep {
+        return 0;
+    }
     let arrivals =
         controls(problem.model, group).map(|control| problem.arrival(sequence(problem, control, row)));
     arrivals.max().unwrap_or(problem.horizon).min(usize::from(u8::MAX)) as u8
@@ -71,7 +77,7 @@ pub(in crate::inference) fn arrival<const S: usize, const G: usize>(
 pub(super) fn sequence<'a, const S: usize, const G: usize>(
     problem: &Problem<'a, S, G>,
     control: usize,
-    row: &Row,
+    row: &JointPolicy,
 ) -> &'a Policy {
     problem.candidates.policy(control, row.get(control))
 }

@@ -8,17 +8,17 @@ pub(super) type Places<const G: usize> = [u8; G];
 /// The candidates of one group that are in the rows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Group<const R: usize> {
-    pub(super) used: usize,
+    pub(super) used: u8,
     /// The only control that moves it, if there is one: the number of its sequence is then the candidate's key.
     pub(super) control: Option<u8>,
     /// The factors that move together in it, a bit for each.
     pub(super) factors: u32,
-    pub(super) candidates: [Candidate; R],
+    pub(super) candidates: [Rollout; R],
 }
 
 /// One candidate of a group.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate {
+pub(super) struct Rollout {
     /// What tells it from the others.
     pub(super) key: u32,
     /// A joint policy that it is part of.
@@ -34,27 +34,32 @@ impl<const R: usize> Group<R> {
         used: 0,
         control: None,
         factors: 0,
-        candidates: [Candidate { key: 0, policy: 0, arrival: 0, terms: Terms::ZERO }; R],
+        candidates: [Rollout { key: 0, policy: 0, arrival: 0, terms: Terms::ZERO }; R],
     };
 
+    /// How many candidates are in the rows.
+    pub(super) const fn used(&self) -> usize {
+        self.used as usize
+    }
+
     /// The candidates that are in the rows.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Candidate> {
-        self.candidates.iter().take(self.used)
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Rollout> {
+        self.candidates.iter().take(self.used())
     }
 
     /// The row of the candidate with this key.
     #[inline]
     pub(super) fn find(&self, key: u32) -> Option<usize> {
-        let in_order = self.candidates.get(key as usize).is_some_and(|candidate| candidate.key == key);
-        if in_order && (key as usize) < self.used {
-            return Some(key as usize);
+        let used = self.candidates.get(..self.used())?;
+        match used.get(key as usize) {
+            Some(in_order) if in_order.key == key => Some(key as usize),
+            _ => used.iter().position(|candidate| candidate.key == key),
         }
-        self.iter().position(|candidate| candidate.key == key)
     }
 
     /// Gives a new candidate a row; `None` when there is no room.
-    pub(super) fn add(&mut self, candidate: Candidate) -> Option<usize> {
-        let row = self.used;
+    pub(super) fn add(&mut self, candidate: Rollout) -> Option<usize> {
+        let row = self.used();
         *self.candidates.get_mut(row)? = candidate;
         self.used += 1;
         Some(row)

@@ -1,7 +1,7 @@
 //! What was rolled out so far, and the combinations of it.
 
 use super::action_of;
-use super::group::{Candidate, Group, Places};
+use super::group::{Group, Places, Rollout};
 use crate::actions::Action;
 use crate::inference::belief::Beliefs;
 use crate::inference::free_energy::PreferenceTiming;
@@ -19,10 +19,10 @@ impl<'a, const S: usize, const G: usize, const R: usize> Rows<'a, S, G, R> {
     #[inline]
     pub(super) fn part(&self, model: &Model, factor: usize, places: &Places<G>) -> &'a [f32] {
         let row = places.get(model.group(factor)).copied().map_or(0, usize::from);
-        self.beliefs.get(row).map_or(&[], |row| row.of(model, factor))
+        self.beliefs.get(row).map_or(&[], |row| row.part(model, factor))
     }
 
-    pub(super) fn candidate(&self, group: usize, places: &Places<G>) -> Option<&Candidate> {
+    pub(super) fn candidate(&self, group: usize, places: &Places<G>) -> Option<&Rollout> {
         let row = places.get(group).copied().map_or(0, usize::from);
         self.groups.get(group).and_then(|of| of.candidates.get(row))
     }
@@ -66,15 +66,15 @@ impl<'a, const S: usize, const G: usize, const R: usize> Rows<'a, S, G, R> {
 
 /// The combinations of the candidates of a few groups, numbered.
 #[derive(Clone, Copy)]
-pub(super) struct Combinations<'a, const G: usize, const R: usize> {
+pub(super) struct Tuples<'a, const G: usize, const R: usize> {
     pub(super) groups: u16,
     pub(super) used: &'a [Group<R>; G],
 }
 
-impl<const G: usize, const R: usize> Combinations<'_, G, R> {
+impl<const G: usize, const R: usize> Tuples<'_, G, R> {
     pub(super) fn members(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let members = self.used.iter().enumerate().filter(|(group, _)| self.groups >> group & 1 == 1);
-        members.map(|(group, of)| (group, of.used.max(1)))
+        members.map(|(group, of)| (group, of.used().max(1)))
     }
 
     pub(super) fn count(&self) -> Option<usize> {

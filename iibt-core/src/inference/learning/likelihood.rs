@@ -174,7 +174,7 @@ mod tests {
     use super::super::sampling::{Dice, one};
     use super::*;
     use crate::inference::IdentityNoise;
-    use crate::inference::likelihood::Dense;
+    use crate::inference::likelihood::DenseLikelihood;
     use std::vec::Vec;
 
     fn flat<'a>() -> LikelihoodCounts<'a, 3, 4> {
@@ -256,7 +256,7 @@ mod tests {
             shape.for_each_column(|column, states| {
                 (0..3).for_each(|outcome| table[4 * outcome + column] = counts.probability(outcome, states));
             });
-            let dense = Dense::try_new(&table, 3, &[2, 2]).expect("its columns are distributions");
+            let dense = DenseLikelihood::try_new(&table, 3, &[2, 2]).expect("its columns are distributions");
             let preference = [dice.between(-3.0, 3.0), 0.0, dice.between(-3.0, 3.0)];
             let beliefs = [&beliefs[0][..], &beliefs[1]];
             let [ours, theirs] =

@@ -1,7 +1,6 @@
 //! C, learned online: which outcomes go with success.
 
-use super::tally::Tally;
-use super::{Dirichlet, Rates, held, observed};
+use super::{Dirichlet, DistributionCounts, Rates, held, observed};
 use crate::inference::{Evidence, Preference};
 
 /// Dirichlet counts of C, the preference over `O` outcomes of one modality, learned from outcomes that turned out well.
@@ -26,7 +25,7 @@ use crate::inference::{Evidence, Preference};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreferenceCounts<const O: usize> {
-    counts: Tally<O>,
+    counts: DistributionCounts<O>,
     bound: f32,
 }
 
@@ -35,7 +34,7 @@ impl<const O: usize> PreferenceCounts<O> {
     /// certainty, in nats: `bound` is held to 0..=80, and NaN counts as zero, so that no outcome is preferred.
     #[must_use]
     pub fn new(prior: [f32; O], rates: Rates, bound: f32) -> Self {
-        Self { counts: Tally::new(prior, rates), bound: held(bound, 80.0) }
+        Self { counts: DistributionCounts::new(prior, rates), bound: held(bound, 80.0) }
     }
 
     /// Learns from an outcome and how well it turned out, from 0, not at all, to 1; held to that range. Of a soft
@@ -43,7 +42,7 @@ impl<const O: usize> PreferenceCounts<O> {
     /// makes no sense, or a success that is NaN.
     pub fn learn(&mut self, evidence: Evidence, success: f32) -> bool {
         let Some(outcome) = observed(evidence).filter(|_| !success.is_nan()) else { return false };
-        self.counts.learn(held(success, 1.0), &outcome);
+        self.counts.add(held(success, 1.0), &outcome);
         true
     }
 
@@ -51,7 +50,7 @@ impl<const O: usize> PreferenceCounts<O> {
     /// [`Problem::preferences`](crate::inference::Problem::preferences).
     #[must_use]
     pub fn values(&self) -> [f32; O] {
-        self.counts.now().ln_expected(-self.bound)
+        self.counts.counts().ln_expected(-self.bound)
     }
 
     /// The same as a preference that can be raised for a while.
@@ -64,7 +63,7 @@ impl<const O: usize> PreferenceCounts<O> {
     /// The counts.
     #[must_use]
     pub const fn counts(&self) -> &Dirichlet<O> {
-        self.counts.now()
+        self.counts.counts()
     }
 
     /// Forgets everything learned.
@@ -95,7 +94,7 @@ mod tests {
             // 5,000 successes: three standard errors of a fair coin.
             assert!((math::exp(c) - chance / total).abs() < 0.022, "{c}");
         }
-        assert_eq!(counts.preference().get(0), counts.values()[0]);
+        assert_eq!(counts.preference().get(0), Some(counts.values()[0]));
     }
 
     #[test]

@@ -209,7 +209,7 @@ mod tests {
     use super::super::sampling::{Dice, one};
     use super::*;
     use crate::inference::likelihood::IdentityNoise;
-    use crate::inference::transition::Dense;
+    use crate::inference::transition::DenseTransition;
     use crate::inference::{Beliefs, Evidence, PreferenceTiming, Problem, Scoring};
     use crate::inference::{Candidates, Evaluation, Factor, Likelihood, Modality, Model, NextState, Policy};
     use std::vec::Vec;
@@ -340,7 +340,7 @@ mod tests {
             let table: Vec<f32> = (0..16)
                 .map(|at| counts.probability((at / 8) as Action, at / 4 % 2, &[at / 2 % 2, at % 2]))
                 .collect();
-            let dense = Dense::try_new(&table, 2, &[2, 2]).expect("its columns are distributions");
+            let dense = DenseTransition::try_new(&table, 2, &[2, 2]).expect("its columns are distributions");
             let (mut ours, mut theirs) = ([0.0; 2], [0.0; 2]);
             counts.predict(&shape, action, &beliefs, &mut ours);
             dense.predict(&shape, action, &beliefs, &mut theirs);
@@ -444,7 +444,7 @@ mod tests {
             0.05, 0.0, 1.0, 0.0,  0.95, 0.05, 0.0, 0.0,  0.0, 0.0, 0.0, 0.0,  0.0, 0.95, 0.0, 1.0,
             0.20, 1.0, 0.0, 0.0,  0.0, 0.0, 0.0, 0.0,  0.80, 0.0, 0.20, 0.0,  0.0, 0.0, 0.80, 1.0,
         ];
-        let prior = Dense::new(&routes, 2, &[4]);
+        let prior = DenseTransition::new(&routes, 2, &[4]);
         let mut drive =
             TransitionCounts::<4, 4, 2>::new(&prior, 20.0, prior.shape(), Rates::new(1.0, 0.01)).unwrap();
         let sensor = IdentityNoise::new(0.99, 4);

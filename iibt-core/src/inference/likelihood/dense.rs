@@ -14,29 +14,29 @@ use crate::math::{self, Prediction};
 /// use iibt_core::inference::{Likelihood, TableError, likelihood};
 ///
 /// // A row for each outcome, a column for each state.
-/// static A: likelihood::Dense = likelihood::Dense::new(&[0.8, 0.3, 0.2, 0.7], 2, &[2]);
+/// static A: likelihood::DenseLikelihood = likelihood::DenseLikelihood::new(&[0.8, 0.3, 0.2, 0.7], 2, &[2]);
 /// assert_eq!(A.probability(1, &[0]), 0.2);
 /// assert_eq!(A.shape().columns(), Some(2));
 ///
 /// // A column that sums to 0.9.
-/// let error = likelihood::Dense::try_new(&[0.8, 0.3, 0.1, 0.7], 2, &[2]).unwrap_err();
+/// let error = likelihood::DenseLikelihood::try_new(&[0.8, 0.3, 0.1, 0.7], 2, &[2]).unwrap_err();
 /// assert!(matches!(error, TableError::Column(0, _)));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dense<'a> {
+pub struct DenseLikelihood<'a> {
     table: &'a [f32],
     shape: Shape,
 }
 
-impl<'a> Dense<'a> {
+impl<'a> DenseLikelihood<'a> {
     /// A table, checked: `outcomes` rows over the product of `states`.
     ///
     /// # Panics
     /// When the length does not fit or a column is no distribution. In a `const` or `static` this fails the build:
     ///
     /// ```compile_fail,E0080
-    /// use iibt_core::inference::likelihood::Dense;
-    /// const A: Dense = Dense::new(&[0.97, 0.2, 0.0, 0.8], 2, &[2]);
+    /// use iibt_core::inference::likelihood::DenseLikelihood;
+    /// const A: DenseLikelihood = DenseLikelihood::new(&[0.97, 0.2, 0.0, 0.8], 2, &[2]);
     /// # let _ = A;
     /// ```
     #[must_use]
@@ -73,7 +73,7 @@ impl<'a> Dense<'a> {
     }
 }
 
-impl Likelihood for Dense<'_> {
+impl Likelihood for DenseLikelihood<'_> {
     fn probability(&self, outcome: usize, states: &[usize]) -> f32 {
         table::entry(self.table, &self.shape, outcome, states)
     }

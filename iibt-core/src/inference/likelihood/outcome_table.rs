@@ -197,9 +197,8 @@ impl<'a> OutcomeTable<'a> {
             }
             for (first, row) in firsts.iter().zip(pairs.chunks_exact_mut(count)) {
                 self.sum_out(&self.label_masses(0, first), &block.columns, left);
-                for (masses, terms) in
-                    masses.iter().zip(row.iter_mut().skip(at * SIDE_BY_SIDE)).take(seconds.len())
-                {
+                let row = row.chunks_mut(SIDE_BY_SIDE).nth(at).unwrap_or_default();
+                for (masses, terms) in masses.iter().zip(row) {
                     *terms += block.pair(left, masses);
                 }
             }

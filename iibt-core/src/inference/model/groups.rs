@@ -24,14 +24,17 @@ impl Model<'_> {
     }
 
     const fn assign_group(&mut self, members: u32) {
+        let group = self.group_count as usize;
+        if group >= MAX_FACTORS {
+            return;
+        }
+        self.members[group] = members as u16;
         let mut factor = 0;
         while factor < self.factors.len() && factor < MAX_FACTORS {
             if members >> factor & 1 == 1 {
                 self.groups[factor] = self.group_count;
-                if let Some(control) = self.control(factor)
-                    && (self.group_count as usize) < MAX_FACTORS
-                {
-                    self.moved_by[self.group_count as usize] |= 1 << control;
+                if let Some(control) = self.control(factor) {
+                    self.moved_by[group] |= 1 << control;
                 }
             }
             factor += 1;

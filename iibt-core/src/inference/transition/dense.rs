@@ -12,21 +12,21 @@ use crate::inference::{Shape, table};
 /// use iibt_core::inference::{Transition, transition};
 ///
 /// // A door: action 0 waits, action 1 pushes it open. A row for each next state, a column for each state.
-/// static DOOR: transition::Dense =
-///     transition::Dense::new(&[0.9, 0.2, 0.1, 0.8, 1.0, 0.7, 0.0, 0.3], 2, &[2]);
+/// static DOOR: transition::DenseTransition =
+///     transition::DenseTransition::new(&[0.9, 0.2, 0.1, 0.8, 1.0, 0.7, 0.0, 0.3], 2, &[2]);
 /// assert_eq!(DOOR.probability(1, 0, &[1]), 0.7);
 /// let mut after = [0.0; 2];
 /// DOOR.predict(&DOOR.shape(), 1, &[&[0.0, 1.0]], &mut after);
 /// assert_eq!(after, [0.7, 0.3]);
-/// assert!(transition::Dense::try_new(&[0.9, 0.2, 0.1], 1, &[2]).is_err());
+/// assert!(transition::DenseTransition::try_new(&[0.9, 0.2, 0.1], 1, &[2]).is_err());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dense<'a> {
+pub struct DenseTransition<'a> {
     table: &'a [f32],
     shape: Shape,
 }
 
-impl<'a> Dense<'a> {
+impl<'a> DenseTransition<'a> {
     /// A table, checked: `actions` matrices over `states`, of which the first is the factor's own number of states
     /// and the others are those of the factors that it is coupled to.
     ///
@@ -84,7 +84,7 @@ impl<'a> Dense<'a> {
     }
 }
 
-impl Transition for Dense<'_> {
+impl Transition for DenseTransition<'_> {
     fn probability(&self, action: Action, next: usize, states: &[usize]) -> f32 {
         self.matrix(action).map_or(0.0, |matrix| table::entry(matrix, &self.shape, next, states))
     }

@@ -6,7 +6,7 @@ use crate::inference::problem::Problem;
 use crate::math;
 
 /// A modality and what is preferred in it.
-pub(in crate::inference) struct Sense<'a> {
+pub(in crate::inference) struct PreferredModality<'a> {
     pub(super) modality: &'a Modality<'a>,
     pub(super) on_arrival: bool,
     pub(super) joint: bool,
@@ -21,7 +21,7 @@ pub(super) struct LogPreference<'a> {
     pub(super) normaliser: f32,
 }
 
-impl<'a> Sense<'a> {
+impl<'a> PreferredModality<'a> {
     pub(in crate::inference) fn new<const S: usize, const G: usize>(
         problem: &Problem<'a, S, G>,
         number: usize,
