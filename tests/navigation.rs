@@ -31,7 +31,7 @@ fn stages(team: &Team<'_>) -> Vec<Stage> {
 }
 
 fn report(team: &Team<'_>, robot: usize) -> Report {
-    team.reports()[robot].clone()
+    team.reports()[robot]
 }
 
 fn cells(team: &Team<'_>) -> Vec<u16> {
@@ -221,7 +221,7 @@ fn a_robot_put_elsewhere_finds_out_and_the_team_decides_again() {
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     team.place(0, Cell(42));
-    fly_until(&mut team, "a new round", |team| report(&team, 0).round > Round(0));
+    fly_until(&mut team, "a new round", |team| report(team, 0).round > Round(0));
     assert_eq!(report(&team, 0).path.start, team.cells()[0]);
     fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
@@ -342,7 +342,7 @@ fn a_robot_that_restarts_where_it_began_has_the_team_decide_again() {
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     assert_eq!(cells(&team)[2], STARTS[2].0);
     team.restart(2).expect("a sound mission");
-    fly_until(&mut team, "a new round", |team| report(&team, 2).round > Round(0));
+    fly_until(&mut team, "a new round", |team| report(team, 2).round > Round(0));
     fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
@@ -383,7 +383,7 @@ fn a_robot_on_its_way_visits_its_way_points_in_order_and_the_team_arrives_togeth
     team.robot_mut(0).robot_mut().navigation_mut().visit(Cell(42)).expect("it is free");
     team.robot_mut(0).robot_mut().navigation_mut().visit(Cell(4)).expect("it is free");
     fly_until(&mut team, "all agree again", |team| {
-        all(team, Stage::Agreed) && report(&team, 0).round > Round(0)
+        all(team, Stage::Agreed) && report(team, 0).round > Round(0)
     });
     assert_eq!(report(&team, 0).cause, Some(Cause::WayPoint));
     let lengths: Vec<_> = team.reports().iter().map(|report| report.path.len()).collect();
@@ -404,7 +404,7 @@ fn two_robots_with_way_points_of_their_own_come_to_one_plan_within_a_round_each(
             team.robot_mut(0).robot_mut().navigation_mut().visit(Cell(4)).expect("it is free");
             team.robot_mut(2).robot_mut().navigation_mut().visit(Cell(42)).expect("it is free");
             fly_until(&mut team, "all agree again", |team| {
-                all(team, Stage::Agreed) && report(&team, 0).round > Round(0)
+                all(team, Stage::Agreed) && report(team, 0).round > Round(0)
             });
             let round = report(&team, 0).round;
             assert!(round <= Round(rounds), "loss {loss}, seed {seed}: {round:?}");
@@ -436,7 +436,7 @@ fn a_robot_with_a_low_battery_drives_to_its_charger_while_the_others_stand_and_t
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     team.set_charge(0, 10);
-    fly_until(&mut team, "robot 1 has left", |team| report(&team, 0).cause == Some(Cause::Battery));
+    fly_until(&mut team, "robot 1 has left", |team| report(team, 0).cause == Some(Cause::Battery));
     fly_until(&mut team, "robot 1 moves", |team| team.cells()[0] != Cell(28));
     let (left, standing) = (report(&team, 0).round, cells(&team)[1..].to_vec());
     fly_until(&mut team, "robot 1 is on its charger", |team| {
@@ -505,7 +505,7 @@ fn a_teammate_that_stands_in_the_way_to_a_charger_steps_aside() {
     let mut team = team(&mission);
     fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
     team.set_charge(0, 10);
-    fly_until(&mut team, "robot 2 steps aside", |team| report(&team, 1).cause == Some(Cause::Room));
+    fly_until(&mut team, "robot 2 steps aside", |team| report(team, 1).cause == Some(Cause::Room));
     fly_until(&mut team, "robot 1 is on its charger", |team| team.cells()[0] == Cell(0));
     fly_until(&mut team, "all stop", |team| stopped(team, 2));
 }
