@@ -74,14 +74,14 @@ impl<'a> Factor<'a> {
     pub const fn new(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Self {
         assert!(prior.len() == shape.values(), "D, the prior, does not have an entry per state");
         assert!(math::is_distribution(prior), "D, the prior, is no distribution");
-        Self { transition, shape, coupled_to: &[], control: Control::Own, prior }
+        Self::trusted(transition, shape, prior)
     }
 
     /// The same for a prior that is only known at run time; `None` when it is no distribution over the factor's states.
     #[must_use]
     pub const fn try_new(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Option<Self> {
         if prior.len() == shape.values() && math::is_distribution(prior) {
-            Some(Self { transition, shape, coupled_to: &[], control: Control::Own, prior })
+            Some(Self::trusted(transition, shape, prior))
         } else {
             None
         }

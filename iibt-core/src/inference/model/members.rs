@@ -31,17 +31,18 @@ impl<'a, 'm> Members<'a, 'm> {
     /// Takes out the first member and all that have factors in common with it, directly or by way of others.
     pub(in crate::inference) fn take_component(&mut self) -> Option<Self> {
         let mut component = Self { bits: self.bits & self.bits.wrapping_neg(), ..*self };
-        while component.bits != 0 {
+        // One that is left alone is not looked at.
+        while component.bits != self.bits {
             let factors = component.factors();
             let joined = self.iter().filter(|(_, modality)| factors_of(modality) & factors != 0);
             let joined = joined.fold(0, |bits, (number, _)| bits | 1 << number);
             if joined == component.bits {
-                self.bits &= !joined;
-                return Some(component);
+                break;
             }
             component.bits = joined;
         }
-        None
+        self.bits &= !component.bits;
+        (component.bits != 0).then_some(component)
     }
 
     /// The product of the factors that they depend on; `None` where there are too many to count.
