@@ -128,7 +128,8 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
         if self.last_sent.is_some_and(|sent| now.since(sent) < self.period) {
             return;
         }
-        // Taken even if the link then refuses the frame: a number that is used twice reads as a replay.
+        // Taken even if the link then refuses the frame: a number that is used twice reads as a
+        // replay.
         let Some(stamp) = self.numbering.next_stamp() else { return };
         let envelope = Envelope { sender: self.roster.own(), stamp, message: self.robot.message() };
         let mut buffer = [0; MAX_FRAME];

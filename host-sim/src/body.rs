@@ -1,7 +1,7 @@
 //! A robot's body: the hardware its controller works on, filled and read by the world around it.
 //!
-//! Within a tick a body is alone. The world puts in what the sensors read before the controller ticks, and
-//! carries out what the controller has commanded afterwards.
+//! Within a tick a body is alone. The world puts in what the sensors read before the controller
+//! ticks, and carries out what the controller has commanded afterwards.
 
 use firmware::{adapters, hardware};
 use iibt_core::grid::{Cell, Move};

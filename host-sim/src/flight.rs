@@ -5,8 +5,8 @@
 //!            every controller ticks, alone in its body
 //!            frames to the radio ─► commands to the world, all at once ─► referee ─► faults
 //! ```
-//! What a robot sends in a tick arrives in a later one and all moves are made at once, so the order in which
-//! the robots tick does not matter.
+//! What a robot sends in a tick arrives in a later one and all moves are made at once, so the order
+//! in which the robots tick does not matter.
 
 use crate::faults::{FaultInjector, Faults};
 use crate::flight_event::FlightEvent;
@@ -38,9 +38,10 @@ pub enum Reading {
 
 /// A team in flight that is ticked by hand, interfered with and looked into.
 ///
-/// The robots are the firmware's controllers, each alone in a simulated body; world, radio and referee are
-/// those of [`fly`](crate::fly). Robots are named by their index, from zero; methods that take one panic when
-/// there is no such robot. The same mission, faults and seed give the same flight.
+/// The robots are the firmware's controllers, each alone in a simulated body; world, radio and
+/// referee are those of [`fly`](crate::fly). Robots are named by their index, from zero; methods
+/// that take one panic when there is no such robot. The same mission, faults and seed give the same
+/// flight.
 ///
 /// ```
 /// use host_sim::{EventEffect, Faults, NavigatorFlight, Radio};
@@ -87,7 +88,8 @@ pub struct Flight<'m, R: AnyRobot + ?Sized> {
     collisions: Collisions,
 }
 
-/// A flight of navigating robots for maps of up to `S` cells in `W` words, weighing up to `P` candidates.
+/// A flight of navigating robots for maps of up to `S` cells in `W` words, weighing up to `P`
+/// candidates.
 pub type NavigatorFlight<'m, const S: usize, const W: usize, const P: usize> =
     Flight<'m, Navigating<'m, S, W, P>>;
 
@@ -154,7 +156,8 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         self
     }
 
-    /// Ticks the world and every robot once; returns what happened, but for what the robots say of themselves.
+    /// Ticks the world and every robot once; returns what happened, but for what the robots say of
+    /// themselves.
     pub fn tick(&mut self) -> Vec<FlightEvent> {
         let mut events = self.world.begin(self.tick, self.progress);
         self.instruct(&mut events);
@@ -290,7 +293,8 @@ impl<R: AnyRobot + ?Sized> Flight<'_, R> {
         self.radio.silence(robot, silent);
     }
 
-    /// Hands bytes to a robot's receiver as if they had arrived; one that has stopped does not hear them.
+    /// Hands bytes to a robot's receiver as if they had arrived; one that has stopped does not hear
+    /// them.
     pub fn deliver(&mut self, robot: usize, bytes: &[u8]) {
         if !self.world.is_stopped(robot) {
             self.robots[robot].body().link.received.extend(bytes);
@@ -416,8 +420,8 @@ impl<R: AnyRobot + ?Sized> Flight<'_, R> {
     }
 }
 
-/// One tick of one robot: what [`campaign::cost`](crate::campaign::cost) counts, from the call of this function to that of
-/// [`has_acted`].
+/// One tick of one robot: what [`campaign::cost`](crate::campaign::cost) counts, from the call of
+/// this function to that of [`has_acted`].
 #[inline(never)]
 fn act_in_turn(tick: &mut dyn FnMut()) {
     tick();

@@ -8,10 +8,10 @@
 //!           └─ Radio         the only way between them
 //! ```
 //!
-//! [`CampaignRuns`] runs the mission for many seeds and gives rates and means with their intervals, [`compare`] does
-//! so for inference trees and conventional ones side by side. The trees are files of
-//! [`tree::library`](crate::tree::library), bound to the robots' skills by the names of their leaves; [`Trees::sizes`]
-//! counts them.
+//! [`CampaignRuns`] runs the mission for many seeds and gives rates and means with their intervals,
+//! [`compare`] does so for inference trees and conventional ones side by side. The trees are files
+//! of [`tree::library`](crate::tree::library), bound to the robots' skills by the names of their
+//! leaves; [`Trees::sizes`] counts them.
 
 mod campaign;
 mod comparison;

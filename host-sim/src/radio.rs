@@ -91,7 +91,8 @@ impl RadioChannel {
         }
     }
 
-    /// Returns what arrives in tick `now`, in the order it was sent, then the noise: receiver and bytes.
+    /// Returns what arrives in tick `now`, in the order it was sent, then the noise: receiver and
+    /// bytes.
     pub(crate) fn arrivals(&mut self, now: u32) -> Vec<(usize, Vec<u8>)> {
         let due: Vec<Copy> = self.flying.extract_if(.., |copy| copy.due <= now).collect();
         let mut arrivals = Vec::new();

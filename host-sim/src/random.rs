@@ -3,8 +3,8 @@
 use rand_pcg::Pcg32;
 use rand_pcg::rand_core::Rng;
 
-/// What draws are for. Each purpose has a stream of its own, so that more draws of one kind leave the others
-/// as they were.
+/// What draws are for. Each purpose has a stream of its own, so that more draws of one kind leave
+/// the others as they were.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub(crate) enum Stream {

@@ -1,4 +1,5 @@
-//! The team: a controller for every robot, each in a body of its own: the firmware's own, or one with a conventional tree.
+//! The team: a controller for every robot, each in a body of its own: the firmware's own, or one
+//! with a conventional tree.
 //!
 //! A controller is compiled for a size of map; this module alone chooses the size.
 

@@ -58,12 +58,14 @@ impl<R: Robot<T>, T> Robot<Simulated<T>> for OnParts<R> {
     }
 }
 
-/// A team of robots of one kind, each run by the firmware's controller, joined by the simulated radio.
+/// A team of robots of one kind, each run by the firmware's controller, joined by the simulated
+/// radio.
 ///
-/// Each robot runs on parts of its own, a type on which the hardware traits that it asks for are implemented;
-/// the testbed adds link and clock. The world is the caller's: before a tick it puts into the [`parts`](Self::parts_mut) what the sensors read,
-/// and afterwards carries out what the actuators were told. What a robot sends in a tick arrives in a later
-/// one, so the order of the robots does not matter; the same seed gives the same flight.
+/// Each robot runs on parts of its own, a type on which the hardware traits that it asks for are
+/// implemented; the testbed adds link and clock. The world is the caller's: before a tick it puts
+/// into the [`parts`](Self::parts_mut) what the sensors read, and afterwards carries out what the
+/// actuators were told. What a robot sends in a tick arrives in a later one, so the order of the
+/// robots does not matter; the same seed gives the same flight.
 ///
 /// ```
 /// use firmware::Robot;
@@ -141,8 +143,8 @@ impl<R: Robot<T>, T> Testbed<R, T> {
         Ok(Self { robots, radio: RadioChannel::new(radio, size, seed), tick: 0 })
     }
 
-    /// Hands out the frames that arrive, ticks every robot once, and sends what they announce; returns what
-    /// their trees returned.
+    /// Hands out the frames that arrive, ticks every robot once, and sends what they announce;
+    /// returns what their trees returned.
     pub fn tick(&mut self) -> Vec<Status> {
         for (receiver, frame) in self.radio.arrivals(self.tick) {
             self.robots[receiver].hardware_mut().link.received.extend(frame);

@@ -97,8 +97,8 @@ impl World {
         self.stopped[robot].is_some()
     }
 
-    /// Lets the events of this tick happen; what a robot is told is left to the flight. An obstacle does not appear on a
-    /// robot, but when that has gone.
+    /// Lets the events of this tick happen; what a robot is told is left to the flight. An obstacle
+    /// does not appear on a robot, but when that has gone.
     pub(crate) fn begin(&mut self, tick: u32, progress: Progress) -> Vec<FlightEvent> {
         let mut happened = self.resume(tick);
         let cells = &self.cells;
@@ -153,8 +153,8 @@ impl World {
         self.obstacles().filter(move |&cell| self.distance(here, cell) <= view)
     }
 
-    /// Carries out one command of every robot, all at once; a robot that runs into something stays, and one between two
-    /// cells goes on.
+    /// Carries out one command of every robot, all at once; a robot that runs into something stays,
+    /// and one between two cells goes on.
     pub(crate) fn carry_out(&mut self, commands: &[Move]) {
         for (robot, &step) in commands.iter().enumerate() {
             let (before, next) = (self.cells[robot], self.floor.neighbour(self.cells[robot], step));

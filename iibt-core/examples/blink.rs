@@ -1,7 +1,9 @@
-//! A light that blinks, and stays on while a button is held: a tree of a dozen lines, without inference.
+//! A light that blinks, and stays on while a button is held: a tree of a dozen lines, without
+//! inference.
 //!
-//! `cargo run -p iibt-core --no-default-features --example blink` plays it on the PC, with a button that is held from
-//! 1.2 to 2 seconds; on a board, `Board` owns two pins, and `now` comes from a timer.
+//! `cargo run -p iibt-core --no-default-features --example blink` plays it on the PC, with a button
+//! that is held from 1.2 to 2 seconds; on a board, `Board` owns two pins, and `now` comes from a
+//! timer.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]
@@ -64,7 +66,8 @@ fn play() {
             switched[count] = now.0;
             count += 1;
         }
-        // A board sleeps until a timer or the pin of the button wakes it; here it looks every 100 ms.
+        // A board sleeps until a timer or the pin of the button wakes it; here it looks every 100
+        // ms.
         now = match tick.next {
             _ if board.held => Instant(now.0 + 100),
             _ if tick.status == Status::Success => now, // the next cycle begins at once

@@ -1,9 +1,8 @@
 //! A robot that drives through a door: one tree of conditions and actions, without inference.
 //!
-//! The door may be locked, may need several ticks to open, and may fall shut again. The tree looks at
-//! the door in every tick, so the robot reacts to what it sees now.
-//! `cargo run -p iibt-core --no-default-features --example door` plays it and asserts what the comments
-//! say.
+//! The door may be locked, may need several ticks to open, and may fall shut again. The tree looks
+//! at the door in every tick, so the robot reacts to what it sees now. `cargo run -p iibt-core
+//! --no-default-features --example door` plays it and asserts what the comments say.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]
@@ -24,7 +23,8 @@ enum Skill {
     CallForHelp,
 }
 
-/// Unless the robot is inside: open the door by pushing for 300 ms, else by the key, and drive through.
+/// Unless the robot is inside: open the door by pushing for 300 ms, else by the key, and drive
+/// through.
 #[rustfmt::skip]
 static ENTER: Tree<Skill, 13, Full> = tree! {
     ReactiveFallback {

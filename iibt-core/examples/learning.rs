@@ -1,7 +1,9 @@
-//! A robot learns how often its moves fail, and takes the other way: a transition B as Dirichlet counts.
+//! A robot learns how often its moves fail, and takes the other way: a transition B as Dirichlet
+//! counts.
 //!
-//! `cargo run -p iibt-core --example learning`. Two ways lead from the start to the goal: by the passage, where a move is made 19 times in
-//! 20, or so it was built, and by the ramp, where it is made 4 times in 5. Then the wheel for the passage wears out.
+//! `cargo run -p iibt-core --example learning`. Two ways lead from the start to the goal: by the
+//! passage, where a move is made 19 times in 20, or so it was built, and by the ramp, where it is
+//! made 4 times in 5. Then the wheel for the passage wears out.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]
@@ -29,7 +31,8 @@ static WAYS: [Policy; 2] = [Policy::of(&[0, 0]), Policy::of(&[1, 1])];
 /// What the robot has learned of its drive.
 type Drive = TransitionCounts<'static, PLACES, PLACES, 2>;
 
-/// A model borrows its tables: it is put together for one decision, and the drive learns in between.
+/// A model borrows its tables: it is put together for one decision, and the drive learns in
+/// between.
 fn with_agent<T>(drive: &Drive, work: impl FnOnce(&mut Agent<PLACES, 1, 2, 1>) -> T) -> T {
     let factors = [Factor::new(drive, drive.shape(), &[1.0, 0.0, 0.0, 0.0])];
     let modalities = [Modality::new(&LOCALISER, LOCALISER.shape(), &[0], &[0.0, 0.0, 0.0, 3.0])];
@@ -45,7 +48,8 @@ fn choose(drive: &Drive) -> Result<(usize, f32), DecisionError> {
     })
 }
 
-/// One try to drive into the passage, and what the robot makes of it: B learns from the beliefs before and after.
+/// One try to drive into the passage, and what the robot makes of it: B learns from the beliefs
+/// before and after.
 fn drive_once(drive: &mut Drive, arrives: bool) -> bool {
     let seen = if arrives { PASSAGE } else { START };
     let beliefs = with_agent(drive, |agent| {

@@ -1,8 +1,8 @@
-//! A task of one's own: a robot has to open one of two boxes. It listens until it is worth opening one, because a wrong
-//! box costs more than a few ticks.
+//! A task of one's own: a robot has to open one of two boxes. It listens until it is worth opening
+//! one, because a wrong box costs more than a few ticks.
 //!
-//! The model and the choice are the inference engine's; the task says what is sensed, what may be chosen, and what a choice does.
-//! `cargo run -p iibt-core --example own_task`
+//! The model and the choice are the inference engine's; the task says what is sensed, what may be
+//! chosen, and what a choice does. `cargo run -p iibt-core --example own_task`
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]

@@ -1,7 +1,8 @@
 //! Two robots that agree: each is to reach another of two goals, and both arrive together.
 //!
-//! Nobody assigns the goals. Each robot infers from its own beliefs and the other's announced intention, and what they tell each
-//! other travels as authenticated frames. `cargo run -p iibt-core --example two_robots`
+//! Nobody assigns the goals. Each robot infers from its own beliefs and the other's announced
+//! intention, and what they tell each other travels as authenticated frames. `cargo run -p
+//! iibt-core --example two_robots`
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]

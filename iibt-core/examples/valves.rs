@@ -1,5 +1,5 @@
-//! Two robots close two valves in an order: R2 the outlet once R1 has announced that the inlet is closed. Each
-//! has one sensor, which errs now and then; a valve that sticks is turned again.
+//! Two robots close two valves in an order: R2 the outlet once R1 has announced that the inlet is
+//! closed. Each has one sensor, which errs now and then; a valve that sticks is turned again.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]
@@ -26,7 +26,8 @@ const R2_IDLE: Fact = Fact { name: "R2 idle", holds: Holds::Doing { robot: 1, op
 const INLET_CLOSED: Fact =
     Fact { name: "inlet closed", holds: Holds::Announced { robot: 0, factor: 0, states: &[CLOSED] } };
 
-/// A turn closes the valve four times in five. It needs fact 1, the turn, and forbids fact 0, a closed valve.
+/// A turn closes the valve four times in five. It needs fact 1, the turn, and forbids fact 0, a
+/// closed valve.
 const TURN_IT: Operator = Operator {
     name: "turn",
     requires: &[1],
@@ -93,7 +94,8 @@ impl Robot {
         self.turns > self.sticks
     }
 
-    /// Reads the valve, every seventh time wrongly, decides, and turns the valve if that was decided.
+    /// Reads the valve, every seventh time wrongly, decides, and turns the valve if that was
+    /// decided.
     fn tick(&mut self, now: Instant) -> Status {
         let mut percept = Percept { at: now, ..Percept::default() };
         percept.readings[0] = Some(u8::from(self.is_closed() ^ (now.0 % 7 == 3)));

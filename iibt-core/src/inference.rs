@@ -15,8 +15,9 @@
 //! | c, counts of C | [`PreferenceCounts`](learning::PreferenceCounts) | outcomes |
 //! | d, e, counts of D, E | [`DistributionCounts`](learning::DistributionCounts) | states; policies |
 //!
-//! A [`Model`] never changes after it is built; beliefs, preferences and counts are state. Data flows
-//! model → beliefs → problem → evaluation → choice, and the room knows neither trees nor robots.
+//! A [`Model`] never changes after it is built; beliefs, preferences and counts are state. Data
+//! flows model → beliefs → problem → evaluation → choice, and the room knows neither trees nor
+//! robots.
 
 mod agent;
 mod belief;

@@ -42,7 +42,8 @@ struct Brief {
 }
 
 impl CampaignRuns {
-    /// Runs all seeds, on as many threads as there are cores if that is left open; the findings do not depend on how many.
+    /// Runs all seeds, on as many threads as there are cores if that is left open; the findings do
+    /// not depend on how many.
     ///
     /// # Errors
     /// [`RunError`] when the terms are none.

@@ -1,4 +1,5 @@
-//! Inference trees and conventional ones on the same mission, with the same seeds and the same disturbances.
+//! Inference trees and conventional ones on the same mission, with the same seeds and the same
+//! disturbances.
 
 use super::campaign::{CampaignRuns, Findings};
 use super::run::RunError;
@@ -41,9 +42,9 @@ const fn conventional(name: &'static str, trees: Trees, trust: Trust) -> Contend
     Contender { name, trees, order: Order::InTurn, trust }
 }
 
-/// Those who take part. A conventional tree that trusts readings has to choose how many in a row should agree, between fast and
-/// safe: the three next to the best are here. One that asks the inference nodes' own belief shows what is the belief's doing
-/// and what the tree's.
+/// Those who take part. A conventional tree that trusts readings has to choose how many in a row
+/// should agree, between fast and safe: the three next to the best are here. One that asks the
+/// inference nodes' own belief shows what is the belief's doing and what the tree's.
 pub const CONTENDERS: [Contender; 7] = [
     inference("inference, in turn", Order::InTurn),
     inference("inference, both at once", Order::Together),

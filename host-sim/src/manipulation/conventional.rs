@@ -1,4 +1,5 @@
-//! The skills of conventional trees: conditions that look at what is settled, actions that end when what came of them is.
+//! The skills of conventional trees: conditions that look at what is settled, actions that end when
+//! what came of them is.
 
 use super::sense::Sense;
 use super::skill::Skill;

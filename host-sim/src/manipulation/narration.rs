@@ -3,7 +3,8 @@
 use super::record::{RobotTick, Run, Tick};
 use std::fmt::Write;
 
-/// What happened in a run that has its history: a line for everything that a robot begins, chooses or finds out.
+/// What happened in a run that has its history: a line for everything that a robot begins, chooses
+/// or finds out.
 #[must_use]
 pub fn narrate(run: &Run) -> String {
     let mut text = String::new();

@@ -17,7 +17,8 @@ pub struct Run {
     pub trees: Trees,
     /// What went wrong, as probabilities.
     pub disturbances: Disturbances,
-    /// Whether, in truth, the bottle is on the plate and robot 2 holds that at goal C, and robot 1's tree has succeeded.
+    /// Whether, in truth, the bottle is on the plate and robot 2 holds that at goal C, and robot
+    /// 1's tree has succeeded.
     pub success: bool,
     /// Whether robot 1's tree has succeeded: what the robots believe.
     pub believed: bool,

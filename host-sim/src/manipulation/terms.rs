@@ -28,7 +28,8 @@ pub enum Trust {
 }
 
 impl Trust {
-    /// Three equal readings: with one in ten wrong, two are faster and end one mission in a hundred by mistake.
+    /// Three equal readings: with one in ten wrong, two are faster and end one mission in a hundred
+    /// by mistake.
     pub const DEFAULT: Self = Self::Equal(3);
 }
 

@@ -8,7 +8,8 @@ use crate::team::{Message, Peers};
 ///
 /// Data flows through the signatures: a percept and the teammates' messages become belief, a
 /// preference becomes candidates, candidates become a choice, and a choice becomes its precondition
-/// or an execution. What Algorithm 1 keeps between those lines is the [`InferenceNode`](super::InferenceNode)'s.
+/// or an execution. What Algorithm 1 keeps between those lines is the
+/// [`InferenceNode`](super::InferenceNode)'s.
 ///
 /// ```
 /// use iibt_core::iibt::{Literal, InferenceNode, Task};

@@ -17,11 +17,13 @@ use super::model::Model;
 use super::problem::Problem;
 use crate::actions::Action;
 
-/// An active-inference agent: a [`Model`], the beliefs about its hidden states, and the memory to decide in.
+/// An active-inference agent: a [`Model`], the beliefs about its hidden states, and the memory to
+/// decide in.
 ///
-/// Its sizes follow from the model and from what there is to choose from, so write it with [`agent!`](crate::agent) where
-/// the model is a `static`, and name its type with [`Agent!`](crate::Agent). Where the model is only known at run time, choose
-/// sizes that are large enough: [`try_new`](Self::try_new) says when they are not.
+/// Its sizes follow from the model and from what there is to choose from, so write it with
+/// [`agent!`](crate::agent) where the model is a `static`, and name its type with
+/// [`Agent!`](crate::Agent). Where the model is only known at run time, choose sizes that are large
+/// enough: [`try_new`](Self::try_new) says when they are not.
 ///
 /// | call | symbol | |
 /// |---|---|---|
@@ -86,8 +88,8 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
     /// An agent that believes D and has decided nothing.
     ///
     /// # Panics
-    /// When the model has more states or groups of factors than there is room for; in a `const` or `static` this fails the
-    /// build. [`agent!`](crate::agent) calls it there, with sizes that fit.
+    /// When the model has more states or groups of factors than there is room for; in a `const` or
+    /// `static` this fails the build. [`agent!`](crate::agent) calls it there, with sizes that fit.
     #[must_use]
     pub const fn new(model: &'m Model<'m>) -> Self {
         match Self::try_new(model) {
@@ -123,8 +125,9 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         self
     }
 
-    /// The same agent, looking this many steps ahead, 64 at the most, instead of as many as the longest policy has: a robot
-    /// stays after a shorter policy, and a longer one is judged by its first steps.
+    /// The same agent, looking this many steps ahead, 64 at the most, instead of as many as the
+    /// longest policy has: a robot stays after a shorter policy, and a longer one is judged by its
+    /// first steps.
     #[must_use]
     pub const fn with_horizon(mut self, steps: usize) -> Self {
         self.horizon = Some(if steps > u16::MAX as usize { u16::MAX } else { steps as u16 });
@@ -165,7 +168,8 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         self.beliefs.most_likely(self.model, factor)
     }
 
-    /// Updates the beliefs by an observation, with evidence for each modality; one left out at the end is missing.
+    /// Updates the beliefs by an observation, with evidence for each modality; one left out at the
+    /// end is missing.
     ///
     /// # Errors
     /// As [`Beliefs::update`]. The beliefs are left as they were.
@@ -175,7 +179,8 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         self.beliefs.update(self.model, evidence)
     }
 
-    /// Updates the beliefs by what was done: an action for each control, or `None` for one that stays.
+    /// Updates the beliefs by what was done: an action for each control, or `None` for one that
+    /// stays.
     ///
     /// # Errors
     /// As [`Beliefs::predict`]. The beliefs are left as they were.
@@ -190,19 +195,21 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         }
     }
 
-    /// Chooses among joint policies, exactly: every one is weighed, with the model's own preferences.
+    /// Chooses among joint policies, exactly: every one is weighed, with the model's own
+    /// preferences.
     ///
     /// # Errors
-    /// [`DecisionError::OutOfRange`] when the candidates do not fit the model or there is no room for all of them, and
-    /// [`DecisionError::NoPolicy`] when none of them can be chosen.
+    /// [`DecisionError::OutOfRange`] when the candidates do not fit the model or there is no room
+    /// for all of them, and [`DecisionError::NoPolicy`] when none of them can be chosen.
     #[doc(alias = "infer_policies")]
     #[doc(alias = "expected free energy")]
     pub fn decide(&mut self, candidates: Candidates) -> Result<Decision, DecisionError> {
         self.decide_with(candidates, &[], &[])
     }
 
-    /// Chooses as [`decide`](Self::decide) does, with preferences C in place of the model's, a list for each modality; an empty
-    /// list keeps the model's. `negative` is the part of C that counts before a policy has arrived, see [`Problem`].
+    /// Chooses as [`decide`](Self::decide) does, with preferences C in place of the model's, a list
+    /// for each modality; an empty list keeps the model's. `negative` is the part of C that counts
+    /// before a policy has arrived, see [`Problem`].
     ///
     /// # Errors
     /// As [`decide`](Self::decide).
@@ -219,7 +226,8 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         Ok(Decision::new(&candidates, self.model.controls(), policy, probability))
     }
 
-    /// q(π), the posterior over the joint policies of the last decision; empty before one, and after one that failed.
+    /// q(π), the posterior over the joint policies of the last decision; empty before one, and
+    /// after one that failed.
     #[must_use]
     pub fn posterior(&self) -> &[f32] {
         self.evaluation.scores()
@@ -233,11 +241,12 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         self.evaluation.terms()
     }
 
-    /// The probability that a control has an action sequence, whatever the others do, by the last decision, which was among
-    /// `candidates`. Costs a visit of all joint policies.
+    /// The probability that a control has an action sequence, whatever the others do, by the last
+    /// decision, which was among `candidates`. Costs a visit of all joint policies.
     ///
     /// # Errors
-    /// [`OutOfRange`] when there is no such control or sequence, or the last decision had another number of joint policies.
+    /// [`OutOfRange`] when there is no such control or sequence, or the last decision had another
+    /// number of joint policies.
     pub fn marginal(
         &self,
         candidates: &Candidates,
@@ -252,7 +261,8 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         Ok(same.map(|(_, p)| p).sum::<f32>().min(1.0))
     }
 
-    /// The decision as a [`Problem`], for [`Evaluation`] a few policies a tick, and for explanations.
+    /// The decision as a [`Problem`], for [`Evaluation`] a few policies a tick, and for
+    /// explanations.
     #[must_use]
     pub fn problem<'c>(&'c self, candidates: Candidates<'c>) -> Problem<'c, S, G> {
         problem(self.model, &self.beliefs, candidates, self.scoring, self.horizon)
@@ -275,7 +285,8 @@ mod tests {
     use super::super::{Factor, Habits, IdentityNoise, Modality, NextState, Policy};
     use super::*;
 
-    /// One control, two policies that are worth the same: the habit alone decides, and the second is as good as any.
+    /// One control, two policies that are worth the same: the habit alone decides, and the second
+    /// is as good as any.
     #[test]
     fn a_habit_decides_between_policies_that_are_worth_the_same() {
         static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 2);

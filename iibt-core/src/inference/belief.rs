@@ -1,4 +1,5 @@
-//! q(s), what a robot believes about the hidden factors, and how actions and observations change it.
+//! q(s), what a robot believes about the hidden factors, and how actions and observations change
+//! it.
 
 use super::error::{Argument, ObservationError, OutOfRange, at_most, below, exactly};
 use super::estimation::{self, Method, Update, Work};
@@ -9,8 +10,9 @@ use crate::math;
 
 /// A distribution over the states of each factor of a model, one after the other.
 ///
-/// There is room for `G` groups of `S` states each, a group being what moves together, one robot for example; factors of
-/// different sizes share that room. Every method keeps them distributions: finite, not negative, summing to one.
+/// There is room for `G` groups of `S` states each, a group being what moves together, one robot
+/// for example; factors of different sizes share that room. Every method keeps them distributions:
+/// finite, not negative, summing to one.
 ///
 /// ```
 /// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, NextState};
@@ -49,8 +51,9 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
     /// D, the belief before the first observation.
     ///
     /// # Panics
-    /// When the model has more states than the [`CAPACITY`](Self::CAPACITY); in a `const` or `static` this fails the build.
-    /// For a model that is only known at run time there is [`try_prior`](Self::try_prior).
+    /// When the model has more states than the [`CAPACITY`](Self::CAPACITY); in a `const` or
+    /// `static` this fails the build. For a model that is only known at run time there is
+    /// [`try_prior`](Self::try_prior).
     #[must_use]
     pub const fn prior(model: &Model) -> Self {
         match Self::try_prior(model) {
@@ -109,8 +112,9 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
     /// Replaces the belief about one factor by one in proportion to `weights`.
     ///
     /// # Errors
-    /// [`OutOfRange`] when there is no such factor, when there are not as many weights as states, or when a weight is negative
-    /// or not finite or they sum to nothing. The belief is left as it was.
+    /// [`OutOfRange`] when there is no such factor, when there are not as many weights as states,
+    /// or when a weight is negative or not finite or they sum to nothing. The belief is left as it
+    /// was.
     pub fn set(&mut self, model: &Model, factor: usize, weights: &[f32]) -> Result<(), OutOfRange> {
         below(Argument::Factor, 0, factor, model.factors().len())?;
         let part = model.part_mut(self.as_flat_mut(), factor);
@@ -127,12 +131,13 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         Ok(())
     }
 
-    /// The beliefs after one step, in which `actions` holds an action for each of the model's controls, or `None` for a
-    /// robot that stays, as one left out does: q(s') = Σ_s B_u(s', s) q(s). Uncontrolled factors change by themselves.
+    /// The beliefs after one step, in which `actions` holds an action for each of the model's
+    /// controls, or `None` for a robot that stays, as one left out does: q(s') = Σ_s B_u(s', s)
+    /// q(s). Uncontrolled factors change by themselves.
     ///
     /// # Errors
-    /// [`OutOfRange`] for more actions than controls, and for an action that a control does not have. The beliefs are left
-    /// as they were.
+    /// [`OutOfRange`] for more actions than controls, and for an action that a control does not
+    /// have. The beliefs are left as they were.
     pub fn predict(&mut self, model: &Model, actions: &[Option<Action>]) -> Result<(), OutOfRange> {
         model.check_room(Self::CAPACITY)?;
         at_most(Argument::Controls, 0, actions.len(), model.controls())?;
@@ -160,7 +165,8 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         Ok(())
     }
 
-    /// Mixes in a share of other beliefs: q := (1 - share) q + share other. `share` is held to 0..=1, NaN is none.
+    /// Mixes in a share of other beliefs: q := (1 - share) q + share other. `share` is held to
+    /// 0..=1, NaN is none.
     pub fn mix(&mut self, other: &Self, share: f32) {
         let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
         for (q, p) in self.as_flat_mut().iter_mut().zip(other.as_flat()) {
@@ -168,26 +174,31 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         }
     }
 
-    /// The beliefs after an observation, with `evidence` for each modality; one left out at the end of the list is missing.
+    /// The beliefs after an observation, with `evidence` for each modality; one left out at the end
+    /// of the list is missing.
     ///
-    /// Factors that no observed modality couples are updated by Bayes' rule. Factors that one couples are updated together:
-    /// exactly, without storing their product, where that takes no more than [`EXACT_LIMIT`](super::EXACT_LIMIT) steps, else
-    /// by coordinate ascent on the free energy. See [`Update`] for what is returned.
+    /// Factors that no observed modality couples are updated by Bayes' rule. Factors that one
+    /// couples are updated together: exactly, without storing their product, where that takes no
+    /// more than [`EXACT_LIMIT`](super::EXACT_LIMIT) steps, else by coordinate ascent on the free
+    /// energy. See [`Update`] for what is returned.
     ///
     /// # Errors
-    /// [`ObservationError::Impossible`] when the observation has probability zero, which is an event of the world, and
-    /// [`ObservationError::OutOfRange`] for evidence that is none of the model's. The beliefs are left as they were.
+    /// [`ObservationError::Impossible`] when the observation has probability zero, which is an
+    /// event of the world, and [`ObservationError::OutOfRange`] for evidence that is none of the
+    /// model's. The beliefs are left as they were.
     pub fn update(&mut self, model: &Model, evidence: &[Evidence]) -> Result<Update, ObservationError> {
         self.infer(model, evidence, Method::Exact)
     }
 
-    /// The beliefs after an observation through one modality, by its messages to the factors that it depends on: exactly, at
-    /// any cost. Returns the surprise -ln P(o), in nats.
+    /// The beliefs after an observation through one modality, by its messages to the factors that
+    /// it depends on: exactly, at any cost. Returns the surprise -ln P(o), in nats.
     ///
-    /// Less code than [`update`](Self::update), which it equals where a model's modalities have no coupled factors in common.
+    /// Less code than [`update`](Self::update), which it equals where a model's modalities have no
+    /// coupled factors in common.
     ///
     /// # Errors
-    /// As [`update`](Self::update), and [`ObservationError::OutOfRange`] for a modality that does not exist.
+    /// As [`update`](Self::update), and [`ObservationError::OutOfRange`] for a modality that does
+    /// not exist.
     pub fn observe(
         &mut self,
         model: &Model,
@@ -204,12 +215,14 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         Ok(surprise)
     }
 
-    /// The same as [`update`](Self::update), coupled factors always by coordinate ascent, in at most `sweeps` sweeps: a bound on time that is held to
-    /// 1..=[`MAX_SWEEPS`](super::MAX_SWEEPS). More sweeps never end at a higher free energy.
+    /// The same as [`update`](Self::update), coupled factors always by coordinate ascent, in at
+    /// most `sweeps` sweeps: a bound on time that is held to 1..=[`MAX_SWEEPS`](super::MAX_SWEEPS).
+    /// More sweeps never end at a higher free energy.
     ///
     /// # Errors
-    /// As [`update`](Self::update), but each coupled modality is looked at by itself: several that contradict each other
-    /// end at a free energy beyond 36 nats, -ln of the floor under a probability.
+    /// As [`update`](Self::update), but each coupled modality is looked at by itself: several that
+    /// contradict each other end at a free energy beyond 36 nats, -ln of the floor under a
+    /// probability.
     pub fn update_by_ascent(
         &mut self,
         model: &Model,

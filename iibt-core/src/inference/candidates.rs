@@ -28,15 +28,16 @@ use crate::actions::BYTES;
 #[doc(alias = "plan")]
 #[derive(Clone, Copy, Debug)]
 pub struct Candidates<'a> {
-    /// For each control the action sequences that may be chosen for it, 65,535 at the most. An empty list, or none at all,
-    /// stands for a control that stays.
+    /// For each control the action sequences that may be chosen for it, 65,535 at the most. An
+    /// empty list, or none at all, stands for a control that stays.
     pub sequences: &'a [&'a [Policy]],
     /// Which combinations of them are considered.
     pub combinations: Combinations<'a>,
     /// ln E, what is thought of them beforehand.
     pub habits: Habits<'a>,
-    /// For each control the number of the sequence that is fixed, as a teammate has announced it; the list may be shorter.
-    /// A joint policy with another sequence is ruled out: its posterior is zero.
+    /// For each control the number of the sequence that is fixed, as a teammate has announced it;
+    /// the list may be shorter. A joint policy with another sequence is ruled out: its posterior is
+    /// zero.
     pub announced: &'a [Option<u16>],
 }
 
@@ -98,7 +99,8 @@ impl<'a> Candidates<'a> {
         Self { habits, ..self }
     }
 
-    /// The same candidates with the sequences that teammates have announced, a number or `None` for each control.
+    /// The same candidates with the sequences that teammates have announced, a number or `None` for
+    /// each control.
     #[must_use]
     pub const fn with_announced(self, announced: &'a [Option<u16>]) -> Self {
         Self { announced, ..self }
@@ -212,7 +214,8 @@ impl<'a> Candidates<'a> {
             .all(|(control, number)| self.sequence(policy, control) == usize::from(number))
     }
 
-    /// ln E of a joint policy, up to a constant; minus infinity for one that is ruled out by what was announced.
+    /// ln E of a joint policy, up to a constant; minus infinity for one that is ruled out by what
+    /// was announced.
     #[inline]
     #[must_use]
     pub fn ln_prior(&self, policy: usize) -> f32 {
@@ -292,7 +295,8 @@ impl Candidates<'_> {
 
 /// Whether a control has all actions of its sequences.
 fn check_actions(list: &[Policy], control: usize, actions: usize) -> Result<(), OutOfRange> {
-    // The bits of all codes together are no less than any of the codes: mostly one look at them is enough.
+    // The bits of all codes together are no less than any of the codes: mostly one look at them is
+    // enough.
     let mut bits = [0; BYTES];
     list.iter().for_each(|policy| policy.gather_bits(&mut bits));
     let together = bits.iter().fold(0, |all, byte| all | byte);

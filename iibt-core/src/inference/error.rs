@@ -3,7 +3,8 @@
 use core::fmt::{Display, Formatter, Result as Formatted};
 use thiserror::Error;
 
-/// The observation has probability zero under the beliefs and the model. The beliefs were left as they were.
+/// The observation has probability zero under the beliefs and the model. The beliefs were left as
+/// they were.
 ///
 /// ```
 /// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Impossible, Modality, Model, NextState};
@@ -29,8 +30,8 @@ pub struct Impossible {
 
 /// An argument that does not fit the model or the memory.
 ///
-/// This is an error of use, and says nothing about the world: an observation that cannot be explained is
-/// [`Impossible`]. Nothing was changed by the call.
+/// This is an error of use, and says nothing about the world: an observation that cannot be
+/// explained is [`Impossible`]. Nothing was changed by the call.
 ///
 /// ```
 /// use iibt_core::inference::{Argument, OutOfRange};
@@ -43,7 +44,8 @@ pub struct Impossible {
 pub struct OutOfRange {
     /// What does not fit.
     pub what: Argument,
-    /// The number of the modality, factor, control or group that it belongs to; zero where it belongs to none.
+    /// The number of the modality, factor, control or group that it belongs to; zero where it
+    /// belongs to none.
     pub index: usize,
     /// What was given.
     pub value: usize,
@@ -168,7 +170,8 @@ impl Display for OutOfRange {
 }
 
 impl Argument {
-    /// What an [`OutOfRange`] says, with `%i` for its index, `%v` for its value and `%l` for its limit.
+    /// What an [`OutOfRange`] says, with `%i` for its index, `%v` for its value and `%l` for its
+    /// limit.
     const fn message(self) -> &'static str {
         match self {
             Self::States => "the model has %v states, but the beliefs have room for %l",
@@ -222,7 +225,8 @@ pub enum ObservationError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DecisionError {
-    /// No joint policy can be chosen: there are none, or each is ruled out or has a score that is no number.
+    /// No joint policy can be chosen: there are none, or each is ruled out or has a score that is
+    /// no number.
     #[error("no joint policy can be chosen: none is given, or all are ruled out")]
     NoPolicy,
     /// An error of use: the candidates do not fit the model or the memory.

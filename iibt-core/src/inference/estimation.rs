@@ -10,7 +10,8 @@ use super::evidence::Evidence;
 use super::model::Model;
 use crate::math;
 
-/// The most steps, which are combinations of coupled states or of their labels, that exact inference may take.
+/// The most steps, which are combinations of coupled states or of their labels, that exact
+/// inference may take.
 pub const EXACT_LIMIT: usize = 4096;
 
 /// The most sweeps of coordinate ascent.
@@ -48,18 +49,20 @@ pub(super) enum Method {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Update {
-    /// F, the variational free energy of the new beliefs, in nats: the surprise -ln P(o) where inference was exact,
-    /// an upper bound of it elsewhere.
+    /// F, the variational free energy of the new beliefs, in nats: the surprise -ln P(o) where
+    /// inference was exact, an upper bound of it elsewhere.
     pub free_energy: f32,
     /// Whether all coupled factors were inferred exactly.
     pub exact: bool,
-    /// Whether coordinate ascent, where it was used, came to rest. F never rises from sweep to sweep.
+    /// Whether coordinate ascent, where it was used, came to rest. F never rises from sweep to
+    /// sweep.
     pub converged: bool,
     /// The sweeps it took.
     pub sweeps: u8,
 }
 
-/// The beliefs that are being updated, and as much room again to work in, twice; exact inference does without `prior`.
+/// The beliefs that are being updated, and as much room again to work in, twice; exact inference
+/// does without `prior`.
 pub(super) struct Work<'b> {
     pub(super) posterior: &'b mut [f32],
     pub(super) prior: &'b mut [f32],
@@ -130,8 +133,8 @@ fn update_together(work: &mut Work, couplings: &Couplings, method: Method) -> Re
     ascent::update(work, couplings, sweeps)
 }
 
-/// The exact marginals after one observation: Bayes' rule, and for one that couples factors q(s_f) ∝ p(s_f) Σ Π p(s_g) P(e | s).
-/// Returns the surprise.
+/// The exact marginals after one observation: Bayes' rule, and for one that couples factors q(s_f)
+/// ∝ p(s_f) Σ Π p(s_g) P(e | s). Returns the surprise.
 fn by_messages(
     work: &mut Work,
     model: &Model,

@@ -1,8 +1,9 @@
 //! The expected free energy of joint policies, evaluated factored and as far as there is time.
 //!
-//! G of a joint policy is the sum of each group's own part and of parts that couple groups. Each group's candidates are
-//! rolled out once, all in step; only the coupled modalities are looked at combination by combination. For two
-//! robots with `R` candidates each and `T` steps that is `2 R T` predictions instead of `2 R R T`.
+//! G of a joint policy is the sum of each group's own part and of parts that couple groups. Each
+//! group's candidates are rolled out once, all in step; only the coupled modalities are looked at
+//! combination by combination. For two robots with `R` candidates each and `T` steps that is `2 R
+//! T` predictions instead of `2 R R T`.
 
 mod actions;
 mod group;
@@ -32,8 +33,9 @@ type Batch = Range<usize>;
 
 /// An evaluation under way, and its results so far.
 ///
-/// `S` and `G` are those of the [`Beliefs`], `R` is the most candidates of one group that are rolled out side by side, and there
-/// is room for `R * P` joint policies. Memory is about `4 S G R + 24 G R + 36 R P` bytes.
+/// `S` and `G` are those of the [`Beliefs`], `R` is the most candidates of one group that are
+/// rolled out side by side, and there is room for `R * P` joint policies. Memory is about `4 S G R
+/// + 24 G R + 36 R P` bytes.
 ///
 /// ```
 /// use iibt_core::inference::{
@@ -114,10 +116,12 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         Ok(())
     }
 
-    /// Scores all joint policies of a problem that fits its model and this evaluation by construction.
+    /// Scores all joint policies of a problem that fits its model and this evaluation by
+    /// construction.
     ///
-    /// The checks of [`begin`](Self::begin) take 2.5 KB of flash, which an image whose sizes are all in
-    /// types need not carry. More joint policies than there is room for are not scored at all.
+    /// The checks of [`begin`](Self::begin) take 2.5 KB of flash, which an image whose sizes are
+    /// all in types need not carry. More joint policies than there is room for are not scored at
+    /// all.
     pub(crate) fn evaluate_fitting(&mut self, problem: &Problem<'_, S, G>) {
         self.forget(problem);
         let count = Some(problem.candidates.len()).filter(|&count| count <= Self::CAPACITY).unwrap_or(0);
@@ -134,9 +138,9 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
 
     /// Scores up to `count` more joint policies; returns whether there are more.
     ///
-    /// The problem must be the one that was begun with. Costs at most `count` rollouts of each group and `count`
-    /// predictions of each coupled modality per step; candidates that joint policies have in common are rolled out
-    /// once, `R` at a time.
+    /// The problem must be the one that was begun with. Costs at most `count` rollouts of each
+    /// group and `count` predictions of each coupled modality per step; candidates that joint
+    /// policies have in common are rolled out once, `R` at a time.
     pub fn advance(&mut self, problem: &Problem<'_, S, G>, count: usize) -> bool {
         let until = self.done().saturating_add(count).min(usize::from(self.total));
         while self.done() < until {
@@ -170,8 +174,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         self.terms.as_flattened().get(..self.done()).unwrap_or(&[])
     }
 
-    /// The terms of one group's own part for each of its candidates among those scored last, in the order in which joint
-    /// policies brought them up.
+    /// The terms of one group's own part for each of its candidates among those scored last, in the
+    /// order in which joint policies brought them up.
     pub fn own_terms(&self, group: usize) -> impl Iterator<Item = &Terms> {
         self.groups.iter().skip(group).take(1).flat_map(Group::iter).map(|candidate| &candidate.terms)
     }
@@ -182,8 +186,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         self.scores.as_flattened().get(..self.done()).unwrap_or(&[])
     }
 
-    /// The most probable joint policy scored so far, the first of equals; `None` while there is none that can be chosen:
-    /// one that is ruled out, or has a score that is no number, cannot.
+    /// The most probable joint policy scored so far, the first of equals; `None` while there is
+    /// none that can be chosen: one that is ruled out, or has a score that is no number, cannot.
     #[must_use]
     pub fn best(&self) -> Option<usize> {
         let best = math::argmax(self.scores());
@@ -198,8 +202,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         posterior
     }
 
-    /// Ends the evaluation: the scores become the posterior, in their own place. Returns the best joint policy, as
-    /// [`best`](Self::best) does.
+    /// Ends the evaluation: the scores become the posterior, in their own place. Returns the best
+    /// joint policy, as [`best`](Self::best) does.
     pub(super) fn conclude(&mut self) -> Option<usize> {
         let best = self.best();
         policy::posterior(self.scores.as_flattened_mut(), self.window);
@@ -258,7 +262,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
             }
             let (used, control, factors) = (group.used(), group.control, group.factors);
             for (row, candidate) in self.rows.iter_mut().zip(&mut group.candidates).take(used) {
-                // Before the first step there is no need for a copy: the beliefs are still those of the problem.
+                // Before the first step there is no need for a copy: the beliefs are still those of
+                // the problem.
                 let before = if step == 0 {
                     problem.beliefs
                 } else {
@@ -320,8 +325,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         }
     }
 
-    /// A modality that several groups' states determine. What they bring about together is judged once, when the first of
-    /// them arrives, if arrivals count.
+    /// A modality that several groups' states determine. What they bring about together is judged
+    /// once, when the first of them arrives, if arrivals count.
     fn observe_coupled(
         &mut self,
         model: &Model,
@@ -353,8 +358,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         });
     }
 
-    /// A modality of two factors in different groups, for all pairs of their candidates at once; returns whether there are as
-    /// many as joint policies at the most.
+    /// A modality of two factors in different groups, for all pairs of their candidates at once;
+    /// returns whether there are as many as joint policies at the most.
     #[inline(never)]
     fn observe_pairs(
         &mut self,
@@ -390,8 +395,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         true
     }
 
-    /// Adds terms that several groups' candidates bring about together: found once for each combination of them that is
-    /// gathered, or for each joint policy where those are fewer.
+    /// Adds terms that several groups' candidates bring about together: found once for each
+    /// combination of them that is gathered, or for each joint policy where those are fewer.
     fn couple(&mut self, groups: u16, batch: &Batch, of: &dyn Fn(&Rows<S, G, R>, &Places<G>) -> Terms) {
         let combinations = Tuples { groups, used: &self.groups };
         let rows = Rows { beliefs: &self.rows, groups: &self.groups };
@@ -411,7 +416,8 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         }
     }
 
-    /// Adds the preferences for pairs of factors, before a step when there is one and after it otherwise.
+    /// Adds the preferences for pairs of factors, before a step when there is one and after it
+    /// otherwise.
     fn add_pairs(&mut self, problem: &Problem<'_, S, G>, batch: &Batch, departing: Option<usize>) {
         for pair in problem.pair_preferences {
             let factors = pair.factors();

@@ -58,8 +58,8 @@ impl Evidence<'_> {
     /// Whether it is an observation through modality `number`, which has `outcomes` outcomes.
     ///
     /// # Errors
-    /// [`OutOfRange`] for an outcome that does not exist, and for weights that are not one for each outcome, negative or
-    /// not finite.
+    /// [`OutOfRange`] for an outcome that does not exist, and for weights that are not one for each
+    /// outcome, negative or not finite.
     pub fn check(&self, number: usize, outcomes: usize) -> Result<(), OutOfRange> {
         match self {
             Self::Missing => Ok(()),

@@ -34,10 +34,12 @@ pub enum Source {
     Motion,
 }
 
-/// Rolls out one joint policy by itself and calls `visit` with every contribution to its value, step by step.
+/// Rolls out one joint policy by itself and calls `visit` with every contribution to its value,
+/// step by step.
 ///
-/// The contributions add up to the policy's [`Terms`] in an [`Evaluation`](super::Evaluation), but for the rounding of sums in
-/// another order. Costs one rollout, whatever the number of policies, and memory for three lists of beliefs.
+/// The contributions add up to the policy's [`Terms`] in an [`Evaluation`](super::Evaluation), but
+/// for the rounding of sums in another order. Costs one rollout, whatever the number of policies,
+/// and memory for three lists of beliefs.
 ///
 /// # Errors
 /// [`OutOfRange`] when the problem does not fit its model or there is no such policy.
@@ -189,7 +191,8 @@ pub struct Explanation {
     pub other: Terms,
     /// What decided, and how much of -G it put the chosen policy ahead, in nats.
     pub decided_by: (Source, f32),
-    /// By how much the chosen policy leads in -G, in nats; less than nothing where its prior decided.
+    /// By how much the chosen policy leads in -G, in nats; less than nothing where its prior
+    /// decided.
     pub lead: f32,
 }
 
@@ -301,7 +304,8 @@ mod tests {
         let apart = Explanation::of(&problem, 5, 4).unwrap();
         assert_eq!(apart.decided_by.0, Source::Modality(2));
         assert!(apart.lead > 0.0 && apart.decided_by.1 > apart.lead / 2.0, "{apart:?}");
-        // Robot 1 on place 1 instead of 0, robot 2 elsewhere: what robot 1 itself would like to see.
+        // Robot 1 on place 1 instead of 0, robot 2 elsewhere: what robot 1 itself would like to
+        // see.
         assert_eq!(Explanation::of(&problem, 5, 2).unwrap().decided_by.0, Source::Modality(0));
         assert_eq!(Explanation::of(&problem, 5, 5).unwrap().lead, 0.0);
     }

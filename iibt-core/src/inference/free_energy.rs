@@ -4,8 +4,8 @@ use crate::math::Prediction;
 
 /// What a policy is expected to bring, in nats, summed over modalities and steps.
 ///
-/// Without novelty, G = risk + ambiguity = -(utility + information gain), because the entropy of the predicted outcomes is
-/// information gain plus ambiguity.
+/// Without novelty, G = risk + ambiguity = -(utility + information gain), because the entropy of
+/// the predicted outcomes is information gain plus ambiguity.
 ///
 /// ```
 /// use iibt_core::inference::Terms;
@@ -31,7 +31,8 @@ pub struct Terms {
     pub information_gain: f32,
     /// Σ_s q(s) H[P(o | s)]: how noisy the outcomes will be even when the state is known.
     pub ambiguity: f32,
-    /// How much the outcomes and moves will tell about the model's own tables, while those are being learned.
+    /// How much the outcomes and moves will tell about the model's own tables, while those are
+    /// being learned.
     pub novelty: f32,
 }
 
@@ -112,8 +113,9 @@ pub enum Gain {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PreferenceTiming {
-    /// A positive preference counts at the last step of a policy, a negative one at every step. What two robots bring about
-    /// together is judged, and observed, once: when the first of them arrives.
+    /// A positive preference counts at the last step of a policy, a negative one at every step.
+    /// What two robots bring about together is judged, and observed, once: when the first of them
+    /// arrives.
     #[default]
     OnArrival,
     /// Every preference counts at every step, as published.
@@ -143,13 +145,14 @@ pub struct Scoring {
     pub gain: Gain,
     /// When preferences count.
     pub timing: PreferenceTiming,
-    /// Occam's window, in nats: policies whose log posterior is more than this below the best are pruned. Infinity keeps
-    /// them all.
+    /// Occam's window, in nats: policies whose log posterior is more than this below the best are
+    /// pruned. Infinity keeps them all.
     pub window: f32,
 }
 
 impl Scoring {
-    /// What is right: arrived robots stay, goals count on arrival, standard G with per-modality gain.
+    /// What is right: arrived robots stay, goals count on arrival, standard G with per-modality
+    /// gain.
     pub const DEFAULT: Self = Self {
         precision: 16.0,
         gain: Gain::PerModality,
@@ -157,15 +160,15 @@ impl Scoring {
         window: f32::INFINITY,
     };
 
-    /// The field's: every preference counts at every step, and the gain is the sum of each modality's own, as in JAX
-    /// pymdp, cpp-AIF and tira.
+    /// The field's: every preference counts at every step, and the gain is the sum of each
+    /// modality's own, as in JAX pymdp, cpp-AIF and tira.
     pub const JAX_PYMDP: Self = Self { timing: PreferenceTiming::EveryStep, ..Self::DEFAULT };
 
     /// The same with the joint gain, as in numpy pymdp, SPM and ActiveInference.jl.
     pub const NUMPY_PYMDP: Self = Self { gain: Gain::Joint, ..Self::JAX_PYMDP };
 
-    /// ln E - F - γ G, the log of the policy posterior up to a constant (equation 7), from -G; minus infinity, so that the
-    /// policy is never chosen, where it is no number.
+    /// ln E - F - γ G, the log of the policy posterior up to a constant (equation 7), from -G;
+    /// minus infinity, so that the policy is never chosen, where it is no number.
     #[must_use]
     pub fn score(&self, ln_prior: f32, free_energy: f32, value: f32) -> f32 {
         (ln_prior - free_energy + self.precision * value).max(f32::NEG_INFINITY)

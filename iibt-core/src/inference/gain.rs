@@ -5,17 +5,20 @@ use super::evidence::Evidence;
 use super::model::{MAX_FACTORS, MAX_MODALITIES, Members, Modality, Model};
 use crate::math;
 
-/// The components of some modalities, a bit for each. What different components tell is independent, so their gains add up.
+/// The components of some modalities, a bit for each. What different components tell is
+/// independent, so their gains add up.
 pub(super) fn components<'a, 'm>(model: &'a Model<'m>, bits: u64) -> impl Iterator<Item = Members<'a, 'm>> {
     let mut left = Members { model, bits };
     core::iter::from_fn(move || left.take_component())
 }
 
-/// I(o_1, ..., o_M; s) = H[q(o_1, ..., o_M)] - Σ_m ambiguity_m of a component, under independent beliefs.
+/// I(o_1, ..., o_M; s) = H[q(o_1, ..., o_M)] - Σ_m ambiguity_m of a component, under independent
+/// beliefs.
 ///
-/// Every combination of outcomes is visited, but for those of the modality with the most conditions, which are predicted
-/// from the beliefs that the others leave. With one modality that couples factors a visit costs the factors' states and
-/// a prediction; with more, every combination of states.
+/// Every combination of outcomes is visited, but for those of the modality with the most
+/// conditions, which are predicted from the beliefs that the others leave. With one modality that
+/// couples factors a visit costs the factors' states and a prediction; with more, every combination
+/// of states.
 pub(super) fn of<const S: usize, const G: usize>(component: &Members, beliefs: &Beliefs<S, G>) -> f32 {
     let mut ambiguity = 0.0;
     for (_, modality) in component.iter() {
@@ -80,8 +83,8 @@ impl<'m> Outcomes<'_, 'm> {
         false
     }
 
-    /// -Σ p ln p over the outcomes of `last` and these, when these depend on one factor each: they leave weights that are
-    /// independent.
+    /// -Σ p ln p over the outcomes of `last` and these, when these depend on one factor each: they
+    /// leave weights that are independent.
     fn entropy_of_last<const S: usize, const G: usize>(
         &self,
         beliefs: &Beliefs<S, G>,
@@ -106,7 +109,8 @@ impl<'m> Outcomes<'_, 'm> {
         rest * expected.entropy() - mass * math::p_ln_p(rest)
     }
 
-    /// The same for any modalities, by a visit of every combination of the states of the component's factors.
+    /// The same for any modalities, by a visit of every combination of the states of the
+    /// component's factors.
     fn entropy_by_states<const S: usize, const G: usize>(
         &self,
         component: &Members,

@@ -13,15 +13,17 @@
 //!
 //! a := a0 + (1 - φ) (a - a0) + η x,
 //!
-//! where `x` is what was experienced, η the learning rate and φ the forgetting of [`Rates`]. The usual form is
-//! a := ω a + η x (Smith, Friston and Whyte 2022, "A step-by-step tutorial on active inference", with ω = 1 - φ), which
-//! without experience ends at nothing; here it ends at the prior, so that a column stays a distribution. The expectation of
-//! a table is its counts divided by the sum of their column.
+//! where `x` is what was experienced, η the learning rate and φ the forgetting of [`Rates`]. The
+//! usual form is a := ω a + η x (Smith, Friston and Whyte 2022, "A step-by-step tutorial on active
+//! inference", with ω = 1 - φ), which without experience ends at nothing; here it ends at the
+//! prior, so that a column stays a distribution. The expectation of a table is its counts divided
+//! by the sum of their column.
 //!
-//! The feature `learning`, on by default, has the counts of A and B; the others are always there. `examples/learning.rs` has a robot whose drive wears out.
+//! The feature `learning`, on by default, has the counts of A and B; the others are always there.
+//! `examples/learning.rs` has a robot whose drive wears out.
 //!
-//! Nothing here panics and every number stays finite, whatever is learned: experience that makes no sense changes nothing,
-//! and the method that was given it returns `false`.
+//! Nothing here panics and every number stays finite, whatever is learned: experience that makes no
+//! sense changes nothing, and the method that was given it returns `false`.
 
 #[cfg(feature = "learning")]
 mod columns;
@@ -69,11 +71,13 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// Every experience counts as one, and none is forgotten: Bayes' rule in a world that does not change.
+    /// Every experience counts as one, and none is forgotten: Bayes' rule in a world that does not
+    /// change.
     pub const DEFAULT: Self = Self { learning: 1.0, forgetting: 0.0 };
 
-    /// `learning`, η, is what one experience adds, held to 0..=[`MOST`]; `forgetting`, φ, is the share of what was learned
-    /// that every experience takes away, held to 0..=1. NaN counts as zero. About the last 1/φ experiences are remembered.
+    /// `learning`, η, is what one experience adds, held to 0..=[`MOST`]; `forgetting`, φ, is the
+    /// share of what was learned that every experience takes away, held to 0..=1. NaN counts as
+    /// zero. About the last 1/φ experiences are remembered.
     #[must_use]
     pub const fn new(learning: f32, forgetting: f32) -> Self {
         Self { learning: held(learning, MOST), forgetting: held(forgetting, 1.0) }
@@ -103,7 +107,8 @@ const fn held(x: f32, most: f32) -> f32 {
     x.max(0.0).min(most)
 }
 
-/// A distribution over the outcomes that an observation speaks for; `None` for one that is missing or makes no sense.
+/// A distribution over the outcomes that an observation speaks for; `None` for one that is missing
+/// or makes no sense.
 fn observed<const O: usize>(evidence: Evidence) -> Option<[f32; O]> {
     let mut weights = [0.0; O];
     match evidence {

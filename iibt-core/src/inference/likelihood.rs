@@ -20,14 +20,17 @@ use super::shape::mass;
 use super::{Evidence, Shape, Terms};
 use crate::math::{self, Prediction};
 
-/// The floor under a probability before its logarithm is taken in a mean-field update: 2^-52, as in JAX pymdp.
+/// The floor under a probability before its logarithm is taken in a mean-field update: 2^-52, as in
+/// JAX pymdp.
 pub const FLOOR: f32 = 2.220_446e-16;
 
-/// P(o | s): how likely each outcome of a modality is in each combination of states of the factors it depends on.
+/// P(o | s): how likely each outcome of a modality is in each combination of states of the factors
+/// it depends on.
 ///
-/// Only [`probability`](Self::probability) must be given. The other methods have defaults that work for any form and
-/// cost a visit of the whole table; a form with structure replaces them. `shape` is the modality's
-/// shape, and `beliefs` holds a distribution, or weights, for each condition in it.
+/// Only [`probability`](Self::probability) must be given. The other methods have defaults that work
+/// for any form and cost a visit of the whole table; a form with structure replaces them. `shape`
+/// is the modality's shape, and `beliefs` holds a distribution, or weights, for each condition in
+/// it.
 ///
 /// ```
 /// use iibt_core::inference::{Factor, Likelihood, Modality, Model, NextState, Shape, Beliefs, Evidence};
@@ -62,11 +65,12 @@ pub trait Likelihood: Sync {
     /// P(o = `outcome` | `states`); zero outside the table.
     fn probability(&self, outcome: usize, states: &[usize]) -> f32;
 
-    /// What is to be expected of the outcomes under independent beliefs, where q(o) = Σ_s A(o, s) q(s): the utility, not yet
-    /// normalised, Σ_o q(o) C(o), the information gain H[q(o)] - ambiguity, the ambiguity and the novelty.
+    /// What is to be expected of the outcomes under independent beliefs, where q(o) = Σ_s A(o, s)
+    /// q(s): the utility, not yet normalised, Σ_o q(o) C(o), the information gain H[q(o)] -
+    /// ambiguity, the ambiguity and the novelty.
     ///
-    /// With weights in place of distributions it is linear in each, except for the entropy in the gain, which is that of
-    /// the weights: -Σ w ln w.
+    /// With weights in place of distributions it is linear in each, except for the entropy in the
+    /// gain, which is that of the weights: -Σ w ln w.
     fn expect(&self, shape: &Shape, beliefs: &[&[f32]], preference: &[f32]) -> Terms {
         let mut prediction = Prediction::new();
         let mut ambiguity = 0.0;
@@ -85,8 +89,9 @@ pub trait Likelihood: Sync {
         Terms { novelty: self.novelty(shape, beliefs), ..Terms::of(&prediction, ambiguity) }
     }
 
-    /// The same for every pair of a belief in `firsts` and one in `seconds`, of a likelihood with two conditions, into
-    /// `pairs`, row by row: what a form with structure can do with less than that many calls.
+    /// The same for every pair of a belief in `firsts` and one in `seconds`, of a likelihood with
+    /// two conditions, into `pairs`, row by row: what a form with structure can do with less than
+    /// that many calls.
     fn expect_pairs(
         &self,
         shape: &Shape,
@@ -101,14 +106,16 @@ pub trait Likelihood: Sync {
         }
     }
 
-    /// Adds to `message`, one number per state of condition `to`, the evidence under the beliefs about the other
-    /// conditions: Σ P(e | s, s') Π q(s'). With a single condition that is P(e | s).
+    /// Adds to `message`, one number per state of condition `to`, the evidence under the beliefs
+    /// about the other conditions: Σ P(e | s, s') Π q(s'). With a single condition that is P(e |
+    /// s).
     fn message(&self, shape: &Shape, evidence: Evidence, beliefs: &[&[f32]], to: usize, message: &mut [f32]) {
         walk_message(self, shape, evidence, beliefs, to, message);
     }
 
-    /// Adds to `scores`, one per state of condition `to`, the expected log evidence under the beliefs about the other
-    /// conditions, E ln max(P(e | s, s'), [`FLOOR`]): the mean-field message.
+    /// Adds to `scores`, one per state of condition `to`, the expected log evidence under the
+    /// beliefs about the other conditions, E ln max(P(e | s, s'), [`FLOOR`]): the mean-field
+    /// message.
     fn log_message(
         &self,
         shape: &Shape,
@@ -123,13 +130,14 @@ pub trait Likelihood: Sync {
         });
     }
 
-    /// The steps that one [`message`](Self::message) takes, by which exact inference is chosen or not.
+    /// The steps that one [`message`](Self::message) takes, by which exact inference is chosen or
+    /// not.
     fn effort(&self, shape: &Shape) -> usize {
         shape.columns().unwrap_or(usize::MAX)
     }
 
-    /// I(o; A | s), how much the outcome will tell about the likelihood itself, in nats; zero for a table that is
-    /// not being learned.
+    /// I(o; A | s), how much the outcome will tell about the likelihood itself, in nats; zero for a
+    /// table that is not being learned.
     fn novelty(&self, _shape: &Shape, _beliefs: &[&[f32]]) -> f32 {
         0.0
     }

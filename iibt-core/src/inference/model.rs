@@ -26,10 +26,11 @@ pub const MAX_FACTORS: usize = 16;
 /// The most modalities of one model.
 pub const MAX_MODALITIES: usize = 40;
 
-/// P(o, s | π) = Π_f D_f(s_1) Π_τ Π_m A_m(o_τ | s_τ) Π_f B_f(s_τ | s_τ-1, π), with the preferences C (the paper's equation 1,
-/// its blocks written as factors and modalities).
+/// P(o, s | π) = Π_f D_f(s_1) Π_τ Π_m A_m(o_τ | s_τ) Π_f B_f(s_τ | s_τ-1, π), with the preferences
+/// C (the paper's equation 1, its blocks written as factors and modalities).
 ///
-/// A model never changes after it is built: put it in a `static` and it stays in flash, checked by the compiler.
+/// A model never changes after it is built: put it in a `static` and it stays in flash, checked by
+/// the compiler.
 ///
 /// ```
 /// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, NextState};
@@ -78,7 +79,8 @@ impl<'a> Model<'a> {
     /// A model from its factors and modalities.
     ///
     /// # Panics
-    /// When they do not fit together, see [`ModelError`]; in a `const` or `static` this fails the build.
+    /// When they do not fit together, see [`ModelError`]; in a `const` or `static` this fails the
+    /// build.
     #[must_use]
     pub const fn new(factors: &'a [Factor<'a>], modalities: &'a [Modality<'a>]) -> Self {
         match Self::try_new(factors, modalities) {
@@ -238,8 +240,8 @@ impl<'a> Model<'a> {
         up_to(factors.iter().map(|&factor| self.part(flat, factor)))
     }
 
-    /// One step of one factor: q(s') = Σ_s B_u(s', s) q(s), from the flat beliefs `from` into `to`. Returns how much the step
-    /// will tell about the transition itself.
+    /// One step of one factor: q(s') = Σ_s B_u(s', s) q(s), from the flat beliefs `from` into `to`.
+    /// Returns how much the step will tell about the transition itself.
     #[inline]
     pub(super) fn move_factor(&self, factor: usize, action: Action, from: &[f32], to: &mut [f32]) -> f32 {
         let Some(of) = self.factors.get(factor) else { return 0.0 };

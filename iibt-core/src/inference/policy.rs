@@ -6,8 +6,9 @@ use crate::math;
 /// A policy: what to do, step by step.
 pub type Policy = Actions;
 
-/// Every policy of `steps` steps of the actions 0 to `actions` - 1, the last step's action running fastest. There are
-/// `actions` to the power of `steps`; none where a policy cannot have such an action or so many steps.
+/// Every policy of `steps` steps of the actions 0 to `actions` - 1, the last step's action running
+/// fastest. There are `actions` to the power of `steps`; none where a policy cannot have such an
+/// action or so many steps.
 ///
 /// ```
 /// use iibt_core::inference::{Policy, policy};
@@ -31,9 +32,9 @@ pub fn generated(actions: u8, steps: usize) -> impl Iterator<Item = Policy> {
     (0..count.filter(|_| fits).unwrap_or(0)).map(policy)
 }
 
-/// Turns scores into the posterior over policies, their softmax; policies whose score is more than `window` below the best
-/// are pruned (Occam's window, in nats, zero at the least) and get nothing, as do those whose score is NaN. Without any
-/// score all get nothing.
+/// Turns scores into the posterior over policies, their softmax; policies whose score is more than
+/// `window` below the best are pruned (Occam's window, in nats, zero at the least) and get nothing,
+/// as do those whose score is NaN. Without any score all get nothing.
 ///
 /// ```
 /// use iibt_core::inference::policy;
@@ -56,8 +57,8 @@ pub fn posterior(scores: &mut [f32], window: f32) {
     math::softmax(scores);
 }
 
-/// The policy that a number `u` from 0 to 1, drawn evenly by the caller's generator, picks from a posterior: the first
-/// up to which there is more mass than `u`.
+/// The policy that a number `u` from 0 to 1, drawn evenly by the caller's generator, picks from a
+/// posterior: the first up to which there is more mass than `u`.
 ///
 /// ```
 /// use iibt_core::inference::policy;
@@ -93,13 +94,14 @@ pub struct Choice {
     pub marginal: f32,
 }
 
-/// The posterior over one robot's policies and those of its teammates, who each interact with this robot and
-/// not, for this decision, with each other: a star.
+/// The posterior over one robot's policies and those of its teammates, who each interact with this
+/// robot and not, for this decision, with each other: a star.
 ///
-/// p(π, π_1, ..., π_n) ∝ exp(own(π)) Π_k exp(peer_k(π_k) + pair_k(π, π_k)). The sum and the maximum over each
-/// teammate's policies are taken as it joins, so the product of the candidate sets is never formed: memory
-/// is `2 P`, and a teammate costs its number of pairs. With one teammate this is the exact joint posterior. Only navigation
-/// uses it; other decisions are exact, see [`Agent::decide`](super::Agent::decide).
+/// p(π, π_1, ..., π_n) ∝ exp(own(π)) Π_k exp(peer_k(π_k) + pair_k(π, π_k)). The sum and the maximum
+/// over each teammate's policies are taken as it joins, so the product of the candidate sets is
+/// never formed: memory is `2 P`, and a teammate costs its number of pairs. With one teammate this
+/// is the exact joint posterior. Only navigation uses it; other decisions are exact, see
+/// [`Agent::decide`](super::Agent::decide).
 ///
 /// ```
 /// use iibt_core::inference::StarOfPairs;
@@ -130,7 +132,8 @@ impl<const P: usize> StarOfPairs<P> {
         star
     }
 
-    /// Adds a teammate: for each own policy, the scores of the teammate's policies, pair part included.
+    /// Adds a teammate: for each own policy, the scores of the teammate's policies, pair part
+    /// included.
     pub fn join<'a>(&mut self, rows: impl IntoIterator<Item = &'a [f32]>) {
         for ((total, best), row) in self.total.iter_mut().zip(&mut self.best).zip(rows) {
             *total += math::log_sum_exp(row);

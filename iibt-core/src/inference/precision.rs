@@ -8,14 +8,15 @@ const ITERATIONS: usize = 16;
 /// The largest number that an update takes; larger ones are cut off.
 const LARGEST: f32 = 1e30;
 
-/// The precision γ = 1/β of policies with a gamma prior of mean 1/β0, as in SPM's `spm_MDP_VB_X` and Friston et al. 2017
-/// ("Active inference: a process theory"):
+/// The precision γ = 1/β of policies with a gamma prior of mean 1/β0, as in SPM's `spm_MDP_VB_X`
+/// and Friston et al. 2017 ("Active inference: a process theory"):
 ///
 /// β = β0 + (π - π0) · G, with π0 = softmax(ln E - γ G) and π = softmax(ln E - F - γ G).
 ///
-/// F is what each policy failed to explain of what was observed since it could have been begun. Where that speaks for the
-/// policies that G was for, the mean of G falls from π0 to π, and γ rises; where it speaks against them, γ falls. With equal
-/// F, as where all policies have the same past, γ comes to its prior.
+/// F is what each policy failed to explain of what was observed since it could have been begun.
+/// Where that speaks for the policies that G was for, the mean of G falls from π0 to π, and γ
+/// rises; where it speaks against them, γ falls. With equal F, as where all policies have the same
+/// past, γ comes to its prior.
 ///
 /// ```
 /// use iibt_core::inference::{Precision, Scoring};
@@ -49,7 +50,8 @@ impl Precision {
         Self { prior: beta, beta, ..new }
     }
 
-    /// The same with γ held between two numbers, themselves between 1e-6 and 1e6; a NaN or an empty range changes nothing.
+    /// The same with γ held between two numbers, themselves between 1e-6 and 1e6; a NaN or an empty
+    /// range changes nothing.
     #[must_use]
     pub const fn within(self, least: f32, most: f32) -> Self {
         if least.is_nan() || most.is_nan() || least > most {
@@ -65,11 +67,13 @@ impl Precision {
         1.0 / self.beta
     }
 
-    /// Updates γ, and returns it, from ln E, F and G of each policy, in nats, G lower is better. A list that is too short goes
-    /// on with zeros, so an empty `ln_prior` is no habit; there are as many policies as `expected`.
+    /// Updates γ, and returns it, from ln E, F and G of each policy, in nats, G lower is better. A
+    /// list that is too short goes on with zeros, so an empty `ln_prior` is no habit; there are as
+    /// many policies as `expected`.
     ///
-    /// From where γ is, sixteen steps, each half of the way, as in SPM. A policy with a NaN is left out, one whose ln E is
-    /// minus infinity is never chosen, and without policies γ comes to its prior. Costs 32 exponentials for each policy.
+    /// From where γ is, sixteen steps, each half of the way, as in SPM. A policy with a NaN is left
+    /// out, one whose ln E is minus infinity is never chosen, and without policies γ comes to its
+    /// prior. Costs 32 exponentials for each policy.
     pub fn update(&mut self, ln_prior: &[f32], free_energies: &[f32], expected: &[f32]) -> f32 {
         for _ in 0..ITERATIONS {
             let gamma = self.gamma();

@@ -4,8 +4,8 @@ use super::error::{Argument, OutOfRange};
 
 /// A preference per outcome on a log scale: P(o) = softmax(C).
 ///
-/// The base is what the task wants; [`raise`](Self::raise) adds a temporary preference on top of it, and
-/// [`roll_back`](Self::roll_back) takes all of them away again and leaves exactly the base.
+/// The base is what the task wants; [`raise`](Self::raise) adds a temporary preference on top of
+/// it, and [`roll_back`](Self::roll_back) takes all of them away again and leaves exactly the base.
 ///
 /// ```
 /// use iibt_core::inference::Preference;
@@ -35,8 +35,8 @@ impl<const O: usize> Preference<O> {
     /// A preference from its log-scale values.
     ///
     /// # Panics
-    /// When there are no outcomes or a value is not finite; in a `const` this fails the build, as does a
-    /// value too many or too few.
+    /// When there are no outcomes or a value is not finite; in a `const` this fails the build, as
+    /// does a value too many or too few.
     #[must_use]
     pub const fn new(base: [f32; O]) -> Self {
         assert!(O > 0, "C, the preference, has no outcomes");
@@ -70,7 +70,8 @@ impl<const O: usize> Preference<O> {
     /// Adds a temporary preference, which may be negative, to one outcome: C := C + L.
     ///
     /// # Errors
-    /// [`OutOfRange`] for an outcome that does not exist and for a sum that is not finite. Nothing is changed.
+    /// [`OutOfRange`] for an outcome that does not exist and for a sum that is not finite. Nothing
+    /// is changed.
     pub fn raise(&mut self, outcome: usize, by: f32) -> Result<(), OutOfRange> {
         let unknown = OutOfRange::new(Argument::PreferredOutcome, 0, outcome, O);
         let raised = self.raised.get_mut(outcome).ok_or(unknown)?;
@@ -98,7 +99,8 @@ impl<const O: usize> Preference<O> {
         core::array::from_fn(|outcome| self.get(outcome).unwrap_or(0.0))
     }
 
-    /// The negative preferences alone: positive ones count as zero. See [`PreferenceTiming`](super::PreferenceTiming).
+    /// The negative preferences alone: positive ones count as zero. See
+    /// [`PreferenceTiming`](super::PreferenceTiming).
     #[must_use]
     pub fn negative(&self) -> [f32; O] {
         self.values().map(|value| value.min(0.0))

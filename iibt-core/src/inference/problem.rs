@@ -10,8 +10,8 @@ use crate::actions::{Action, HORIZON};
 
 /// A decision to be made.
 ///
-/// [`Evaluation::begin`](super::Evaluation::begin) checks it as a whole: what does not fit is an [`OutOfRange`] error, and nothing is
-/// left out or cut off.
+/// [`Evaluation::begin`](super::Evaluation::begin) checks it as a whole: what does not fit is an
+/// [`OutOfRange`] error, and nothing is left out or cut off.
 ///
 /// ```
 /// use iibt_core::inference::{
@@ -50,23 +50,26 @@ pub struct Problem<'a, const S: usize, const G: usize> {
     pub candidates: Candidates<'a>,
     /// How they are scored.
     pub scoring: Scoring,
-    /// How many steps are looked at, [`HORIZON`] at the most: after a shorter sequence a robot stays. It is the length of the
-    /// longest sequence unless it is set to something else; set to less, it has longer sequences judged by their first steps.
+    /// How many steps are looked at, [`HORIZON`] at the most: after a shorter sequence a robot
+    /// stays. It is the length of the longest sequence unless it is set to something else; set to
+    /// less, it has longer sequences judged by their first steps.
     pub horizon: usize,
-    /// C as it is now for each modality, in place of the model's; a modality without an entry, or with an empty one, keeps the
-    /// model's.
+    /// C as it is now for each modality, in place of the model's; a modality without an entry, or
+    /// with an empty one, keeps the model's.
     pub preferences: &'a [&'a [f32]],
-    /// The part of C that counts before a policy arrives, for each modality, with [`PreferenceTiming::OnArrival`]; a modality without an
-    /// entry, or with an empty one, has all of it count.
+    /// The part of C that counts before a policy arrives, for each modality, with
+    /// [`PreferenceTiming::OnArrival`]; a modality without an entry, or with an empty one, has all
+    /// of it count.
     pub negative_preferences: &'a [&'a [f32]],
     /// What is liked or disliked about two factors' moves beyond any outcome.
     pub pair_preferences: &'a [&'a dyn PairPreference],
-    /// Only modalities that depend on nothing but these groups are looked at, and only these groups move; a bit for each.
+    /// Only modalities that depend on nothing but these groups are looked at, and only these groups
+    /// move; a bit for each.
     pub scope: u16,
 }
 
-/// A preference for how two factors move relative to each other that no modality's outcome expresses, on the log scale
-/// of C: two robots in one place, or changing places.
+/// A preference for how two factors move relative to each other that no modality's outcome
+/// expresses, on the log scale of C: two robots in one place, or changing places.
 ///
 /// ```
 /// use iibt_core::inference::PairPreference;
@@ -143,7 +146,8 @@ impl<'a, const S: usize, const G: usize> Problem<'a, S, G> {
             .filter(|(_, _, groups)| groups & !self.scope == 0)
     }
 
-    /// After how many steps an action sequence arrives; one without actions never does, and is judged at the horizon.
+    /// After how many steps an action sequence arrives; one without actions never does, and is
+    /// judged at the horizon.
     pub(super) fn arrival(&self, actions: &Policy) -> usize {
         if actions.is_empty() { self.horizon } else { actions.len().min(self.horizon) }
     }

@@ -5,8 +5,8 @@ pub const MAX_CONDITIONS: usize = 8;
 
 /// How many values a table gives probabilities for, and how many states each of its conditions has.
 ///
-/// For a likelihood the values are outcomes and the conditions are hidden factors; for a transition the values
-/// are next states, and the first condition is the factor's own state.
+/// For a likelihood the values are outcomes and the conditions are hidden factors; for a transition
+/// the values are next states, and the first condition is the factor's own state.
 ///
 /// ```
 /// use iibt_core::inference::Shape;
@@ -27,8 +27,8 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// A shape; `None` when it has no values, no conditions or more than [`MAX_CONDITIONS`], or a size is zero
-    /// or above 65,535.
+    /// A shape; `None` when it has no values, no conditions or more than [`MAX_CONDITIONS`], or a
+    /// size is zero or above 65,535.
     #[must_use]
     pub const fn new(values: usize, states: &[usize]) -> Option<Self> {
         let most = u16::MAX as usize;
@@ -68,7 +68,8 @@ impl Shape {
         if known { self.states[condition] as usize } else { 1 }
     }
 
-    /// How many columns the table has: the product of the conditions' states, or `None` where that is no `usize`.
+    /// How many columns the table has: the product of the conditions' states, or `None` where that
+    /// is no `usize`.
     #[must_use]
     pub const fn columns(&self) -> Option<usize> {
         let mut product: usize = 1;
@@ -89,7 +90,8 @@ impl Shape {
         self.place(0, states)
     }
 
-    /// The place of a value and a combination of states in a table with a row per value; `None` for states outside it.
+    /// The place of a value and a combination of states in a table with a row per value; `None` for
+    /// states outside it.
     #[inline]
     pub(super) fn place(&self, value: usize, states: &[usize]) -> Option<usize> {
         if states.len() != self.conditions() {
@@ -100,7 +102,8 @@ impl Shape {
         })
     }
 
-    /// Calls `visit` with every combination of states, the last condition running fastest, and with its place.
+    /// Calls `visit` with every combination of states, the last condition running fastest, and with
+    /// its place.
     #[inline]
     pub fn for_each_column(&self, mut visit: impl FnMut(usize, &[usize])) {
         let mut now = [0; MAX_CONDITIONS];

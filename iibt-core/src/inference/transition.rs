@@ -17,11 +17,11 @@ pub use next_state::NextState;
 use super::shape::{Shape, mass};
 use crate::actions::{Action, Actions};
 
-/// P(s' | s, u): how each action changes a hidden factor, given its own state and, where motion is coupled, the
-/// states of other factors.
+/// P(s' | s, u): how each action changes a hidden factor, given its own state and, where motion is
+/// coupled, the states of other factors.
 ///
-/// Only [`probability`](Self::probability) must be given. `shape` is the factor's shape: as many values as states, and
-/// the factor's own state as the first condition.
+/// Only [`probability`](Self::probability) must be given. `shape` is the factor's shape: as many
+/// values as states, and the factor's own state as the first condition.
 ///
 /// ```
 /// use iibt_core::inference::{Shape, Transition};
@@ -66,14 +66,14 @@ pub trait Transition: Sync {
         stay_without_mass(beliefs, to);
     }
 
-    /// How many actions there are: codes run from zero. A policy with another one is an error. All codes are known to a form
-    /// that does not say.
+    /// How many actions there are: codes run from zero. A policy with another one is an error. All
+    /// codes are known to a form that does not say.
     fn actions(&self) -> u8 {
         Actions::CODES
     }
 
-    /// I(s'; B | s, u), how much the next state will tell about the transition itself, in nats; zero for a table that
-    /// is not being learned.
+    /// I(s'; B | s, u), how much the next state will tell about the transition itself, in nats;
+    /// zero for a table that is not being learned.
     fn novelty(&self, _shape: &Shape, _action: Action, _beliefs: &[&[f32]]) -> f32 {
         0.0
     }

@@ -446,8 +446,9 @@ impl Agreement {
     /// Returns a digest of the round and its paths: equal on two robots that know the same plan;
     /// two different plans share one with probability 2^-32.
     fn digest<'a>(&self, peers: impl Iterator<Item = &'a Said> + Clone) -> u32 {
-        // In the order of the robots, so that every robot hashes the same bytes. The epochs are in it
-        // because a teammate that has restarted no longer keeps the plan, even with an equal path.
+        // In the order of the robots, so that every robot hashes the same bytes. The epochs are in
+        // it because a teammate that has restarted no longer keeps the plan, even with an equal
+        // path.
         let mut hasher = SipHasher24::new();
         for robot in 0..self.size {
             if robot == self.robot.0 {

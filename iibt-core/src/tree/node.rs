@@ -286,7 +286,8 @@ impl Millis {
 
 /// A number of attempts or cycles, possibly without end; three bytes like [`Millis`].
 ///
-/// A table with a number that does not fit is refused with [`TreeRule::Times`](super::TreeRule::Times).
+/// A table with a number that does not fit is refused with
+/// [`TreeRule::Times`](super::TreeRule::Times).
 ///
 /// ```
 /// use iibt_core::tree::{Full, Node, TreeRule, Times, Tree};

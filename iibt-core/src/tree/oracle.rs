@@ -1,4 +1,5 @@
-//! The rules of every node in their own, recursive form, and random trees that must agree with them.
+//! The rules of every node in their own, recursive form, and random trees that must agree with
+//! them.
 
 use super::{
     Basic, Full, Halt, Kinds, Leaves, MAX_DEPTH, Millis, Node, NodeMemory, Row, Status, Times, TreeRef,
@@ -696,7 +697,8 @@ fn random_tables_are_trees_or_errors_and_trees_can_be_ticked() {
     assert!(trees > 1000, "only {trees} trees");
 }
 
-/// What the check says can never be ticked is never ticked, and the trees of which it says nothing are.
+/// What the check says can never be ticked is never ticked, and the trees of which it says nothing
+/// are.
 #[test]
 fn nodes_that_are_said_to_be_unreachable_are() {
     let mut random = Lcg(17);

@@ -14,7 +14,8 @@ pub(super) struct Script {
 }
 
 impl Script {
-    /// Reads lines such as `g=SF a=RRS`: S success, F failure, R running, K skipped, one letter a tick of the leaf.
+    /// Reads lines such as `g=SF a=RRS`: S success, F failure, R running, K skipped, one letter a
+    /// tick of the leaf.
     pub(super) fn new(lines: &str) -> Self {
         let parse = |line: &str| {
             let (name, letters) = line.split_once('=').unwrap();
@@ -57,8 +58,8 @@ impl Leaves<char> for Script {
     }
 }
 
-/// Ticks `tree` once for each line of `expected` and compares the traces. When a tick has ended the tree,
-/// its memory must be idle. A basic tree must do the same in the full set.
+/// Ticks `tree` once for each line of `expected` and compares the traces. When a tick has ended the
+/// tree, its memory must be idle. A basic tree must do the same in the full set.
 #[track_caller]
 pub(super) fn play<const N: usize>(tree: Tree<char, N>, lines: &str, expected: &[&str]) {
     let nodes: Vec<Node<char>> = tree.nodes().copied().collect();

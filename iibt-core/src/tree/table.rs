@@ -120,8 +120,8 @@ impl<L: Copy, const N: usize, K: Kinds> Tree<L, N, K> {
     /// Creates the tree that a table in preorder describes.
     ///
     /// # Errors
-    /// The first row that breaks a [`TreeRule`]; for [`TreeRule::MissingChildren`] the innermost node that
-    /// lacks a child.
+    /// The first row that breaks a [`TreeRule`]; for [`TreeRule::MissingChildren`] the innermost
+    /// node that lacks a child.
     ///
     /// ```
     /// use iibt_core::tree::{Node, TreeRule, Tree};

@@ -254,8 +254,8 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
             beliefs.set(model, self.own, self.states).ok()?;
             for (robot, announced) in self.announced.iter().enumerate().take(self.tables.robots()) {
                 if let Some(state) = announced {
-                    // A message is read like a sensor; the flat prior leaves no outcome impossible that
-                    // the sensor can read.
+                    // A message is read like a sensor; the flat prior leaves no outcome impossible
+                    // that the sensor can read.
                     let _ = beliefs.observe(model, robot, Evidence::Outcome(*state));
                 }
             }

@@ -6,8 +6,9 @@ use crate::inference::model::MAX_FACTORS;
 
 /// The most probable of all joint policies, for one robot or for a team.
 ///
-/// It is exact: every joint policy was weighed. A teammate that has announced its policy is held to it with
-/// [`Candidates::with_announced`](super::super::Candidates::with_announced), or by a list of one.
+/// It is exact: every joint policy was weighed. A teammate that has announced its policy is held to
+/// it with [`Candidates::with_announced`](super::super::Candidates::with_announced), or by a list
+/// of one.
 ///
 /// ```
 /// use iibt_core::agent;
@@ -68,14 +69,15 @@ impl Decision {
         self.probability
     }
 
-    /// The number of the action sequence that the chosen joint policy has for a control; zero for a control that stays.
+    /// The number of the action sequence that the chosen joint policy has for a control; zero for a
+    /// control that stays.
     #[must_use]
     pub fn sequence(&self, control: usize) -> usize {
         self.sequences.get(control)
     }
 
-    /// The first action of each control, `None` for one that stays: what to do now, as [`Agent::act`](super::Agent::act) takes
-    /// it.
+    /// The first action of each control, `None` for one that stays: what to do now, as
+    /// [`Agent::act`](super::Agent::act) takes it.
     #[must_use]
     pub fn first_actions(&self) -> &[Option<Action>] {
         self.first.get(..self.controls).unwrap_or(&[])

@@ -3,7 +3,8 @@
 use crate::inference::candidates::Candidates;
 use crate::inference::model::{MAX_FACTORS, Model};
 
-/// The sizes of an [`Agent`](super::Agent), derived from a model and from what there is to choose from.
+/// The sizes of an [`Agent`](super::Agent), derived from a model and from what there is to choose
+/// from.
 ///
 /// [`agent!`](crate::agent) and [`Agent!`](crate::Agent) work them out; nobody has to write them.
 ///
@@ -111,9 +112,9 @@ impl Room {
     }
 }
 
-/// The type of an [`Agent`](crate::inference::Agent) for a model in a `static`: `Agent![MODEL, 4]` has room for four action
-/// sequences of each control, `Agent![MODEL, for CANDIDATES]` for the joint policies of a `static`
-/// [`Candidates`](crate::inference::Candidates).
+/// The type of an [`Agent`](crate::inference::Agent) for a model in a `static`: `Agent![MODEL, 4]`
+/// has room for four action sequences of each control, `Agent![MODEL, for CANDIDATES]` for the
+/// joint policies of a `static` [`Candidates`](crate::inference::Candidates).
 ///
 /// ```
 /// # use iibt_core::inference::{Factor, IdentityNoise, Modality, Model, NextState};
@@ -147,8 +148,9 @@ macro_rules! Agent {
     };
 }
 
-/// An [`Agent`](crate::inference::Agent) for a model in a `static`, with the sizes of [`Agent!`](crate::Agent): `agent!(MODEL, 4)`
-/// or `agent!(MODEL, for CANDIDATES)`. It is checked when it is compiled.
+/// An [`Agent`](crate::inference::Agent) for a model in a `static`, with the sizes of
+/// [`Agent!`](crate::Agent): `agent!(MODEL, 4)` or `agent!(MODEL, for CANDIDATES)`. It is checked
+/// when it is compiled.
 #[macro_export]
 macro_rules! agent {
     ($model:path, $($room:tt)+) => {

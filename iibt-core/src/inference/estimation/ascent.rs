@@ -8,8 +8,9 @@ use crate::math;
 /// The largest change of a probability in a sweep after which coordinate ascent has converged.
 const TOLERANCE: f32 = 2e-6;
 
-/// Sequential coordinate ascent from the beliefs that each factor's own evidence gives: every factor in turn takes the
-/// belief that minimises F given the others, q(s_f) ∝ p(s_f) exp Σ_m E ln P(e_m | s_f, s'), in `most` sweeps at the most.
+/// Sequential coordinate ascent from the beliefs that each factor's own evidence gives: every
+/// factor in turn takes the belief that minimises F given the others, q(s_f) ∝ p(s_f) exp Σ_m E ln
+/// P(e_m | s_f, s'), in `most` sweeps at the most.
 pub(super) fn update(work: &mut Work, couplings: &Couplings, most: u8) -> Result<Update, Impossible> {
     for coupling in couplings.iter() {
         if !is_possible(work, couplings, coupling) {
@@ -43,7 +44,8 @@ fn is_possible(work: &mut Work, couplings: &Couplings, (_, modality, evidence): 
     math::expectation(couplings.members.model.part(work.posterior, factor), message) > 0.0
 }
 
-/// Gives one factor the belief that is best given the others; returns the largest change of a probability.
+/// Gives one factor the belief that is best given the others; returns the largest change of a
+/// probability.
 fn ascend(work: &mut Work, couplings: &Couplings, factor: usize) -> f32 {
     let model = couplings.members.model;
     let scores = model.part_mut(work.scratch, factor);
@@ -66,7 +68,8 @@ fn ascend(work: &mut Work, couplings: &Couplings, factor: usize) -> f32 {
     change
 }
 
-/// F = Σ_f KL[q_f || p_f] - Σ_m E_q ln max(P(e_m | s), floor), over the factors and observations of a component.
+/// F = Σ_f KL[q_f || p_f] - Σ_m E_q ln max(P(e_m | s), floor), over the factors and observations of
+/// a component.
 fn free_energy(work: &mut Work, couplings: &Couplings) -> f32 {
     let model = couplings.members.model;
     let mut total = 0.0;

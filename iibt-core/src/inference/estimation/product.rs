@@ -6,14 +6,16 @@ use crate::inference::error::Impossible;
 use crate::inference::model::{MAX_FACTORS, Product};
 use crate::math;
 
-/// The exact marginals over the product of all factors that are coupled, summed up in the scratch; returns the surprise.
+/// The exact marginals over the product of all factors that are coupled, summed up in the scratch;
+/// returns the surprise.
 pub(super) fn update(work: &mut Work, couplings: &Couplings, product: &Product) -> Result<f32, Impossible> {
     let model = couplings.members.model;
     for &factor in &product.factors {
         model.part_mut(work.scratch, factor).fill(0.0);
     }
     let mut now = [0; MAX_FACTORS];
-    // The last modality that was looked at for any states: where none has any mass, the one that cannot be explained.
+    // The last modality that was looked at for any states: where none has any mass, the one that
+    // cannot be explained.
     let mut furthest = 0;
     product.shape.for_each_column(|_, states| {
         let mut mass = product.mass(model, work.posterior, states, &mut now);

@@ -59,8 +59,8 @@ pub(in crate::inference) fn action_of<const S: usize, const G: usize>(
     sequence(problem, control, &problem.candidates.row(policy)).get(step)
 }
 
-/// After how many steps a group arrives: when the last of its action sequences ends. Zero, which is never, where every step
-/// counts.
+/// After how many steps a group arrives: when the last of its action sequences ends. Zero, which is
+/// never, where every step counts.
 pub(in crate::inference) fn arrival<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     group: usize,

@@ -9,7 +9,8 @@ pub(super) type Places<const G: usize> = [u8; G];
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Group<const R: usize> {
     pub(super) used: u8,
-    /// The only control that moves it, if there is one: the number of its sequence is then the candidate's key.
+    /// The only control that moves it, if there is one: the number of its sequence is then the
+    /// candidate's key.
     pub(super) control: Option<u8>,
     /// The factors that move together in it, a bit for each.
     pub(super) factors: u32,

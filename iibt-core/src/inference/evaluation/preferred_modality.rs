@@ -46,7 +46,8 @@ impl<'a> PreferredModality<'a> {
         self.weigh_up(form.expect(shape, beliefs, preference.preference), preference.normaliser)
     }
 
-    /// Terms as they count: with the preferences normalised, and without a gain that is found jointly.
+    /// Terms as they count: with the preferences normalised, and without a gain that is found
+    /// jointly.
     #[inline]
     pub(super) fn weigh_up(&self, expected: Terms, normaliser: f32) -> Terms {
         let information_gain = if self.joint { 0.0 } else { expected.information_gain };

@@ -4,8 +4,8 @@ use super::{Dirichlet, Rates};
 use crate::inference::Shape;
 use crate::math;
 
-/// `C` columns over `K` values, one for each combination of states, with what a prediction needs of each worked out when
-/// it is learned and not when it is used.
+/// `C` columns over `K` values, one for each combination of states, with what a prediction needs of
+/// each worked out when it is learned and not when it is used.
 #[derive(Clone)]
 pub(super) struct Columns<const K: usize, const C: usize>([Column<K>; C]);
 
@@ -65,8 +65,8 @@ impl<const K: usize, const C: usize> Columns<K, C> {
         self.0.iter().zip(masses).map(|(column, mass)| mass * column.novelty).sum()
     }
 
-    /// Forgets a little in every column, and adds to each its mass times what was experienced in it. Where nothing is
-    /// forgotten, columns without mass cost nothing.
+    /// Forgets a little in every column, and adds to each its mass times what was experienced in
+    /// it. Where nothing is forgotten, columns without mass cost nothing.
     pub(super) fn learn(
         &mut self,
         shape: &Shape,
@@ -99,7 +99,8 @@ impl<const K: usize, const C: usize> Columns<K, C> {
     }
 }
 
-/// Writes `mass` times the product of the beliefs to `to`, the last belief's states running fastest.
+/// Writes `mass` times the product of the beliefs to `to`, the last belief's states running
+/// fastest.
 fn multiply(mass: f32, beliefs: &[&[f32]], to: &mut [f32]) {
     match beliefs {
         [] => {}

@@ -2,15 +2,16 @@
 
 use crate::math;
 
-/// The most counts that one distribution holds: beyond it all are scaled down together, which keeps their proportions and
-/// forgets a little. A single count is a hundred times the last place of an `f32` of this size.
+/// The most counts that one distribution holds: beyond it all are scaled down together, which keeps
+/// their proportions and forgets a little. A single count is a hundred times the last place of an
+/// `f32` of this size.
 pub const MOST: f32 = 65_536.0;
 
 /// The least counts that one distribution holds: with fewer it is one count, shared out evenly.
 pub const LEAST: f32 = 1e-6;
 
-/// A Dirichlet distribution over distributions of `K` values, given by its counts: finite, not negative, between [`LEAST`]
-/// and [`MOST`] in all.
+/// A Dirichlet distribution over distributions of `K` values, given by its counts: finite, not
+/// negative, between [`LEAST`] and [`MOST`] in all.
 ///
 /// A value with count zero is impossible, until it is counted.
 ///
@@ -33,8 +34,8 @@ pub struct Dirichlet<const K: usize> {
 }
 
 impl<const K: usize> Dirichlet<K> {
-    /// A distribution from its counts. Counts that are negative or NaN count as zero, and all are brought between the
-    /// limits.
+    /// A distribution from its counts. Counts that are negative or NaN count as zero, and all are
+    /// brought between the limits.
     #[must_use]
     pub fn new(counts: [f32; K]) -> Self {
         const { assert!(K > 0, "a distribution has at least one value") }
@@ -67,22 +68,23 @@ impl<const K: usize> Dirichlet<K> {
         self.counts.map(|count| count / self.total)
     }
 
-    /// The expected distribution on a log scale, no value below `least`, which is held to -80..=0, and
-    /// zero for NaN.
+    /// The expected distribution on a log scale, no value below `least`, which is held to -80..=0,
+    /// and zero for NaN.
     #[must_use]
     pub fn ln_expected(&self, least: f32) -> [f32; K] {
         let least = -super::held(-least, 80.0);
         self.expected().map(|p| math::ln(p).max(least).min(0.0))
     }
 
-    /// I(o; θ), what the next value is expected to tell about the distribution θ itself, in nats: exactly
+    /// I(o; θ), what the next value is expected to tell about the distribution θ itself, in nats:
+    /// exactly
     ///
     /// H\[E θ\] - E H\[θ\] = Σ_k a_k/a0 (ψ(a_k + 1) - ln a_k) - (ψ(a0 + 1) - ln a0).
     ///
-    /// The logarithms of large counts cancel before they are taken, so nothing is lost when counts grow. Between 0 and
-    /// ln `K`, and (`K` - 1) / 2 a0 when there are many counts, which is what the usual approximation
-    /// Σ_k a_k/a0 (1/a_k - 1/a0) / 2 comes to at any number (Da Costa et al. 2020, "Active inference on discrete
-    /// state-spaces").
+    /// The logarithms of large counts cancel before they are taken, so nothing is lost when counts
+    /// grow. Between 0 and ln `K`, and (`K` - 1) / 2 a0 when there are many counts, which is what
+    /// the usual approximation Σ_k a_k/a0 (1/a_k - 1/a0) / 2 comes to at any number (Da Costa et
+    /// al. 2020, "Active inference on discrete state-spaces").
     #[must_use]
     pub fn novelty(&self) -> f32 {
         // x (ψ(x + 1) - ln x) goes to zero with x.
@@ -92,7 +94,8 @@ impl<const K: usize> Dirichlet<K> {
         ((sum - known) / self.total).max(0.0)
     }
 
-    /// Takes the counts a `share` of the way towards those of `prior`; 0 changes nothing, and 1 forgets all.
+    /// Takes the counts a `share` of the way towards those of `prior`; 0 changes nothing, and 1
+    /// forgets all.
     pub fn forget(&mut self, share: f32, prior: &Self) {
         let kept = 1.0 - super::held(share, 1.0);
         for (count, prior) in self.counts.iter_mut().zip(&prior.counts) {

@@ -4,8 +4,8 @@ use super::{Dirichlet, Rates};
 use crate::inference::likelihood::FLOOR;
 use crate::math;
 
-/// Dirichlet counts of one distribution over `K` values: D, the prior over the states of a factor, or E, the habits over
-/// joint policies. Memory: about 8 `K` bytes.
+/// Dirichlet counts of one distribution over `K` values: D, the prior over the states of a factor,
+/// or E, the habits over joint policies. Memory: about 8 `K` bytes.
 ///
 /// ```
 /// use iibt_core::inference::Habits;
@@ -35,16 +35,18 @@ pub struct DistributionCounts<const K: usize> {
 }
 
 impl<const K: usize> DistributionCounts<K> {
-    /// From prior counts; such that are negative or not finite are repaired as in [`Dirichlet::new`].
+    /// From prior counts; such that are negative or not finite are repaired as in
+    /// [`Dirichlet::new`].
     #[must_use]
     pub fn new(prior: [f32; K], rates: Rates) -> Self {
         let prior = Dirichlet::new(prior);
         Self { prior, now: prior, rates }
     }
 
-    /// Learns from a distribution over the values. Of D that is the belief about the state that an episode began in,
-    /// d := d + η q(s_1), which what was observed since may have made surer; of E the posterior over policies of a
-    /// decision, e := e + η π (Friston et al. 2016, "Active inference and learning").
+    /// Learns from a distribution over the values. Of D that is the belief about the state that an
+    /// episode began in, d := d + η q(s_1), which what was observed since may have made surer; of E
+    /// the posterior over policies of a decision, e := e + η π (Friston et al. 2016, "Active
+    /// inference and learning").
     ///
     /// Returns `false`, and learns nothing, when it is no distribution over the values.
     pub fn learn(&mut self, distribution: &[f32]) -> bool {
@@ -57,8 +59,8 @@ impl<const K: usize> DistributionCounts<K> {
         sound
     }
 
-    /// Learns from one value: the policy that was carried out, in place of the posterior. Returns `false` when there is no
-    /// such value.
+    /// Learns from one value: the policy that was carried out, in place of the posterior. Returns
+    /// `false` when there is no such value.
     pub fn learn_value(&mut self, value: usize) -> bool {
         self.learn(&core::array::from_fn::<_, K, _>(|at| if at == value { 1.0 } else { 0.0 }))
     }
@@ -75,7 +77,8 @@ impl<const K: usize> DistributionCounts<K> {
         self.now.expected()
     }
 
-    /// Its logarithm, finite and no lower than ln [`FLOOR`]: ln E, for [`Habits::Joint`](crate::inference::Habits::Joint).
+    /// Its logarithm, finite and no lower than ln [`FLOOR`]: ln E, for
+    /// [`Habits::Joint`](crate::inference::Habits::Joint).
     #[must_use]
     pub fn ln_expected(&self) -> [f32; K] {
         self.now.ln_expected(math::ln(FLOOR))
@@ -106,7 +109,8 @@ mod tests {
             for _ in 0..1500 {
                 assert!(counts.learn(&dice.one_of(&truth)));
             }
-            // A hundred episodes are remembered: three standard errors of a fair coin, and the prior's own pull.
+            // A hundred episodes are remembered: three standard errors of a fair coin, and the
+            // prior's own pull.
             let error = counts.expected().iter().zip(truth).map(|(p, q)| (p - q).abs()).fold(0.0, f32::max);
             assert!(error < 0.12, "{error}");
         }

@@ -7,13 +7,16 @@ use crate::inference::likelihood::{Likelihood, TableError};
 use crate::inference::{Evidence, Shape, Terms};
 use crate::math::{self, Prediction};
 
-/// Dirichlet counts of A, the likelihood of one modality with `O` outcomes, whose conditions have `C` combinations of
-/// states. They are a likelihood themselves, with the expected probabilities, so that a model can hold them.
+/// Dirichlet counts of A, the likelihood of one modality with `O` outcomes, whose conditions have
+/// `C` combinations of states. They are a likelihood themselves, with the expected probabilities,
+/// so that a model can hold them.
 ///
-/// Memory: 4 `O C` + 12 `C` bytes; the prior stays where it is. The entropy and the novelty of a column are worked out when
-/// it is learned, so a prediction costs one multiplication for each entry, and novelty one for each column.
+/// Memory: 4 `O C` + 12 `C` bytes; the prior stays where it is. The entropy and the novelty of a
+/// column are worked out when it is learned, so a prediction costs one multiplication for each
+/// entry, and novelty one for each column.
 ///
-/// A model borrows its tables. It is a few slices, so it is built for each decision, and the counts learn in between:
+/// A model borrows its tables. It is a few slices, so it is built for each decision, and the counts
+/// learn in between:
 ///
 /// ```
 /// use iibt_core::inference::learning::{LikelihoodCounts, Rates};
@@ -49,8 +52,8 @@ pub struct LikelihoodCounts<'a, const O: usize, const C: usize> {
 
 impl<'a, const O: usize, const C: usize> LikelihoodCounts<'a, O, C> {
     /// Begins with a table, each column of which counts as `concentration` observations: held to
-    /// [`LEAST`](super::LEAST)..=[`MOST`](super::MOST), and one for NaN. A column of the table without a positive
-    /// number begins with one count, shared out evenly.
+    /// [`LEAST`](super::LEAST)..=[`MOST`](super::MOST), and one for NaN. A column of the table
+    /// without a positive number begins with one count, shared out evenly.
     ///
     /// # Errors
     /// [`TableError::Length`] when `shape`, the table's, has not `O` values and `C` columns.
@@ -63,13 +66,13 @@ impl<'a, const O: usize, const C: usize> LikelihoodCounts<'a, O, C> {
         Self::from_origin(Origin::table(prior, concentration), shape, rates)
     }
 
-    /// Begins with these counts: a row per outcome, in each row a column per combination of states, the last condition's
-    /// states running fastest.
+    /// Begins with these counts: a row per outcome, in each row a column per combination of states,
+    /// the last condition's states running fastest.
     ///
     /// # Errors
-    /// [`TableError::Length`] as for [`new`](Self::new) and when there are not as many counts, [`TableError::Entry`] with the
-    /// place of a count that is negative, NaN or above [`MOST`](super::MOST), and [`TableError::Column`] for one without
-    /// counts.
+    /// [`TableError::Length`] as for [`new`](Self::new) and when there are not as many counts,
+    /// [`TableError::Entry`] with the place of a count that is negative, NaN or above
+    /// [`MOST`](super::MOST), and [`TableError::Column`] for one without counts.
     pub fn from_counts(prior: &'a [f32], shape: Shape, rates: Rates) -> Result<Self, TableError> {
         Self::from_origin(Origin::counts(prior, &shape, 1)?, shape, rates)
     }
@@ -86,17 +89,19 @@ impl<'a, const O: usize, const C: usize> LikelihoodCounts<'a, O, C> {
         Ok(Self { columns, origin, shape, rates })
     }
 
-    /// Learns from an observation, under the beliefs about the conditions in the order of the shape, best those *after* the
-    /// observation: a(o, s) := a(o, s) + η q(o | s) Π q(s).
+    /// Learns from an observation, under the beliefs about the conditions in the order of the
+    /// shape, best those *after* the observation: a(o, s) := a(o, s) + η q(o | s) Π q(s).
     ///
-    /// Of an outcome that was seen, q(o | s) is one. A soft observation weighs the outcomes that are expected in each state,
-    /// q(o | s) ∝ w(o) A(o, s): its weights are what the reading says about the outcome, and not a share of outcomes, so equal
-    /// weights leave the expected table as it is. (Adding w(o) itself, as is usual, would add the reader's noise to the
-    /// sensor's.) Where A rules out all that it speaks for, q(o | s) = w(o): an entry with count zero is learned only when
-    /// it is seen where it was held impossible, while SPM never learns it.
+    /// Of an outcome that was seen, q(o | s) is one. A soft observation weighs the outcomes that
+    /// are expected in each state, q(o | s) ∝ w(o) A(o, s): its weights are what the reading says
+    /// about the outcome, and not a share of outcomes, so equal weights leave the expected table as
+    /// it is. (Adding w(o) itself, as is usual, would add the reader's noise to the sensor's.)
+    /// Where A rules out all that it speaks for, q(o | s) = w(o): an entry with count zero is
+    /// learned only when it is seen where it was held impossible, while SPM never learns it.
     ///
-    /// Returns `false`, and learns nothing, when the observation is missing or makes no sense, or the beliefs are no
-    /// distributions over the conditions. Costs a visit of each column with belief; of all where there is forgetting.
+    /// Returns `false`, and learns nothing, when the observation is missing or makes no sense, or
+    /// the beliefs are no distributions over the conditions. Costs a visit of each column with
+    /// belief; of all where there is forgetting.
     pub fn learn(&mut self, evidence: Evidence, beliefs: &[&[f32]]) -> bool {
         let Some(weights) = observed(evidence).filter(|_| fit(&self.shape, beliefs)) else { return false };
         let masses = Columns::<O, C>::masses(beliefs);

@@ -8,7 +8,8 @@ use crate::inference::likelihood::TableError;
 pub(super) enum Origin<'a, T: ?Sized> {
     /// A table, every column of which counts as this many experiences.
     Table(&'a T, f32),
-    /// One count for each entry: matrix after matrix, a row per value, a column per combination of states.
+    /// One count for each entry: matrix after matrix, a row per value, a column per combination of
+    /// states.
     Counts(&'a [f32]),
 }
 
@@ -48,7 +49,8 @@ impl<'a, T: ?Sized> Origin<'a, T> {
         Ok(Self::Counts(counts))
     }
 
-    /// The prior counts of column `at` of `C` in a matrix, from the table's own probability of each value in it.
+    /// The prior counts of column `at` of `C` in a matrix, from the table's own probability of each
+    /// value in it.
     pub(super) fn column<const K: usize, const C: usize>(
         &self,
         matrix: usize,

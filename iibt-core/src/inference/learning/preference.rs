@@ -3,13 +3,15 @@
 use super::{Dirichlet, DistributionCounts, Rates, held, observed};
 use crate::inference::{Evidence, Preference};
 
-/// Dirichlet counts of C, the preference over `O` outcomes of one modality, learned from outcomes that turned out well.
+/// Dirichlet counts of C, the preference over `O` outcomes of one modality, learned from outcomes
+/// that turned out well.
 ///
-/// c := c + η r o, where `o` is the outcome and `r` how well it turned out, and C(o) = ln(c_o / Σ c), no lower than
-/// -`bound`. That is the outcome distribution of the successes, P(o | success), as preferences are read in active inference
-/// (after Sajid, Tigas and Friston 2021, "Exploration and preference satisfaction trade-off in reward-free learning", who
-/// count every outcome). An outcome that no longer goes with success loses its preference at the rate of forgetting.
-/// Memory: about 8 `O` bytes.
+/// c := c + η r o, where `o` is the outcome and `r` how well it turned out, and C(o) = ln(c_o / Σ
+/// c), no lower than -`bound`. That is the outcome distribution of the successes, P(o | success),
+/// as preferences are read in active inference (after Sajid, Tigas and Friston 2021, "Exploration
+/// and preference satisfaction trade-off in reward-free learning", who count every outcome). An
+/// outcome that no longer goes with success loses its preference at the rate of forgetting. Memory:
+/// about 8 `O` bytes.
 ///
 /// ```
 /// use iibt_core::inference::Evidence;
@@ -30,16 +32,17 @@ pub struct PreferenceCounts<const O: usize> {
 }
 
 impl<const O: usize> PreferenceCounts<O> {
-    /// From prior counts, repaired as in [`Dirichlet::new`], and the most that one outcome can be disliked more than
-    /// certainty, in nats: `bound` is held to 0..=80, and NaN counts as zero, so that no outcome is preferred.
+    /// From prior counts, repaired as in [`Dirichlet::new`], and the most that one outcome can be
+    /// disliked more than certainty, in nats: `bound` is held to 0..=80, and NaN counts as zero, so
+    /// that no outcome is preferred.
     #[must_use]
     pub fn new(prior: [f32; O], rates: Rates, bound: f32) -> Self {
         Self { counts: DistributionCounts::new(prior, rates), bound: held(bound, 80.0) }
     }
 
-    /// Learns from an outcome and how well it turned out, from 0, not at all, to 1; held to that range. Of a soft
-    /// observation each outcome gets its share. Returns `false`, and learns nothing, for an observation that is missing or
-    /// makes no sense, or a success that is NaN.
+    /// Learns from an outcome and how well it turned out, from 0, not at all, to 1; held to that
+    /// range. Of a soft observation each outcome gets its share. Returns `false`, and learns
+    /// nothing, for an observation that is missing or makes no sense, or a success that is NaN.
     pub fn learn(&mut self, evidence: Evidence, success: f32) -> bool {
         let Some(outcome) = observed(evidence).filter(|_| !success.is_nan()) else { return false };
         self.counts.add(held(success, 1.0), &outcome);

@@ -3,11 +3,11 @@
 use super::{Dirichlet, Rates};
 use crate::actions::Action;
 
-/// The successes and failures of `U` actions, in which an action that fails leaves the state as it is: the counts of a
-/// [`NextState`](crate::inference::NextState).
+/// The successes and failures of `U` actions, in which an action that fails leaves the state as it
+/// is: the counts of a [`NextState`](crate::inference::NextState).
 ///
-/// Every action begins with so many successes and no failure, so that before the first failure every slip is exactly zero and
-/// motion certain. Twelve bytes per action.
+/// Every action begins with so many successes and no failure, so that before the first failure
+/// every slip is exactly zero and motion certain. Twelve bytes per action.
 ///
 /// ```
 /// use iibt_core::inference::NextState;
@@ -29,8 +29,8 @@ pub struct SlipCounts<const U: usize> {
 }
 
 impl<const U: usize> SlipCounts<U> {
-    /// Counts that begin with `trust` successes of each action. The more, the less a single failure says: after it the slip is
-    /// η / (`trust` + η).
+    /// Counts that begin with `trust` successes of each action. The more, the less a single failure
+    /// says: after it the slip is η / (`trust` + η).
     #[must_use]
     pub fn new(trust: f32, rates: Rates) -> Self {
         Self { actions: [Self::prior(trust); U], trust, rates }
@@ -51,7 +51,8 @@ impl<const U: usize> SlipCounts<U> {
         self.actions.each_ref().map(|counts| counts.probability(1))
     }
 
-    /// The successes and failures of an action, its prior's included; none of one that is not counted.
+    /// The successes and failures of an action, its prior's included; none of one that is not
+    /// counted.
     #[must_use]
     pub fn counts(&self, action: Action) -> Option<&[f32; 2]> {
         self.actions.get(usize::from(action)).map(Dirichlet::counts)

@@ -9,12 +9,13 @@ use crate::inference::likelihood::TableError;
 use crate::inference::transition::{Transition, stay};
 use crate::math;
 
-/// Dirichlet counts of B, the transition of one factor with `S` states and `U` actions, whose conditions (its own state,
-/// and those of the factors that it is coupled to) have `C` combinations of states; `C` is `S` for a factor by itself. They
-/// are a transition themselves, with the expected probabilities, so that a model can hold them.
+/// Dirichlet counts of B, the transition of one factor with `S` states and `U` actions, whose
+/// conditions (its own state, and those of the factors that it is coupled to) have `C` combinations
+/// of states; `C` is `S` for a factor by itself. They are a transition themselves, with the
+/// expected probabilities, so that a model can hold them.
 ///
-/// Memory: `U` times 4 `S C` + 12 `C` bytes; the prior stays where it is. A prediction costs one multiplication for each entry of
-/// the columns with belief, and novelty one for each column.
+/// Memory: `U` times 4 `S C` + 12 `C` bytes; the prior stays where it is. A prediction costs one
+/// multiplication for each entry of the columns with belief, and novelty one for each column.
 ///
 /// ```
 /// use iibt_core::inference::learning::{Rates, TransitionCounts};
@@ -39,12 +40,12 @@ pub struct TransitionCounts<'a, const S: usize, const C: usize, const U: usize> 
 
 impl<'a, const S: usize, const C: usize, const U: usize> TransitionCounts<'a, S, C, U> {
     /// Begins with a table, each column of which counts as `concentration` moves: held to
-    /// [`LEAST`](super::LEAST)..=[`MOST`](super::MOST), and one for NaN. A column of the table without a positive number
-    /// begins with one count, shared out evenly.
+    /// [`LEAST`](super::LEAST)..=[`MOST`](super::MOST), and one for NaN. A column of the table
+    /// without a positive number begins with one count, shared out evenly.
     ///
     /// # Errors
-    /// [`TableError::Length`] when `shape`, the table's, has not `S` values and `C` columns, or its first condition has not
-    /// `S` states.
+    /// [`TableError::Length`] when `shape`, the table's, has not `S` values and `C` columns, or its
+    /// first condition has not `S` states.
     pub fn new(
         prior: &'a (dyn Transition + 'a),
         concentration: f32,
@@ -54,13 +55,13 @@ impl<'a, const S: usize, const C: usize, const U: usize> TransitionCounts<'a, S,
         Self::from_origin(Origin::table(prior, concentration), shape, rates)
     }
 
-    /// Begins with these counts: a matrix per action, in it a row per next state and a column per combination of states, the
-    /// factor's own state running slowest.
+    /// Begins with these counts: a matrix per action, in it a row per next state and a column per
+    /// combination of states, the factor's own state running slowest.
     ///
     /// # Errors
-    /// [`TableError::Length`] as for [`new`](Self::new) and when there are not as many counts, [`TableError::Entry`] with the
-    /// place of a count that is negative, NaN or above [`MOST`](super::MOST), and [`TableError::Column`] for one without
-    /// counts.
+    /// [`TableError::Length`] as for [`new`](Self::new) and when there are not as many counts,
+    /// [`TableError::Entry`] with the place of a count that is negative, NaN or above
+    /// [`MOST`](super::MOST), and [`TableError::Column`] for one without counts.
     pub fn from_counts(prior: &'a [f32], shape: Shape, rates: Rates) -> Result<Self, TableError> {
         Self::from_origin(Origin::counts(prior, &shape, U)?, shape, rates)
     }
@@ -80,21 +81,25 @@ impl<'a, const S: usize, const C: usize, const U: usize> TransitionCounts<'a, S,
         Ok(Self { actions, origin, shape, rates })
     }
 
-    /// Learns from a move by `action`: the beliefs `before` about the conditions, the factor itself first, and the belief
-    /// `after` about the factor, its observation taken in: b(s', s) := b(s', s) + η ξ(s', s), with the posterior over both
-    /// states of the move
+    /// Learns from a move by `action`: the beliefs `before` about the conditions, the factor itself
+    /// first, and the belief `after` about the factor, its observation taken in: b(s', s) := b(s',
+    /// s) + η ξ(s', s), with the posterior over both states of the move
     ///
     /// ξ(s', s) = q(s') B(s', s) q(s) / Σ_s B(s', s) q(s).
     ///
-    /// This is exact (Baum and Welch's ξ, filtered) when `after` is what Bayes' rule makes of the prediction by these
-    /// counts. The usual outer product q(s') q(s), which is [`learn_outer`](Self::learn_outer), takes the two states for
-    /// independent, so a robot that is unsure where it is learns that its actions scatter; with certain beliefs the two are
-    /// the same. Where the counts rule out a next state that is believed in, the outer product is taken.
+    /// This is exact (Baum and Welch's ξ, filtered) when `after` is what Bayes' rule makes of the
+    /// prediction by these counts. The usual outer product q(s') q(s), which is
+    /// [`learn_outer`](Self::learn_outer), takes the two states for independent, so a robot that is
+    /// unsure where it is learns that its actions scatter; with certain beliefs the two are the
+    /// same. Where the counts rule out a next state that is believed in, the outer product is
+    /// taken.
     ///
-    /// A robot that is often unsure should forget a little, since its first moves are told by counts that are still wrong.
+    /// A robot that is often unsure should forget a little, since its first moves are told by
+    /// counts that are still wrong.
     ///
-    /// Forgetting works on all actions at every move. Returns `false`, and learns nothing, when there is no such action or
-    /// the beliefs are no distributions. Costs a visit of each column with belief; of all where there is forgetting.
+    /// Forgetting works on all actions at every move. Returns `false`, and learns nothing, when
+    /// there is no such action or the beliefs are no distributions. Costs a visit of each column
+    /// with belief; of all where there is forgetting.
     pub fn learn(&mut self, action: Action, before: &[&[f32]], after: &[f32]) -> bool {
         let Some((masses, after)) = self.sound(before, after) else { return false };
         let Some(columns) = self.actions.get(usize::from(action)) else { return false };
@@ -112,8 +117,8 @@ impl<'a, const S: usize, const C: usize, const U: usize> TransitionCounts<'a, S,
         true
     }
 
-    /// The same by the outer product of the beliefs, b(s', s) := b(s', s) + η q(s') q(s), as in pymdp, and in SPM, which
-    /// leaves counts of zero at zero.
+    /// The same by the outer product of the beliefs, b(s', s) := b(s', s) + η q(s') q(s), as in
+    /// pymdp, and in SPM, which leaves counts of zero at zero.
     ///
     /// Returns `false`, and learns nothing, as [`learn`](Self::learn) does.
     pub fn learn_outer(&mut self, action: Action, before: &[&[f32]], after: &[f32]) -> bool {
@@ -438,7 +443,8 @@ mod tests {
 
     #[test]
     fn a_robot_whose_drive_degrades_takes_the_other_route() {
-        // From the start (0) to the goal (3) by cell 1 with the good drive or by cell 2 with the slow one.
+        // From the start (0) to the goal (3) by cell 1 with the good drive or by cell 2 with the
+        // slow one.
         #[rustfmt::skip]
         let routes = [
             0.05, 0.0, 1.0, 0.0,  0.95, 0.05, 0.0, 0.0,  0.0, 0.0, 0.0, 0.0,  0.0, 0.95, 0.0, 1.0,
@@ -466,7 +472,8 @@ mod tests {
         assert_eq!(choice, Some(0));
         assert!(lead > 0.0);
 
-        // Now the good drive holds its place seven times in ten; the robot sees what becomes of its moves.
+        // Now the good drive holds its place seven times in ten; the robot sees what becomes of its
+        // moves.
         let mut dice = Dice::new(28);
         for _ in 0..60 {
             let moved = dice.even() < 0.3;

@@ -5,8 +5,8 @@ use crate::inference::table;
 use crate::inference::{Evidence, Shape, Terms};
 use crate::math::{self, Prediction};
 
-/// A full table: a row per outcome, in each row a column per combination of states, the last condition's states
-/// running fastest.
+/// A full table: a row per outcome, in each row a column per combination of states, the last
+/// condition's states running fastest.
 ///
 /// The numbers stay where they are, in flash for a `static`.
 ///
@@ -32,7 +32,8 @@ impl<'a> DenseLikelihood<'a> {
     /// A table, checked: `outcomes` rows over the product of `states`.
     ///
     /// # Panics
-    /// When the length does not fit or a column is no distribution. In a `const` or `static` this fails the build:
+    /// When the length does not fit or a column is no distribution. In a `const` or `static` this
+    /// fails the build:
     ///
     /// ```compile_fail,E0080
     /// use iibt_core::inference::likelihood::DenseLikelihood;

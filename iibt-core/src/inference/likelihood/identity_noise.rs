@@ -31,11 +31,12 @@ pub struct IdentityNoise {
 }
 
 impl IdentityNoise {
-    /// A sensor over `states` states that is right with probability `correct`; each other reading has an equal share
-    /// of the rest.
+    /// A sensor over `states` states that is right with probability `correct`; each other reading
+    /// has an equal share of the rest.
     ///
     /// # Panics
-    /// When there are fewer than two states or `correct` is no probability; in a `const` this fails the build.
+    /// When there are fewer than two states or `correct` is no probability; in a `const` this fails
+    /// the build.
     #[must_use]
     pub const fn new(correct: f32, states: usize) -> Self {
         assert!(states > 1, "A, the likelihood of an identity with noise, needs two states");
@@ -43,8 +44,8 @@ impl IdentityNoise {
         Self::among(correct, states)
     }
 
-    /// The same with numbers that are only known at run time: `correct` is held to 0..=1, where NaN is a sensor
-    /// that knows nothing, and `states` to two at least.
+    /// The same with numbers that are only known at run time: `correct` is held to 0..=1, where NaN
+    /// is a sensor that knows nothing, and `states` to two at least.
     #[must_use]
     pub const fn among(correct: f32, states: usize) -> Self {
         let states = if states < 2 { 2 } else { states };

@@ -13,9 +13,9 @@ pub const MAX_KINDS: usize = 16;
 
 /// P(o | s1, ..., sn) = column(kind(label1(s1), ..., labeln(sn)), o).
 ///
-/// A byte per state, a byte per combination of labels and one column per kind take the place of a number for each
-/// outcome and combination of states. A prediction costs the states' sum and the labels' product. Where every
-/// column has a single one, the outcome is certain given the states.
+/// A byte per state, a byte per combination of labels and one column per kind take the place of a
+/// number for each outcome and combination of states. A prediction costs the states' sum and the
+/// labels' product. Where every column has a single one, the outcome is certain given the states.
 ///
 /// ```
 /// use iibt_core::inference::{Likelihood, OutcomeTable};
@@ -43,11 +43,13 @@ pub struct OutcomeTable<'a> {
 }
 
 impl<'a> OutcomeTable<'a> {
-    /// A table from the label of each state of each condition, the kind of each combination of labels, the last
-    /// condition's labels running fastest, and the distribution over `outcomes` outcomes of each kind.
+    /// A table from the label of each state of each condition, the kind of each combination of
+    /// labels, the last condition's labels running fastest, and the distribution over `outcomes`
+    /// outcomes of each kind.
     ///
     /// # Panics
-    /// When a label, kind or column is not what it should be; in a `const` or `static` this fails the build.
+    /// When a label, kind or column is not what it should be; in a `const` or `static` this fails
+    /// the build.
     #[must_use]
     pub const fn new(labels: &'a [&'a [u8]], kinds: &'a [u8], columns: &'a [f32], outcomes: usize) -> Self {
         match Self::try_new(labels, kinds, columns, outcomes) {
@@ -63,9 +65,10 @@ impl<'a> OutcomeTable<'a> {
     /// The same for numbers that are only known at run time.
     ///
     /// # Errors
-    /// [`TableError::Empty`] without conditions, states, labels or outcomes, [`TableError::Range`] with the place of a
-    /// label of [`MAX_LABELS`] or more or of a kind that has no column, [`TableError::Length`] when there are not as many
-    /// kinds as combinations of labels, and what is wrong with a column.
+    /// [`TableError::Empty`] without conditions, states, labels or outcomes, [`TableError::Range`]
+    /// with the place of a label of [`MAX_LABELS`] or more or of a kind that has no column,
+    /// [`TableError::Length`] when there are not as many kinds as combinations of labels, and what
+    /// is wrong with a column.
     pub const fn try_new(
         labels: &'a [&'a [u8]],
         kinds: &'a [u8],
@@ -108,8 +111,8 @@ impl<'a> OutcomeTable<'a> {
         Ok(Self { labels, kinds, columns, shape, combinations, ambiguity, count })
     }
 
-    /// A table over two conditions that share their labels, sound by its making: `count` labels, a kind for each pair of them,
-    /// and kinds that are each certain of one outcome.
+    /// A table over two conditions that share their labels, sound by its making: `count` labels, a
+    /// kind for each pair of them, and kinds that are each certain of one outcome.
     pub(crate) fn trusted(
         labels: &'a [&'a [u8]; 2],
         count: usize,
@@ -205,8 +208,8 @@ impl<'a> OutcomeTable<'a> {
         }
     }
 
-    /// What is left of the columns, and of their entropies, for each label of the second condition when the first is summed
-    /// out.
+    /// What is left of the columns, and of their entropies, for each label of the second condition
+    /// when the first is summed out.
     #[inline]
     fn sum_out(&self, first: &[f32; MAX_LABELS], columns: &[Remains; MAX_KINDS], left: &mut [Remains]) {
         left.fill(Remains::NONE);
@@ -217,7 +220,8 @@ impl<'a> OutcomeTable<'a> {
         }
     }
 
-    /// Visits every combination of labels with its kind and its mass, one condition's mass left out.
+    /// Visits every combination of labels with its kind and its mass, one condition's mass left
+    /// out.
     fn for_each_combination(
         &self,
         beliefs: &[&[f32]],

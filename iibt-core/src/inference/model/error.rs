@@ -32,8 +32,8 @@ pub enum ModelError {
     /// This modality's likelihood has another number of states than a factor that it depends on.
     #[error("A[{0}], the likelihood, does not have the states of its factors")]
     Likelihood(usize),
-    /// This factor's transition is coupled to a factor that does not exist, or does not have the states of those it
-    /// is coupled to.
+    /// This factor's transition is coupled to a factor that does not exist, or does not have the
+    /// states of those it is coupled to.
     #[error("B[{0}], the transition, does not have the states of its factors")]
     Transition(usize),
 }

@@ -69,19 +69,21 @@ impl<'a> Factor<'a> {
     /// A factor that changes by itself and by its own action: `shape` is the transition's.
     ///
     /// # Panics
-    /// When `prior` is no distribution over the factor's states; in a `const` or `static` this fails the build.
+    /// When `prior` is no distribution over the factor's states; in a `const` or `static` this
+    /// fails the build.
     #[must_use]
     pub const fn new(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Self {
         assert!(prior.len() == shape.values(), "D, the prior, does not have an entry per state");
         assert!(math::is_distribution(prior), "D, the prior, is no distribution");
-        Self { transition, shape, coupled_to: &[], control: Control::Own, prior }
+        Self::trusted(transition, shape, prior)
     }
 
-    /// The same for a prior that is only known at run time; `None` when it is no distribution over the factor's states.
+    /// The same for a prior that is only known at run time; `None` when it is no distribution over
+    /// the factor's states.
     #[must_use]
     pub const fn try_new(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Option<Self> {
         if prior.len() == shape.values() && math::is_distribution(prior) {
-            Some(Self { transition, shape, coupled_to: &[], control: Control::Own, prior })
+            Some(Self::trusted(transition, shape, prior))
         } else {
             None
         }
@@ -92,8 +94,8 @@ impl<'a> Factor<'a> {
         Self { transition, shape, coupled_to: &[], control: Control::Own, prior }
     }
 
-    /// The same factor, its transition conditioned on other factors as well, in the order of the shape's further
-    /// conditions: the blocks B^ij.
+    /// The same factor, its transition conditioned on other factors as well, in the order of the
+    /// shape's further conditions: the blocks B^ij.
     #[must_use]
     pub const fn coupled_to(mut self, factors: &'a [usize]) -> Self {
         self.coupled_to = factors;
@@ -107,7 +109,8 @@ impl<'a> Factor<'a> {
         self
     }
 
-    /// P(s' = `next` | `states`, u = `action`), with a state for the factor itself and each that it is coupled to.
+    /// P(s' = `next` | `states`, u = `action`), with a state for the factor itself and each that it
+    /// is coupled to.
     #[must_use]
     pub fn probability(&self, action: Action, next: usize, states: &[usize]) -> f32 {
         self.transition.probability(action, next, states)

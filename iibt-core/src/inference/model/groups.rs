@@ -3,8 +3,8 @@
 use super::{MAX_FACTORS, MAX_MODALITIES, Model};
 
 impl Model<'_> {
-    /// Numbers the groups in the order of their first factors: factors that are coupled in motion, or moved by the same
-    /// actions, are in one.
+    /// Numbers the groups in the order of their first factors: factors that are coupled in motion,
+    /// or moved by the same actions, are in one.
     pub(super) const fn find_groups(&mut self) {
         let mut grouped: u32 = 0;
         let mut factor = 0;

@@ -28,20 +28,22 @@ impl<'a, 'm> Members<'a, 'm> {
         self.iter().fold(0, |all, (number, _)| all | self.model.scope(number))
     }
 
-    /// Takes out the first member and all that have factors in common with it, directly or by way of others.
+    /// Takes out the first member and all that have factors in common with it, directly or by way
+    /// of others.
     pub(in crate::inference) fn take_component(&mut self) -> Option<Self> {
         let mut component = Self { bits: self.bits & self.bits.wrapping_neg(), ..*self };
-        while component.bits != 0 {
+        // One that is left alone is not looked at.
+        while component.bits != self.bits {
             let factors = component.factors();
             let joined = self.iter().filter(|(_, modality)| factors_of(modality) & factors != 0);
             let joined = joined.fold(0, |bits, (number, _)| bits | 1 << number);
             if joined == component.bits {
-                self.bits &= !joined;
-                return Some(component);
+                break;
             }
             component.bits = joined;
         }
-        None
+        self.bits &= !component.bits;
+        (component.bits != 0).then_some(component)
     }
 
     /// The product of the factors that they depend on; `None` where there are too many to count.
@@ -69,8 +71,8 @@ pub(in crate::inference) struct Product {
 }
 
 impl Product {
-    /// The probability of a combination of states under independent beliefs; they are put into `now`, which has a state for
-    /// each factor of the model.
+    /// The probability of a combination of states under independent beliefs; they are put into
+    /// `now`, which has a state for each factor of the model.
     pub(in crate::inference) fn mass(
         &self,
         model: &Model,

@@ -7,7 +7,8 @@ use crate::inference::evidence::Evidence;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::shape::{MAX_CONDITIONS, Shape};
 
-/// A modality: its likelihood A, the factors that it depends on, and the preference C over its outcomes.
+/// A modality: its likelihood A, the factors that it depends on, and the preference C over its
+/// outcomes.
 ///
 /// ```
 /// use iibt_core::inference::{IdentityNoise, Modality};
@@ -33,12 +34,12 @@ pub struct Modality<'a> {
 }
 
 impl<'a> Modality<'a> {
-    /// A modality that depends on `factors`, one for each condition of `shape`, which is the likelihood's. `preference` is C
-    /// on a log scale: P(o) = softmax(C).
+    /// A modality that depends on `factors`, one for each condition of `shape`, which is the
+    /// likelihood's. `preference` is C on a log scale: P(o) = softmax(C).
     ///
     /// # Panics
-    /// When the numbers of factors or preferences do not fit the shape, or a preference is not finite; in a `const` or
-    /// `static` this fails the build.
+    /// When the numbers of factors or preferences do not fit the shape, or a preference is not
+    /// finite; in a `const` or `static` this fails the build.
     #[must_use]
     pub const fn new(
         likelihood: &'a dyn Likelihood,

@@ -5,12 +5,13 @@ use crate::actions::Action;
 use crate::inference::Shape;
 use crate::inference::likelihood::TableError;
 
-/// q(s_i') = Σ_j w_j B^ij q(s_j): the row of blocks of one factor in the block matrix of the paper's section 4.
+/// q(s_i') = Σ_j w_j B^ij q(s_j): the row of blocks of one factor in the block matrix of the
+/// paper's section 4.
 ///
-/// The first block is the factor's own motion, the others are what the factors coupled to it do to it; the weights
-/// are probabilities that sum to one. Memory and time grow with the number of blocks, not with the product of
-/// the factors' states. Each block has as many values as the factor, the states of its own condition, and the same
-/// actions as the others.
+/// The first block is the factor's own motion, the others are what the factors coupled to it do to
+/// it; the weights are probabilities that sum to one. Memory and time grow with the number of
+/// blocks, not with the product of the factors' states. Each block has as many values as the
+/// factor, the states of its own condition, and the same actions as the others.
 ///
 /// ```
 /// use iibt_core::inference::{Blocks, NextState, Transition};
@@ -29,11 +30,12 @@ pub struct Blocks<'a> {
 }
 
 impl<'a> Blocks<'a> {
-    /// A row of blocks with their weights; `states` are those of the factor itself and of each factor it is coupled to.
+    /// A row of blocks with their weights; `states` are those of the factor itself and of each
+    /// factor it is coupled to.
     ///
     /// # Panics
-    /// When the weights are no distribution or there are not as many blocks as `states`; in a `const` this fails the
-    /// build.
+    /// When the weights are no distribution or there are not as many blocks as `states`; in a
+    /// `const` this fails the build.
     #[must_use]
     pub const fn new(blocks: &'a [(f32, &'a dyn Transition)], states: &[usize]) -> Self {
         match Self::try_new(blocks, states) {
@@ -47,8 +49,8 @@ impl<'a> Blocks<'a> {
     /// The same for numbers that are only known at run time.
     ///
     /// # Errors
-    /// [`TableError::Length`] with the number of blocks, [`TableError::Entry`] with the place of a negative weight, and
-    /// [`TableError::Column`] with the sum of the weights.
+    /// [`TableError::Length`] with the number of blocks, [`TableError::Entry`] with the place of a
+    /// negative weight, and [`TableError::Column`] with the sum of the weights.
     pub const fn try_new(
         blocks: &'a [(f32, &'a dyn Transition)],
         states: &[usize],

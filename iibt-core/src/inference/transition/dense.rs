@@ -5,8 +5,8 @@ use crate::actions::{Action, Actions};
 use crate::inference::likelihood::TableError;
 use crate::inference::{Shape, table};
 
-/// A full table: per action a matrix with a row per next state and a column per combination of states, the factor's
-/// own state running slowest.
+/// A full table: per action a matrix with a row per next state and a column per combination of
+/// states, the factor's own state running slowest.
 ///
 /// ```
 /// use iibt_core::inference::{Transition, transition};
@@ -27,11 +27,12 @@ pub struct DenseTransition<'a> {
 }
 
 impl<'a> DenseTransition<'a> {
-    /// A table, checked: `actions` matrices over `states`, of which the first is the factor's own number of states
-    /// and the others are those of the factors that it is coupled to.
+    /// A table, checked: `actions` matrices over `states`, of which the first is the factor's own
+    /// number of states and the others are those of the factors that it is coupled to.
     ///
     /// # Panics
-    /// When the length does not fit or a column is no distribution; in a `const` this fails the build.
+    /// When the length does not fit or a column is no distribution; in a `const` this fails the
+    /// build.
     #[must_use]
     pub const fn new(table: &'a [f32], actions: usize, states: &[usize]) -> Self {
         match Self::try_new(table, actions, states) {
@@ -45,7 +46,8 @@ impl<'a> DenseTransition<'a> {
     /// The same for numbers that are only known at run time.
     ///
     /// # Errors
-    /// The first [`TableError`] found; columns are numbered action by action, row-major over the conditions.
+    /// The first [`TableError`] found; columns are numbered action by action, row-major over the
+    /// conditions.
     pub const fn try_new(table: &'a [f32], actions: usize, states: &[usize]) -> Result<Self, TableError> {
         if states.is_empty() || actions == 0 || actions > Actions::CODES as usize {
             return Err(TableError::Empty);

@@ -5,8 +5,8 @@ use crate::actions::{Action, Actions};
 use crate::inference::Shape;
 use crate::inference::likelihood::TableError;
 
-/// The next state of every state, per action, reached with probability 1 - slip; else the robot stays where it is. The slip
-/// is the same for all actions, or one of each action's own.
+/// The next state of every state, per action, reached with probability 1 - slip; else the robot
+/// stays where it is. The slip is the same for all actions, or one of each action's own.
 ///
 /// Two bytes per action and state, and a prediction costs an addition per state.
 ///
@@ -37,8 +37,8 @@ impl<'a> NextState<'a> {
     /// Certain motion: a row of `states` next states per action.
     ///
     /// # Panics
-    /// When there are no states or actions, the rows are ragged, or a next state is not below `states`; in a `const` this
-    /// fails the build.
+    /// When there are no states or actions, the rows are ragged, or a next state is not below
+    /// `states`; in a `const` this fails the build.
     #[must_use]
     pub const fn new(table: &'a [u16], states: usize) -> Self {
         Self::with_slip(table, states, 0.0)
@@ -58,7 +58,8 @@ impl<'a> NextState<'a> {
         }
     }
 
-    /// Motion in which each action fails with a probability of its own: one for each, in the order of the rows.
+    /// Motion in which each action fails with a probability of its own: one for each, in the order
+    /// of the rows.
     ///
     /// # Panics
     /// As [`new`](Self::new), and when there is not a probability for each action.
@@ -74,8 +75,8 @@ impl<'a> NextState<'a> {
     /// The same motion with a slip for each action, as when they have been learned.
     ///
     /// # Errors
-    /// [`TableError::Length`] when there is not one for each action, and [`TableError::Entry`] with the place of one that is
-    /// no probability.
+    /// [`TableError::Length`] when there is not one for each action, and [`TableError::Entry`] with
+    /// the place of one that is no probability.
     pub const fn try_slipping(self, slips: &'a [f32]) -> Result<Self, TableError> {
         if slips.len() * self.states as usize != self.table.len() {
             return Err(TableError::Length(slips.len()));
@@ -93,8 +94,9 @@ impl<'a> NextState<'a> {
     /// The same for numbers that are only known at run time.
     ///
     /// # Errors
-    /// [`TableError::Length`] for ragged rows, none, or more than [`Actions::CODES`], [`TableError::Range`] with the place of
-    /// a next state that does not exist, and [`TableError::Entry`] for a slip that is no probability.
+    /// [`TableError::Length`] for ragged rows, none, or more than [`Actions::CODES`],
+    /// [`TableError::Range`] with the place of a next state that does not exist, and
+    /// [`TableError::Entry`] for a slip that is no probability.
     pub const fn try_new(table: &'a [u16], states: usize, slip: f32) -> Result<Self, TableError> {
         if states == 0 || states > u16::MAX as usize {
             return Err(TableError::Empty);
@@ -116,8 +118,8 @@ impl<'a> NextState<'a> {
         Ok(Self { table, states: states as u16, slip, slips: &[] })
     }
 
-    /// Certain motion by a table that is sound by its making: one with a row of `states` next states per action. What is not
-    /// there changes nothing.
+    /// Certain motion by a table that is sound by its making: one with a row of `states` next
+    /// states per action. What is not there changes nothing.
     pub(crate) const fn trusted(table: &'a [u16], states: usize) -> Self {
         Self { table, states: states as u16, slip: 0.0, slips: &[] }
     }
@@ -141,7 +143,8 @@ impl<'a> NextState<'a> {
         self.slips.get(usize::from(action)).copied().unwrap_or(self.slip)
     }
 
-    /// Where `action` leads from `state` when it does not slip; nowhere for a state or action that does not exist.
+    /// Where `action` leads from `state` when it does not slip; nowhere for a state or action that
+    /// does not exist.
     #[must_use]
     pub fn successor(&self, action: Action, state: usize) -> usize {
         let row = self.row(action).unwrap_or(&[]);
