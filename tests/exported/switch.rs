@@ -8,7 +8,7 @@
 //! The numbers of A, B, C and D take 261 bytes, as full tables 316; 9 policies take 297. `Agent` takes about
 //! 1147 bytes of RAM.
 
-use iibt_core::inference::transition::DenseTransition as DenseTransition;
+use iibt_core::inference::transition::DenseTransition;
 use iibt_core::inference::{
     Candidates, Control, Factor, Habits, IdentityNoise, Modality, Model, OutcomeTable, Policy,
     Scoring,

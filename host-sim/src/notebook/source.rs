@@ -117,7 +117,8 @@ impl Source {
                 lines += &format!("use {path}::{name};\n");
             }
         }
-        let plain: Vec<_> = self.used.iter().filter(|name| !name.contains(' ')).copied().collect();
+        let is_dense = |name: &&&str| name.starts_with("Dense");
+        let plain: Vec<_> = self.used.iter().filter(|name| !is_dense(name)).copied().collect();
         let list = wrapped(plain.iter(), "    ");
         format!("{lines}use iibt_core::inference::{{\n{list}}};\n\n")
     }
