@@ -190,9 +190,8 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
 
     /// Forgets everything: the beliefs are D again.
     pub fn reset(&mut self) {
-        if let Ok(prior) = Beliefs::try_prior(self.model) {
-            self.beliefs = prior;
-        }
+        // There is room: that was asked when the agent was made.
+        let _ = self.model.write_prior(self.beliefs.as_flat_mut());
     }
 
     /// Chooses among joint policies, exactly: every one is weighed, with the model's own
