@@ -117,8 +117,8 @@ fn a_robot_of_your_own_is_the_one_that_is_flown() {
     let document = read(&root().join("docs/your-robot.md"));
     let blocks: Vec<_> =
         document.split("```rust\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
-    let [robot, flight] =
-        ["firmware/examples/airlock.rs", "host-sim/tests/airlock.rs"].map(|file| read(&root().join(file)));
+    let [robot, flight] = ["examples/airlock/src/lib.rs", "examples/airlock/tests/flight.rs"]
+        .map(|file| read(&root().join(file)));
     let mut shown = 0;
     for block in blocks {
         assert!(robot.contains(block) || flight.contains(block), "it is not flown: {block}");

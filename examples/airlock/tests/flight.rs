@@ -1,9 +1,5 @@
 //! The robot of docs/your-robot.md, flown.
 
-#[allow(unreachable_pub, reason = "a library, which is built for the chip as well")]
-#[path = "../../firmware/examples/airlock.rs"]
-mod airlock;
-
 use airlock::{Door, DoorHardware};
 use firmware::hardware::Battery;
 use host_sim::{Radio, Testbed};

@@ -1,7 +1,5 @@
 //! The two doors of an airlock, as docs/your-robot.md builds them: own task, own tree, own message.
-//!
-//! A library, so that it builds for any chip; host-sim/tests/airlock.rs flies it.
-#![cfg_attr(not(test), no_std)]
+#![no_std]
 
 use firmware::Robot;
 use firmware::hardware::Battery;
