@@ -168,7 +168,7 @@ fn a_model_with_more_groups_or_states_than_room_is_refused() {
             let error = OutOfRange { what: Argument::States, index: 0, value: model.states(), limit: 6 };
             assert_eq!(Beliefs::<3, 2>::try_prior(model).err(), (!small).then_some(error));
             // Beliefs of another, smaller model.
-            let mut beliefs = one_factor(|model| Beliefs::<3, 2>::prior(model));
+            let mut beliefs = one_factor(Beliefs::<3, 2>::prior);
             let update = beliefs.update(model, &evidence);
             assert!(small || update == Err(error.into()));
             assert!(small || beliefs.update_by_ascent(model, &evidence, MAX_SWEEPS) == Err(error.into()));
