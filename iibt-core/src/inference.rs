@@ -2,8 +2,8 @@
 //!
 //! | symbol | here | shape |
 //! |---|---|---|
-//! | A = P(o \| s) | [`Likelihood`]: [`DenseLikelihood`](likelihood::DenseLikelihood), [`IdentityNoise`], [`OutcomeTable`] | outcomes x states |
-//! | B = P(s' \| s, u) | [`Transition`]: [`DenseTransition`](transition::DenseTransition), [`NextState`], [`Blocks`] | states x states per action |
+//! | A = P(o \| s) | [`Likelihood`]: [`DenseLikelihood`], [`IdentityNoise`], [`OutcomeTable`] | outcomes x states |
+//! | B = P(s' \| s, u) | [`Transition`]: [`DenseTransition`], [`NextState`], [`Blocks`] | states x states per action |
 //! | C, ln P(o) up to a constant | a slice in each [`Modality`], or a [`Preference`] | outcomes |
 //! | D = P(s) at the start | a slice in each [`Factor`] | states |
 //! | E = P(π) | [`Habits`] | policies |
@@ -48,11 +48,11 @@ pub use estimation::{EXACT_LIMIT, MAX_SWEEPS, Update};
 pub use evaluation::Evaluation;
 pub use evidence::Evidence;
 pub use free_energy::{Gain, PreferenceTiming, Scoring, Terms};
-pub use likelihood::{IdentityNoise, Likelihood, OutcomeTable, TableError};
+pub use likelihood::{DenseLikelihood, IdentityNoise, Likelihood, OutcomeTable, TableError};
 pub use model::{Control, Factor, MAX_FACTORS, MAX_MODALITIES, Modality, Model, ModelError};
 pub use policy::{Choice, Policy, StarOfPairs};
 pub use precision::Precision;
 pub use preference::Preference;
 pub use problem::{PairPreference, Problem};
 pub use shape::{MAX_CONDITIONS, Shape};
-pub use transition::{Blocks, NextState, Transition};
+pub use transition::{Blocks, DenseTransition, NextState, Transition};

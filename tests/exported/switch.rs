@@ -6,12 +6,11 @@
 //! - modality 1: 2 outcomes of factor 0 and 1, outcome table
 //!
 //! The numbers of A, B, C and D take 261 bytes, as full tables 316; 9 policies take 297. `Agent` takes about
-//! 1147 bytes of RAM.
+//! 789 bytes of RAM.
 
-use iibt_core::inference::transition::DenseTransition;
 use iibt_core::inference::{
-    Candidates, Control, Factor, Habits, IdentityNoise, Modality, Model, OutcomeTable, Policy,
-    Scoring,
+    Candidates, Control, DenseTransition, Factor, Habits, IdentityNoise, Modality, Model,
+    OutcomeTable, Policy, Scoring,
 };
 
 #[rustfmt::skip]

@@ -92,8 +92,9 @@ fn policy_bytes(choices: &Choices) -> usize {
 /// About what the agent takes on the robot.
 fn agent_bytes(room: &Room) -> usize {
     let (terms, beliefs) = (size_of::<Terms>(), 4 * room.states() * room.groups());
-    let candidates = room.rows() * (beliefs + room.groups() * (terms + 6));
-    beliefs + candidates + room.rows() * room.planes() * (room.groups() + 2 * terms + 8) + 380
+    let candidates = room.rows() * (beliefs + room.groups() * (terms + 8));
+    let policies = room.rows() * room.planes() * (room.groups() + 2 * terms + 4);
+    beliefs + candidates + policies + 8 * room.groups() + 32
 }
 
 /// The text so far, and the names that it uses.
@@ -108,19 +109,8 @@ impl Source {
     }
 
     fn uses(&mut self) -> String {
-        let mut lines = String::new();
-        for (path, names) in [
-            ("iibt_core::inference::likelihood", &["DenseLikelihood"][..]),
-            ("iibt_core::inference::transition", &["DenseTransition"]),
-        ] {
-            for name in names.iter().filter(|name| self.used.contains(**name)) {
-                lines += &format!("use {path}::{name};\n");
-            }
-        }
-        let is_dense = |name: &&&str| name.starts_with("Dense");
-        let plain: Vec<_> = self.used.iter().filter(|name| !is_dense(name)).copied().collect();
-        let list = wrapped(plain.iter(), "    ");
-        format!("{lines}use iibt_core::inference::{{\n{list}}};\n\n")
+        let list = wrapped(self.used.iter(), "    ");
+        format!("use iibt_core::inference::{{\n{list}}};\n\n")
     }
 
     fn transition(&mut self, number: usize, form: &TransitionForm) {
