@@ -37,6 +37,7 @@ pub fn page(sections: &[Section]) -> String {
                 }
             }
         }
+        "\n"
     }
     .into_string()
 }
