@@ -5,8 +5,7 @@
 
 use host_sim::notebook::{Beliefs, Convention, Forms, InferenceReport, InferenceRun, Notebook, StepReport};
 use iibt_core::inference::{Evidence, Update};
-use std::path::Path;
-use std::process::Command;
+use tests::package::{Package, assert_is_kept};
 
 const BENCHMARK_1: &str = include_str!("../host-sim/models/benchmark-1.json");
 const BENCHMARK_2: &str = include_str!("../host-sim/models/benchmark-2.json");
@@ -398,38 +397,19 @@ fn exported_source_has_the_same_bits() {
 fn exported_source_is_what_export_writes() {
     let models = [("benchmark_1", BENCHMARK_1), ("benchmark_2", BENCHMARK_2), ("switch", SWITCH)];
     for (name, text) in models {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("exported/{name}.rs"));
-        let kept = std::fs::read_to_string(&path).expect("the exported source");
         let written = notebook(text).to_rust(Forms::Structured).expect("source");
-        assert!(written == kept, "{}: write it anew with `host-sim export`", path.display());
+        assert_is_kept(&format!("{name}.rs"), &written);
     }
 }
 
 #[test]
 fn exported_source_compiles_without_std() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().expect("the workspace");
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("exported");
-    std::fs::create_dir_all(folder.join("src")).expect("a folder");
-    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("a file");
-    let core = root.join("iibt-core");
-    write(
-        "Cargo.toml",
-        &format!(
-            "[package]\nname = \"exported\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[workspace]\n\n\
-             [dependencies]\niibt-core = {{ path = {core:?} }}\n"
-        ),
-    );
-    write("src/lib.rs", "#![no_std]\npub mod dense;\npub mod structured;\npub mod team;\n");
-    write("src/dense.rs", &notebook(SWITCH).to_rust(Forms::Dense).expect("source"));
-    write("src/structured.rs", &notebook(SWITCH).to_rust(Forms::Structured).expect("source"));
-    write("src/team.rs", &notebook(BENCHMARK_2).to_rust(Forms::Structured).expect("source"));
-    std::fs::copy(root.join("Cargo.lock"), folder.join("Cargo.lock")).expect("the lock file");
-    let output = Command::new(env!("CARGO"))
-        .args(["check", "--offline", "--target", "thumbv7em-none-eabihf", "--target-dir"])
-        .arg(folder.join("target"))
-        .current_dir(&folder)
-        .env("RUSTFLAGS", "-D warnings")
-        .output()
-        .expect("cargo");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let source = |text, forms| notebook(text).to_rust(forms).expect("source");
+    let sources = [
+        ("lib.rs", "#![no_std]\npub mod dense;\npub mod structured;\npub mod team;\n".to_owned()),
+        ("dense.rs", source(SWITCH, Forms::Dense)),
+        ("structured.rs", source(SWITCH, Forms::Structured)),
+        ("team.rs", source(BENCHMARK_2, Forms::Structured)),
+    ];
+    Package::new(concat!(env!("CARGO_TARGET_TMPDIR"), "/exported"), sources).assert_compiles_for_the_chip();
 }

@@ -4,6 +4,7 @@ use bumpalo::Bump;
 use host_sim::manipulation::tables::IN_TURN;
 use host_sim::task::{LEVELS, NAMES, TableMission, Trouble, built_in};
 use std::num::NonZeroUsize;
+use tests::package::{Package, assert_is_kept};
 
 fn text(name: &str) -> &'static str {
     built_in(name).expect("it is built in")
@@ -167,44 +168,25 @@ mod exported {
 #[test]
 fn exported_tables_are_those_of_the_file_and_what_export_writes() {
     use exported::{bottle_and_plate, valves};
-    use std::path::Path;
     let arena = Bump::new();
     let exports = [
-        ("bottle-and-plate", &bottle_and_plate::TABLES, "exported/bottle_and_plate.rs"),
-        ("valves", &valves::TABLES, "exported/valves.rs"),
+        ("bottle-and-plate", &bottle_and_plate::TABLES, "bottle_and_plate.rs"),
+        ("valves", &valves::TABLES, "valves.rs"),
     ];
     for (name, exported, file) in exports {
         let task = mission(&arena, name);
         assert_eq!(task.tables, *exported, "{name}");
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
-        let kept = std::fs::read_to_string(&path).expect("the exported source");
-        assert!(task.to_rust() == kept, "{}: write it again with `host-sim export`", path.display());
+        assert_is_kept(file, &task.to_rust());
     }
 }
 
 #[test]
 fn exported_tables_compile_for_the_chip() {
-    use std::path::Path;
-    use std::process::Command;
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().expect("the workspace");
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tables");
-    std::fs::create_dir_all(folder.join("src")).expect("a folder");
-    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("a file");
-    let core = root.join("iibt-core");
-    let dependency = format!("[dependencies]\niibt-core = {{ path = {core:?} }}\n");
-    let package = "[package]\nname = \"tables\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[workspace]\n\n";
-    write("Cargo.toml", &(package.to_owned() + &dependency));
-    write("src/lib.rs", "#![no_std]\npub mod bottle_and_plate;\npub mod valves;\n");
     let arena = Bump::new();
-    write("src/bottle_and_plate.rs", &mission(&arena, "bottle-and-plate").to_rust());
-    write("src/valves.rs", &mission(&arena, "valves").to_rust());
-    std::fs::copy(root.join("Cargo.lock"), folder.join("Cargo.lock")).expect("the lock file");
-    let output = Command::new(env!("CARGO"))
-        .args(["check", "--offline", "--target", "thumbv7em-none-eabihf", "--target-dir"])
-        .arg(folder.join("target"))
-        .current_dir(&folder)
-        .env("RUSTFLAGS", "-D warnings")
-        .output()
-        .expect("cargo");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let sources = [
+        ("lib.rs", "#![no_std]\npub mod bottle_and_plate;\npub mod valves;\n".to_owned()),
+        ("bottle_and_plate.rs", mission(&arena, "bottle-and-plate").to_rust()),
+        ("valves.rs", mission(&arena, "valves").to_rust()),
+    ];
+    Package::new(concat!(env!("CARGO_TARGET_TMPDIR"), "/tables"), sources).assert_compiles_for_the_chip();
 }

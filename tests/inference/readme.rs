@@ -1,8 +1,8 @@
 //! The README's twenty lines on inference cannot be made wrong by changing a number: the build fails, or a typed error names
 //! what does not fit, or it is another model that is as sound.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
+use tests::package::Package;
 
 /// The first Rust code in the README.
 fn code() -> String {
@@ -49,31 +49,10 @@ const CHANGES: &[(&str, &str, &str)] = &[
 
 const FINE: &str = "";
 
-fn cargo(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO"))
-        .args(arguments)
-        .args(["--offline", "--target-dir"])
-        .arg(folder.join("target"))
-        .current_dir(folder)
-        .output()
-        .expect("cargo runs")
-}
-
 /// A package with a program for each change.
-fn package() -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().expect("the workspace");
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
-    let core = root.join("iibt-core");
-    let manifest = format!(
-        "[package]\nname = \"readme\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[workspace]\n\n\
-         [dependencies]\niibt-core = {{ path = {core:?} }}\n\n[profile.dev]\ndebug = false\n"
-    );
-    let _ = std::fs::remove_dir_all(folder.join("src"));
-    std::fs::create_dir_all(folder.join("src/bin")).expect("a folder");
-    std::fs::write(folder.join("Cargo.toml"), manifest).expect("a file");
-    std::fs::copy(root.join("Cargo.lock"), folder.join("Cargo.lock")).expect("the lock file");
+fn package() -> Package {
     let code = code();
-    for (number, (piece, instead, _)) in CHANGES.iter().enumerate() {
+    let programs = CHANGES.iter().enumerate().map(|(number, (piece, instead, _))| {
         assert_eq!(code.matches(piece).count(), 1, "{piece} stands in the README once");
         let body = code.replace(piece, instead);
         let body = body.replace("Ok::<(), Box<dyn std::error::Error>>(())", "Ok(())");
@@ -82,18 +61,18 @@ fn package() -> PathBuf {
              fn main() {{\n    if let Err(error) = run() {{\n        eprintln!(\"{{error}}\");\n        \
              std::process::exit(1);\n    }}\n}}\n"
         );
-        std::fs::write(folder.join(format!("src/bin/change_{number}.rs")), program).expect("a file");
-    }
-    folder
+        (format!("bin/change_{number}.rs"), program)
+    });
+    Package::new(concat!(env!("CARGO_TARGET_TMPDIR"), "/readme"), programs)
 }
 
 #[test]
 fn every_number_is_checked() {
-    let folder = package();
-    let program = |number: usize| folder.join(format!("target/debug/change_{number}"));
+    let package = package();
+    let program = |number: usize| package.program(&format!("change_{number}"));
     // Programs of an earlier run would be taken for what is built now.
     (0..CHANGES.len()).for_each(|number| drop(std::fs::remove_file(program(number))));
-    let build = cargo(&folder, &["build", "--bins", "--keep-going"]);
+    let build = package.cargo(&["build", "--bins", "--keep-going"]);
     let said = String::from_utf8_lossy(&build.stderr).into_owned();
     for (number, (piece, instead, expected)) in CHANGES.iter().enumerate() {
         let outcome = if program(number).exists() {

@@ -6,6 +6,7 @@ pub mod elf;
 pub mod handling;
 pub mod judge;
 pub mod oracle;
+pub mod package;
 pub mod peers;
 pub mod qemu;
 pub mod rig;
