@@ -15,6 +15,7 @@ mod file;
 mod flight;
 mod mission;
 mod read;
+mod robot;
 mod station;
 mod values;
 mod world;
@@ -27,6 +28,7 @@ pub use read::TableMission;
 pub use world::{Goal, Truth};
 
 pub(crate) use flight::{TaskFlight, Worker};
+pub(crate) use robot::{TaskRobot, Ticked, Turn};
 pub(crate) use station::Station;
 
 use iibt_core::iibt::table::TableTask;

@@ -3,32 +3,27 @@
 use super::record::Thought;
 use super::skill::Skill;
 use super::tables::{EMPTY, GOAL_C, GRIP, HOLDS, MOVE_TO, Order, PLACE, PLACED};
-use crate::task::{HostTask, Station, Worker};
+use crate::task::{HostTask, TaskRobot, Ticked, Turn};
 use crate::tree::BoundTree;
-use firmware::Robot;
-use iibt_core::iibt::table::{Announcement, Command, Percept};
-use iibt_core::iibt::{InferenceNode, Task};
-use iibt_core::team::{Invalid, Peers};
-use iibt_core::time::{Duration, Instant};
+use iibt_core::iibt::Task as _;
+use iibt_core::iibt::table::{Announcement, Command};
+use iibt_core::time::Instant;
 use iibt_core::tree::{Full, Halt, Leaves, NodeMemory, Status};
 
-/// The ticks for which a precondition may stay unmet before the node fails.
-const TIMEOUT: Duration = Duration(50);
-
 /// A robot whose tree has inference nodes.
-pub(super) struct Inferring<'t> {
+pub(super) type Inferring<'t> = TaskRobot<'t, Inference>;
+
+/// The tree of such a robot.
+pub(super) struct Inference {
     tree: BoundTree<Skill>,
     memory: Vec<NodeMemory<Full>>,
-    task: HostTask<'t>,
-    node: InferenceNode<HostTask<'t>>,
     order: Order,
-    percept: Percept,
 }
 
 impl<'t> Inferring<'t> {
-    pub(super) fn new(tree: BoundTree<Skill>, task: HostTask<'t>, order: Order) -> Self {
+    pub(super) fn of(tree: BoundTree<Skill>, task: HostTask<'t>, order: Order) -> Self {
         let memory = vec![NodeMemory::NEW; tree.len()];
-        Self { tree, memory, task, node: InferenceNode::new(TIMEOUT), order, percept: Percept::default() }
+        Self::new(Inference { tree, memory, order }, task)
     }
 
     /// What it thinks after a tick.
@@ -37,70 +32,37 @@ impl<'t> Inferring<'t> {
     }
 
     pub(super) fn running(&self) -> Option<Skill> {
-        self.tree.running(&self.memory).copied()
+        self.tree.tree.running(&self.tree.memory).copied()
     }
 }
 
-impl Robot<Station> for Inferring<'_> {
-    type Message = Announcement;
-
-    fn mission(&self) -> u64 {
-        self.task.mission()
-    }
-
-    fn accepts(&self, said: &Announcement) -> Result<(), Invalid> {
-        self.task.accepts(said)
-    }
-
-    fn sense(&mut self, station: &mut Station, _: Instant) {
-        self.percept = station.percept;
-    }
-
-    fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
-        self.task.observe(&self.percept, peers);
-        let Self { tree, memory, task, node, order, percept } = self;
-        let mut leaves = Ticking { task, node, order: *order, percept: *percept, peers };
-        tree.tick(memory, &mut leaves, now).status
-    }
-
-    fn act(&mut self, station: &mut Station) {
-        station.command = self.task.command();
-    }
-
-    fn message(&self) -> Announcement {
-        self.task.announcement()
-    }
-}
-
-impl<'t> Worker<'t> for Inferring<'t> {
-    fn task(&self) -> Option<&HostTask<'t>> {
-        Some(&self.task)
+impl Ticked for Inference {
+    fn tick(&mut self, turn: Turn<'_, '_>, now: Instant) -> Status {
+        let mut leaves = Ticking { turn, order: self.order };
+        self.tree.tick(&mut self.memory, &mut leaves, now).status
     }
 }
 
 /// The leaves in a tick.
 struct Ticking<'k, 't> {
-    task: &'k mut HostTask<'t>,
-    node: &'k mut InferenceNode<HostTask<'t>>,
+    turn: Turn<'k, 't>,
     order: Order,
-    percept: Percept,
-    peers: Peers<'k, Announcement>,
 }
 
 impl Ticking<'_, '_> {
     fn is_at(&self, place: u8) -> bool {
-        !self.percept.busy && self.task.sure(PLACE.into()) == Some(place.into())
+        !self.turn.percept.busy && self.turn.task.sure(PLACE.into()) == Some(place.into())
     }
 
     /// The plain leaf MoveTo(place). It leaves for the meeting place when, in turn, the teammate
     /// has its object too; it fails when the robot is sure to have nothing to bring there, so that
     /// the tree begins again.
     fn go(&mut self, place: u8) -> Status {
-        if !self.task.is_settled() {
+        if !self.turn.task.is_settled() {
             return Status::Running;
         }
         let meets = place == GOAL_C;
-        if meets && self.task.sure(GRIP.into()) == Some(EMPTY.into()) {
+        if meets && self.turn.task.sure(GRIP.into()) == Some(EMPTY.into()) {
             return Status::Failure;
         }
         if self.is_at(place) {
@@ -108,10 +70,10 @@ impl Ticking<'_, '_> {
         }
         let brings =
             |said: Announcement| said.state(GRIP.into()).is_some_and(|grip| [HOLDS, PLACED].contains(&grip));
-        let leaves =
-            self.order == Order::Together || (0..2).filter_map(|robot| self.task.teammate(robot)).any(brings);
-        if self.peers.all_connected() && (!meets || leaves) {
-            self.task.begin(Command { operator: MOVE_TO, target: Some(place) });
+        let leaves = self.order == Order::Together
+            || (0..2).filter_map(|robot| self.turn.task.teammate(robot)).any(brings);
+        if self.turn.peers.all_connected() && (!meets || leaves) {
+            self.turn.task.begin(Command { operator: MOVE_TO, target: Some(place) });
         }
         Status::Running
     }
@@ -124,14 +86,14 @@ impl Leaves<Skill> for Ticking<'_, '_> {
 
     fn on_start(&mut self, leaf: &Skill, now: Instant) -> Status {
         if let Skill::Infer(aim) = *leaf {
-            self.task.pursue(aim);
+            self.turn.task.pursue(aim);
         }
         self.on_running(leaf, now)
     }
 
     fn on_running(&mut self, leaf: &Skill, now: Instant) -> Status {
         match *leaf {
-            Skill::Infer(_) => self.node.tick(self.task, &self.percept, self.peers, now),
+            Skill::Infer(_) => self.turn.infer(now),
             Skill::MoveTo(place) => self.go(place),
             _ => Status::Failure,
         }
@@ -139,8 +101,8 @@ impl Leaves<Skill> for Ticking<'_, '_> {
 
     fn on_halted(&mut self, leaf: &Skill, _: Instant) -> Halt {
         match leaf {
-            Skill::Infer(_) => self.node.halt(self.task),
-            _ => self.task.wait(),
+            Skill::Infer(_) => self.turn.node.halt(self.turn.task),
+            _ => self.turn.task.wait(),
         }
         Halt::Done
     }

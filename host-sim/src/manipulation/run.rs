@@ -106,7 +106,7 @@ impl<'t> Hand<'t> {
         let task = || HostTask::new(tables, RobotId(index)).map_err(RunError::Tables);
         let sense = match (terms.trees, terms.trust) {
             (Trees::Inference, _) => {
-                return Ok(Self::Inferring(Box::new(Inferring::new(tree, task()?, terms.order))));
+                return Ok(Self::Inferring(Box::new(Inferring::of(tree, task()?, terms.order))));
             }
             (_, Trust::Equal(enough)) => Sense::debounced(enough),
             (_, Trust::Belief) => Sense::believed(tables, index.into(), task()?),

@@ -1,19 +1,14 @@
 //! A task file flown: each robot's tree is a sequence of its aims, an inference node each.
 
-use super::flight::{Flown, TaskFlight, Worker};
+use super::HostTask;
+use super::flight::{Flown, TaskFlight};
 use super::read::TableMission;
-use super::{HostTask, Station};
-use firmware::Robot;
-use iibt_core::iibt::table::{Announcement, Percept, TablesError};
-use iibt_core::iibt::{InferenceNode, Task as _};
-use iibt_core::team::{Invalid, MemberError, Peers, RobotId};
-use iibt_core::time::{Duration, Instant};
+use super::robot::{TaskRobot, Ticked, Turn};
+use iibt_core::iibt::table::TablesError;
+use iibt_core::team::{MemberError, RobotId};
+use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 use std::fmt;
-
-/// The ticks for which a precondition may stay unmet before a node fails and the sequence begins
-/// again.
-const TIMEOUT: Duration = Duration(50);
 
 /// What goes wrong, in place of what the file says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -66,13 +61,7 @@ impl TableMission<'_> {
             .map(|robot| {
                 let task = HostTask::new(&self.tables, RobotId(robot)).map_err(TaskError::Tables)?;
                 let aims = self.tables.roles()[usize::from(robot)].aims.len();
-                Ok(Sequence {
-                    task,
-                    aims,
-                    aim: 0,
-                    node: InferenceNode::new(TIMEOUT),
-                    percept: Percept::default(),
-                })
+                Ok(TaskRobot::new(Sequence { aims, aim: 0 }, task))
             })
             .collect();
         let flight = TaskFlight::new(&self.tables, &truth, radio, seed, robots?).map_err(TaskError::Team)?;
@@ -111,35 +100,17 @@ impl TableMission<'_> {
     }
 }
 
-/// A robot that reaches its aims one after the other.
-struct Sequence<'t> {
-    task: HostTask<'t>,
+/// A robot's aims, one after the other.
+struct Sequence {
     aims: usize,
     /// The aim that is pursued; all are reached when there is no such aim.
     aim: usize,
-    node: InferenceNode<HostTask<'t>>,
-    percept: Percept,
 }
 
-impl Robot<Station> for Sequence<'_> {
-    type Message = Announcement;
-
-    fn mission(&self) -> u64 {
-        self.task.mission()
-    }
-
-    fn accepts(&self, said: &Announcement) -> Result<(), Invalid> {
-        self.task.accepts(said)
-    }
-
-    fn sense(&mut self, station: &mut Station, _: Instant) {
-        self.percept = station.percept;
-    }
-
-    fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
-        self.task.observe(&self.percept, peers);
-        while self.task.pursue(self.aim) {
-            match self.node.tick(&mut self.task, &self.percept, peers, now) {
+impl Ticked for Sequence {
+    fn tick(&mut self, mut turn: Turn<'_, '_>, now: Instant) -> Status {
+        while turn.task.pursue(self.aim) {
+            match turn.infer(now) {
                 Status::Success => self.aim += 1,
                 Status::Failure => {
                     self.aim = 0;
@@ -150,19 +121,5 @@ impl Robot<Station> for Sequence<'_> {
         }
         debug_assert_eq!(self.aim, self.aims);
         Status::Success
-    }
-
-    fn act(&mut self, station: &mut Station) {
-        station.command = self.task.command();
-    }
-
-    fn message(&self) -> Announcement {
-        self.task.announcement()
-    }
-}
-
-impl<'t> Worker<'t> for Sequence<'t> {
-    fn task(&self) -> Option<&HostTask<'t>> {
-        Some(&self.task)
     }
 }
