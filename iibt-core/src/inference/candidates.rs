@@ -149,7 +149,20 @@ impl<'a> Candidates<'a> {
     /// The number of a control's sequence in a joint policy.
     #[must_use]
     pub fn sequence(&self, policy: usize, control: usize) -> usize {
-        self.row(policy).get(control)
+        match self.combinations {
+            Combinations::All => {
+                let faster = (control.saturating_add(1)..self.sequences.len().min(MAX_FACTORS))
+                    .fold(1_usize, |count, faster| count.saturating_mul(self.choices(faster)));
+                policy.checked_div(faster).unwrap_or(0).checked_rem(self.choices(control)).unwrap_or(0)
+            }
+            Combinations::Listed(_) => self.listed_row(policy).get(control).copied().map_or(0, usize::from),
+        }
+    }
+
+    /// The row of a joint policy in the list; empty where all combinations are meant.
+    fn listed_row(&self, policy: usize) -> &'a [u16] {
+        let Combinations::Listed(rows) = self.combinations else { return &[] };
+        rows.chunks(self.sequences.len().max(1)).nth(policy).unwrap_or_default()
     }
 
     /// The number of each control's sequence in a joint policy.
@@ -190,9 +203,7 @@ impl<'a> Candidates<'a> {
     // Apart: inlined, its bounds are worked out for every policy where all combinations are meant.
     #[inline(never)]
     fn read(&self, policy: usize, row: &mut JointPolicy) {
-        let Combinations::Listed(rows) = self.combinations else { return };
-        let listed = rows.chunks(self.sequences.len().max(1)).nth(policy).unwrap_or_default();
-        row.0.iter_mut().zip(listed).for_each(|(to, from)| *to = *from);
+        row.0.iter_mut().zip(self.listed_row(policy)).for_each(|(to, from)| *to = *from);
     }
 
     /// A control's sequence of this number; without actions where there is none.

@@ -56,7 +56,8 @@ pub(in crate::inference) fn action_of<const S: usize, const G: usize>(
     step: usize,
 ) -> Option<Action> {
     let Some(control) = problem.model.control(factor) else { return Some(0) };
-    sequence(problem, control, &problem.candidates.row(policy)).get(step)
+    let candidates = problem.candidates;
+    candidates.policy(control, candidates.sequence(policy, control)).get(step)
 }
 
 /// After how many steps a group arrives: when the last of its action sequences ends. Zero, which is
