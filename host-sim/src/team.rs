@@ -14,8 +14,8 @@ use iibt_core::inference::learning::Rates;
 use iibt_core::navigation::{Mission, MissionError};
 use iibt_core::team::{Key, Member, MemberError, RobotId};
 use serde::Serialize;
-use std::fmt;
 use std::num::NonZero;
+use thiserror::Error;
 
 /// A navigating robot with the firmware's controller in a simulated body.
 pub type Navigating<'m, const S: usize, const W: usize, const P: usize> =
@@ -28,36 +28,14 @@ const SMALL: usize = 49;
 const MEDIUM: usize = 256;
 
 /// Why a scenario has no team.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error(transparent)]
 pub enum TeamError {
     /// The team is too large.
-    Member(MemberError),
+    Member(#[from] MemberError),
     /// The mission does not fit.
-    Mission(MissionError),
+    Mission(#[from] MissionError),
 }
-
-impl From<MemberError> for TeamError {
-    fn from(error: MemberError) -> Self {
-        Self::Member(error)
-    }
-}
-
-impl From<MissionError> for TeamError {
-    fn from(error: MissionError) -> Self {
-        Self::Mission(error)
-    }
-}
-
-impl fmt::Display for TeamError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Member(error) => error.fmt(f),
-            Self::Mission(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for TeamError {}
 
 /// What flies the robots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]

@@ -5,11 +5,11 @@
 
 use crate::team::Pilot;
 use serde::Serialize;
-use std::fmt;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use thiserror::Error;
 
 /// The instructions of the ticks of one flight, of all robots together.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -27,13 +27,16 @@ pub struct Cost {
 }
 
 /// Why nothing was measured.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NotMeasured {
     /// There is no valgrind on this machine.
+    #[error("not measured: valgrind is not installed")]
     NoValgrind,
     /// The program did not fly under valgrind; what it said last.
+    #[error("not measured: under valgrind the flight failed: {0}")]
     Failed(String),
     /// What valgrind left cannot be read.
+    #[error("not measured: {0}")]
     Unreadable(String),
 }
 
@@ -117,18 +120,6 @@ impl Drop for Folder {
         let _ = fs::remove_dir_all(&self.0);
     }
 }
-
-impl fmt::Display for NotMeasured {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoValgrind => f.write_str("not measured: valgrind is not installed"),
-            Self::Failed(reason) => write!(f, "not measured: under valgrind the flight failed: {reason}"),
-            Self::Unreadable(reason) => write!(f, "not measured: {reason}"),
-        }
-    }
-}
-
-impl std::error::Error for NotMeasured {}
 
 #[cfg(test)]
 mod tests {

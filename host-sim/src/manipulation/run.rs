@@ -18,7 +18,7 @@ use iibt_core::iibt::table::{Announcement, Tables, TablesError};
 use iibt_core::team::{Invalid, MemberError, Peers, RobotId};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
-use std::fmt;
+use thiserror::Error;
 
 /// How much of a run is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,15 +30,19 @@ pub enum Detail {
 }
 
 /// Why there is no such run.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum RunError {
     /// A tree cannot be run by these robots.
-    Tree(Diagnostic),
+    #[error(transparent)]
+    Tree(#[from] Diagnostic),
     /// The numbers make no tables.
-    Tables(TablesError),
+    #[error(transparent)]
+    Tables(#[from] TablesError),
     /// There is no such team.
-    Team(MemberError),
+    #[error(transparent)]
+    Team(#[from] MemberError),
     /// A disturbance is no probability.
+    #[error("{0}: a probability is a number from 0 to 1")]
     Disturbance(&'static str),
 }
 
@@ -49,13 +53,13 @@ pub enum RunError {
 pub fn run(terms: &Terms, detail: Detail) -> Result<Run, RunError> {
     check(terms)?;
     let arena = Bump::new();
-    let tables = tables(&arena, terms.order, terms.preset).map_err(RunError::Tables)?;
+    let tables = tables(&arena, terms.order, terms.preset)?;
     let truth = truth(&tables, terms.disturbances);
-    let [left, right] = terms.trees.bind().map_err(RunError::Tree)?;
+    let [left, right] = terms.trees.bind()?;
     let robots = vec![Hand::new(terms, &tables, 0, left)?, Hand::new(terms, &tables, 1, right)?];
     let radio = scenario::Radio { loss: terms.disturbances.loss, ..scenario::Radio::default() };
     let mut history = Vec::new();
-    let flight = TaskFlight::new(&tables, &truth, radio, terms.seed, robots).map_err(RunError::Team)?;
+    let flight = TaskFlight::new(&tables, &truth, radio, terms.seed, robots)?;
     let flown = flight.fly(terms.max_ticks, |statuses| statuses[0] == Status::Success, &mut |flight| {
         if detail == Detail::History {
             history.push(noted(flight));
@@ -103,7 +107,7 @@ impl<'t> Hand<'t> {
         index: u8,
         tree: BoundTree<Skill>,
     ) -> Result<Self, RunError> {
-        let task = || HostTask::new(tables, RobotId(index)).map_err(RunError::Tables);
+        let task = || HostTask::new(tables, RobotId(index));
         let sense = match (terms.trees, terms.trust) {
             (Trees::Inference, _) => {
                 return Ok(Self::Inferring(Box::new(Inferring::of(tree, task()?, terms.order))));
@@ -244,16 +248,3 @@ fn record(terms: &Terms, flown: Flown, history: Vec<Tick>) -> Run {
         history,
     }
 }
-
-impl fmt::Display for RunError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Tree(diagnostic) => diagnostic.fmt(f),
-            Self::Tables(error) => error.fmt(f),
-            Self::Team(error) => error.fmt(f),
-            Self::Disturbance(name) => write!(f, "{name}: a probability is a number from 0 to 1"),
-        }
-    }
-}
-
-impl std::error::Error for RunError {}

@@ -8,7 +8,7 @@ use iibt_core::iibt::table::TablesError;
 use iibt_core::team::{MemberError, RobotId};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
-use std::fmt;
+use thiserror::Error;
 
 /// What goes wrong, in place of what the file says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,24 +22,14 @@ pub struct Trouble {
 }
 
 /// Why a task is not flown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error(transparent)]
 pub enum TaskError {
     /// The tables need more room than the simulator has.
-    Tables(TablesError),
+    Tables(#[from] TablesError),
     /// There is no such team.
-    Team(MemberError),
+    Team(#[from] MemberError),
 }
-
-impl fmt::Display for TaskError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Tables(error) => error.fmt(f),
-            Self::Team(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for TaskError {}
 
 impl TableMission<'_> {
     /// Flies it until all robots have reached their last aim, or the limit.
@@ -57,14 +47,14 @@ impl TableMission<'_> {
             }
         }
         let radio = crate::scenario::Radio { loss: trouble.loss.unwrap_or(self.radio.loss), ..self.radio };
-        let robots: Result<Vec<_>, _> = (0..self.tables.robots() as u8)
+        let robots: Result<Vec<_>, TaskError> = (0..self.tables.robots() as u8)
             .map(|robot| {
-                let task = HostTask::new(&self.tables, RobotId(robot)).map_err(TaskError::Tables)?;
+                let task = HostTask::new(&self.tables, RobotId(robot))?;
                 let aims = self.tables.roles()[usize::from(robot)].aims.len();
                 Ok(TaskRobot::new(Sequence { aims, aim: 0 }, task))
             })
             .collect();
-        let flight = TaskFlight::new(&self.tables, &truth, radio, seed, robots?).map_err(TaskError::Team)?;
+        let flight = TaskFlight::new(&self.tables, &truth, radio, seed, robots?)?;
         let done = |statuses: &[Status]| statuses.iter().all(|&status| status == Status::Success);
         Ok(flight.fly(self.limit, done, &mut |_| ()))
     }

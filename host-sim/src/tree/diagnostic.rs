@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::sync::Arc;
+use thiserror::Error;
 
 /// A place in a file.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -38,7 +39,8 @@ pub enum Severity {
 }
 
 /// One remark about a tree file. Its display is `FILE:LINE:COLUMN: error: message`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{place}: {}: {message}", .severity.name())]
 pub struct Diagnostic {
     /// The place in the file.
     pub place: Place,
@@ -46,6 +48,15 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// What is wrong, and what would be right.
     pub message: String,
+}
+
+impl Severity {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Warning => "warning",
+        }
+    }
 }
 
 impl Diagnostic {
@@ -57,18 +68,6 @@ impl Diagnostic {
         Self { place: place.clone(), severity: Severity::Warning, message: message.into() }
     }
 }
-
-impl fmt::Display for Diagnostic {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let severity = match self.severity {
-            Severity::Error => "error",
-            Severity::Warning => "warning",
-        };
-        write!(f, "{}: {severity}: {}", self.place, self.message)
-    }
-}
-
-impl std::error::Error for Diagnostic {}
 
 /// The remarks about a file, in the order they were found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

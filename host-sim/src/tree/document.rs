@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use thiserror::Error;
 
 /// Reads the text of a file by its path.
 pub type Files<'f> = &'f dyn Fn(&Path) -> io::Result<String>;
@@ -261,27 +262,12 @@ fn plain(path: &Path) -> PathBuf {
 }
 
 /// The reason why a file could not be read.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum LoadError {
     /// A file that does not exist or cannot be opened: its name, and the reason.
+    #[error("{0}: {1}")]
     Unreadable(String, String),
     /// A remark on the file, or on a file that it includes.
-    Malformed(Diagnostic),
+    #[error(transparent)]
+    Malformed(#[from] Diagnostic),
 }
-
-impl From<Diagnostic> for LoadError {
-    fn from(diagnostic: Diagnostic) -> Self {
-        Self::Malformed(diagnostic)
-    }
-}
-
-impl std::fmt::Display for LoadError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Unreadable(file, reason) => write!(f, "{file}: {reason}"),
-            Self::Malformed(diagnostic) => diagnostic.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for LoadError {}
