@@ -1,4 +1,5 @@
-//! Whole missions in the simulator: they end well, repeat exactly, and bad input is refused with a reason.
+//! Whole missions in the simulator: they end well, repeat exactly, and bad input is refused with a
+//! reason.
 
 use host_sim::show::summary;
 use host_sim::{Conditions, Outcome, Record, Scenario, fly, library};
@@ -162,7 +163,8 @@ mod shift {
         goals.len() == 3 && lengths.len() == 1
     }
 
-    /// Whether a robot leaves its path, or is left by it, into a cell that a teammate is in at the time.
+    /// Whether a robot leaves its path, or is left by it, into a cell that a teammate is in at the
+    /// time.
     fn is_clear(phase: &Phase) -> bool {
         let paths = paths(phase);
         (1..paths[0].len()).all(|step| {
@@ -247,8 +249,8 @@ mod shift {
         let mut early = 0;
         for seed in 0..=200 {
             let record = flown(&scenario, seed, 0.3);
-            // A team that learns of the first obstacle before it has agreed needs one plan less, and may be done before it is
-            // asked for way-points.
+            // A team that learns of the first obstacle before it has agreed needs one plan less,
+            // and may be done before it is asked for way-points.
             if record.ticks < WAY_POINTS {
                 early += 1;
                 assert_eq!(
@@ -685,7 +687,8 @@ precision = 16.0
             let end = (at + length).min(SOUND.len());
             let text = [&SOUND[..at], &insert, &SOUND[end..]].concat();
             if let Err(error) = Scenario::parse("damaged", &text) {
-                prop_assert!((1..=text.lines().count() + 1).contains(&error.line), "{error}");
+                let lines = 1..=text.lines().count() + 1;
+                prop_assert!(error.line.is_some_and(|line| lines.contains(&line)), "{error}");
                 prop_assert!(!error.reason.is_empty());
             }
         }

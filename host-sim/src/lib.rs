@@ -33,6 +33,7 @@ mod faults;
 mod flight;
 mod flight_event;
 mod fly;
+mod input;
 mod learn;
 pub mod library;
 mod log;
@@ -62,8 +63,9 @@ pub use faults::Faults;
 pub use flight::{Flight, NavigatorFlight, Reading};
 pub use flight_event::FlightEvent;
 pub use fly::{Conditions, Observer, Snapshot, fly};
+pub use input::FileError;
 pub use learn::{Learned, MoveRatio, RobotRatios};
-pub use log::{Attempt, ExecutionLog, LogError, Logbook};
+pub use log::{Attempt, ExecutionLog, Logbook};
 pub use phases::{Chosen, Phase};
 pub use radio::{KEY, Traffic};
 pub use random::Random;
@@ -72,7 +74,7 @@ pub use referee::Collisions;
 pub use robot::AnyRobot;
 pub use scenario::{
     DriveFault, Event, EventEffect, Floor, InferenceSpec, MAX_CELLS, MAX_PATHS, MAX_TICKS, Radio, RobotSpec,
-    Scenario, ScenarioError, Trigger,
+    Scenario, Trigger,
 };
 pub use series::{Series, SeriesMission, fly_series};
 pub use team::{Navigating, Pilot, TeamError};

@@ -1,6 +1,7 @@
 //! The built-in scenarios.
 
-use crate::scenario::{Scenario, ScenarioError};
+use crate::input::FileError;
+use crate::scenario::Scenario;
 
 /// The default scenario.
 pub const DEFAULT: &str = "factory";
@@ -20,7 +21,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 
 /// Returns the scenario with a name, or `None`. A test checks that all of them parse.
 #[must_use]
-pub fn find(name: &str) -> Option<Result<Scenario, ScenarioError>> {
+pub fn find(name: &str) -> Option<Result<Scenario, FileError>> {
     let (name, text) = TEXTS.iter().find(|(known, _)| *known == name)?;
     Some(Scenario::parse(name, text))
 }

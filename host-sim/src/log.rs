@@ -10,6 +10,7 @@
 //! The first line draws the map, its rows apart by `/`. Waits are not logged.
 
 use crate::fly::{Observer, Snapshot};
+use crate::input::{FileError, utf8};
 use crate::scenario::{Floor, MAX_CELLS};
 use crate::text::{move_called, move_name};
 use iibt_core::grid::{Cell, Move};
@@ -107,7 +108,7 @@ pub struct Attempt {
 ///
 /// let wrong = ExecutionLog::read("drive.csv", b"# map ...\nno header\n").unwrap_err();
 /// assert!(wrong.to_string().starts_with("drive.csv:2: "), "{wrong}");
-/// # Ok::<(), host_sim::LogError>(())
+/// # Ok::<(), host_sim::FileError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExecutionLog {
@@ -117,38 +118,16 @@ pub struct ExecutionLog {
     pub attempts: Vec<Attempt>,
 }
 
-/// Why a log was refused. Its display is `FILE:LINE: reason`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LogError {
-    /// The file, as it was named.
-    pub file: String,
-    /// The line, from one.
-    pub line: usize,
-    /// What is wrong and what would be right.
-    pub reason: String,
-}
-
-impl std::fmt::Display for LogError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}:{}: {}", self.file, self.line, self.reason)
-    }
-}
-
-impl std::error::Error for LogError {}
-
 impl ExecutionLog {
     /// Reads a log from the bytes of a file, which is called `name` in errors. Empty lines are
     /// skipped.
     ///
     /// # Errors
-    /// [`LogError`] with the line and the reason for the first thing that is wrong.
-    pub fn read(name: &str, bytes: &[u8]) -> Result<Self, LogError> {
-        let fault = |line, reason| LogError { file: name.to_owned(), line, reason };
-        let text = std::str::from_utf8(bytes).map_err(|error| {
-            let before = bytes.iter().take(error.valid_up_to());
-            fault(1 + before.filter(|&&byte| byte == b'\n').count(), "this is no UTF-8 text".to_owned())
-        })?;
-        let mut lines = (1..).zip(text.lines());
+    /// [`FileError`] with the line and the reason for the first thing that is wrong.
+    pub fn read(name: &str, bytes: &[u8]) -> Result<Self, FileError> {
+        let fault =
+            |line, reason| FileError { file: name.to_owned(), line: Some(line), column: None, reason };
+        let mut lines = (1..).zip(utf8(name, bytes)?.lines());
         let (_, first) = lines.next().unwrap_or((1, ""));
         let map = map_of(first).map_err(|reason| fault(1, reason))?;
         let (_, second) = lines.next().unwrap_or((2, ""));

@@ -26,7 +26,6 @@ mod tally;
 mod tensor;
 
 pub use convention::{Beliefs, Convention};
-pub use fault::NotebookError;
 pub use model::Notebook;
 pub use report::{
     InferenceOutcome, InferenceReport, PolicyReport, StepReport, StructureReport, TermsReport, Why,
@@ -35,12 +34,14 @@ pub use running::{InferenceProgress, InferenceRun};
 pub use structure::Forms;
 pub use sweeps::{ProbabilityFloor, Sweeps};
 
+use crate::input::FileError;
+
 impl Notebook {
     /// Reads a model from JSON. `file` is what errors call it.
     ///
     /// # Errors
-    /// A [`NotebookError`] that names what is wrong and where.
-    pub fn read(file: &str, text: &[u8]) -> Result<Self, NotebookError> {
+    /// A [`FileError`] that names what is wrong and where.
+    pub fn read(file: &str, text: &[u8]) -> Result<Self, FileError> {
         json::read(text).and_then(|value| reading::model(file, &value)).map_err(|fault| fault.in_file(file))
     }
 
@@ -48,8 +49,8 @@ impl Notebook {
     /// null or a list of weights, as the entries of a JSON list, with or without its brackets.
     ///
     /// # Errors
-    /// A [`NotebookError`] that names what is wrong and where.
-    pub fn observing(mut self, text: &str) -> Result<Self, NotebookError> {
+    /// A [`FileError`] that names what is wrong and where.
+    pub fn observing(mut self, text: &str) -> Result<Self, FileError> {
         let read = |text: &str| observations::observation(&json::read(text.as_bytes())?, "obs", &self);
         let bare = read(&format!("[{text}]"));
         let observation = bare.or_else(|fault| read(text).map_err(|_| fault));
@@ -60,8 +61,8 @@ impl Notebook {
     /// The same model with another precision γ.
     ///
     /// # Errors
-    /// A [`NotebookError`] when it is negative, too large or no number.
-    pub fn with_precision(mut self, gamma: f64) -> Result<Self, NotebookError> {
+    /// A [`FileError`] when it is negative, too large or no number.
+    pub fn with_precision(mut self, gamma: f64) -> Result<Self, FileError> {
         self.precision = reading::precision(gamma).map_err(|fault| fault.in_file("--gamma"))?;
         Ok(self)
     }

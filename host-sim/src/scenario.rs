@@ -6,15 +6,12 @@
 
 mod check;
 mod drawing;
-mod error;
 mod event;
 mod file;
 mod reach;
 mod team;
-mod values;
 
-pub use error::ScenarioError;
-
+use crate::input::{Fault, FileError, utf8};
 use iibt_core::grid::{Cell, Map, Move, Path};
 
 /// The most cells a map has.
@@ -217,21 +214,16 @@ impl Scenario {
     ///
     /// # Errors
     /// As [`Scenario::parse`], and when the bytes are no UTF-8.
-    pub fn read(name: &str, bytes: &[u8]) -> Result<Self, ScenarioError> {
-        let text = std::str::from_utf8(bytes).map_err(|error| {
-            let before = bytes.iter().take(error.valid_up_to());
-            let line = 1 + before.filter(|&&byte| byte == b'\n').count();
-            ScenarioError { file: name.to_owned(), line, reason: "this is no UTF-8 text".to_owned() }
-        })?;
-        Self::parse(name, text)
+    pub fn read(name: &str, bytes: &[u8]) -> Result<Self, FileError> {
+        Self::parse(name, utf8(name, bytes)?)
     }
 
     /// Reads a scenario from text; `name` is its name, also in errors.
     ///
     /// # Errors
-    /// [`ScenarioError`] with the line and the reason for the first thing that is wrong.
-    pub fn parse(name: &str, text: &str) -> Result<Self, ScenarioError> {
-        let parsed = toml::from_str(text).map_err(error::ScenarioFault::from);
-        parsed.and_then(|file| check::check(name, text, &file)).map_err(|fault| fault.in_file(name, text))
+    /// [`FileError`] with the line and the reason for the first thing that is wrong.
+    pub fn parse(name: &str, text: &str) -> Result<Self, FileError> {
+        let parsed = toml::from_str(text).map_err(Fault::from);
+        parsed.and_then(|file| check::check(name, text, &file)).map_err(|fault| fault.on_line(name, text))
     }
 }

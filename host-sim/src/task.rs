@@ -3,25 +3,23 @@
 //! ```text
 //! TaskFile ─► tables and truth ─► fly ─► Outcome      the task, the flight, the result
 //!                                  │
-//!                                  ├─ TaskWorld           the hidden states, what sensors read, what fails
+//!                                  ├─ TaskWorld       hidden states, readings, failures
 //!                                  ├─ Controller      each robot in a simulated Station
 //!                                  └─ Radio           the only way between them
 //! ```
 
 mod campaign;
-mod error;
 mod export;
 mod file;
 mod flight;
 mod mission;
+mod names;
 mod read;
 mod robot;
 mod station;
-mod values;
 mod world;
 
 pub use campaign::{LEVELS, Level, level_table};
-pub use error::TaskFileError;
 pub use flight::{Flown, Operated};
 pub use mission::{TaskError, Trouble};
 pub use read::TableMission;

@@ -6,8 +6,8 @@
 //! - modality 1: 4 outcomes of factor 1, identity with noise
 //! - modality 2: 3 outcomes of factor 0 and 1, outcome table
 //!
-//! The numbers of A, B, C and D take 256 bytes, as full tables 1292; 16 policies take 264. `Agent` takes about
-//! 1008 bytes of RAM.
+//! The numbers of A, B, C and D take 256 bytes, as full tables 1292; 16 policies take 264.
+//! `Agent` takes about 1008 bytes of RAM.
 
 use iibt_core::inference::{
     Candidates, Factor, IdentityNoise, Modality, Model, NextState, OutcomeTable, Policy, Scoring,

@@ -5,8 +5,8 @@
 //! - modality 0: 3 outcomes of factor 0, identity with noise
 //! - modality 1: 2 outcomes of factor 0 and 1, outcome table
 //!
-//! The numbers of A, B, C and D take 261 bytes, as full tables 316; 9 policies take 297. `Agent` takes about
-//! 789 bytes of RAM.
+//! The numbers of A, B, C and D take 261 bytes, as full tables 316; 9 policies take 297.
+//! `Agent` takes about 789 bytes of RAM.
 
 use iibt_core::inference::{
     Candidates, Control, DenseTransition, Factor, Habits, IdentityNoise, Modality, Model,

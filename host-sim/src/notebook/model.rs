@@ -31,7 +31,7 @@ pub(super) const MAX_STEPS: usize = 10_000;
 ///
 /// let wrong = Notebook::read("wrong.json", br#"{"A": [[[0.9, 0.1], [0.2, 0.9]]]}"#).unwrap_err();
 /// assert!(wrong.to_string().contains("wrong.json"), "{wrong}");
-/// # Ok::<(), host_sim::notebook::NotebookError>(())
+/// # Ok::<(), host_sim::FileError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Notebook {

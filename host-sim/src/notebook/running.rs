@@ -3,13 +3,14 @@
 use super::assembly::ModelAssembly;
 use super::choices::Choices;
 use super::convention::{self, Convention};
-use super::fault::{NotebookError, NotebookFault};
+use super::fault::NotebookFault;
 use super::model::{MAX_STATES, Notebook, Observation, Observations, Step};
 use super::numpy::Floors;
 use super::observing::{Observed, observe};
 use super::report::{InferenceOutcome, InferenceReport, PolicyReport, Ranking, StepReport, StructureReport};
 use super::structure::Forms;
 use super::tally::Tally;
+use crate::input::FileError;
 use iibt_core::inference::{
     Beliefs, Candidates, Evaluation, Evidence, MAX_FACTORS, Model, OutOfRange, Problem, Scoring, Terms,
     policy,
@@ -60,13 +61,13 @@ impl Notebook {
     /// Runs the model and returns the report; `progress` receives the progress.
     ///
     /// # Errors
-    /// A [`NotebookError`] when there is no observation, or too many combinations for the joint
+    /// A [`FileError`] when there is no observation, or too many combinations for the joint
     /// information gain.
     pub fn infer(
         &self,
         run: InferenceRun,
         progress: &mut (dyn FnMut(InferenceProgress) + Send),
-    ) -> Result<InferenceReport, NotebookError> {
+    ) -> Result<InferenceReport, FileError> {
         let work = || self.run(run, progress).map_err(|fault| fault.in_file(&self.file));
         std::thread::scope(|scope| {
             let worker = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);

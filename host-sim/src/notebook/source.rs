@@ -3,9 +3,10 @@
 use super::assembly::ModelAssembly;
 use super::choices::Choices;
 use super::convention::Convention;
-use super::fault::{NotebookError, NotebookFault};
+use super::fault::NotebookFault;
 use super::model::Notebook;
 use super::structure::{Forms, LikelihoodForm, TransitionForm};
+use crate::input::FileError;
 use iibt_core::actions::BYTES;
 use iibt_core::inference::{Room, Scoring, Terms};
 use std::collections::BTreeSet;
@@ -15,11 +16,12 @@ use std::fmt::{Display, Write};
 const WIDTH: usize = 100;
 
 impl Notebook {
-    /// The model as a module of Rust source, for a crate that depends on `iibt-core` and on nothing else.
+    /// The model as a module of Rust source, for a crate that depends on `iibt-core` and on nothing
+    /// else.
     ///
     /// # Errors
-    /// A [`NotebookError`] when the tables are no model.
-    pub fn to_rust(&self, forms: Forms) -> Result<String, NotebookError> {
+    /// A [`FileError`] when the tables are no model.
+    pub fn to_rust(&self, forms: Forms) -> Result<String, FileError> {
         self.write(forms).map_err(|fault| fault.in_file(&self.file))
     }
 
@@ -69,8 +71,9 @@ impl Notebook {
         let name: String = self.name.chars().map(|sign| if sign.is_control() { ' ' } else { sign }).collect();
         format!(
             "//! The model \"{name}\", written by `host-sim export`.\n//!\n{}{}//!\n\
-             //! The numbers of A, B, C and D take {} bytes, as full tables {}; {} policies take {}. `Agent` takes about\n\
-             //! {} bytes of RAM.\n\n",
+             //! The numbers of A, B, C and D take {} bytes, as full tables {}; {} policies \
+             take {}.\n\
+             //! `Agent` takes about {} bytes of RAM.\n\n",
             factors.collect::<String>(),
             modalities.collect::<String>(),
             assembly.bytes(),

@@ -1,10 +1,9 @@
 //! From a file as written to a sound scenario, or the first thing that is wrong with it.
 
 use super::drawing::Drawing;
-use super::error::ScenarioFault;
-use super::file::{ScenarioFile, WholeNumber};
-use super::values::{line_of_text, parameter, share, whole};
-use super::{DriveFault, InferenceSpec, MAX_TICKS, Radio, RobotSpec, Scenario, file, reach};
+use super::file::ScenarioFile;
+use super::{DriveFault, InferenceSpec, MAX_TICKS, RobotSpec, Scenario, file, reach};
+use crate::input::{Fault, Read, WholeNumber, line_of_text, parameter, refuse, share, whole};
 use crate::text::{self, counted};
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::MAX_GOALS;
@@ -16,16 +15,16 @@ const LONGEST_TITLE: usize = 120;
 const MOST_MISSIONS: u32 = 1000;
 
 /// Checks everything; `text` is what `file` was read from.
-pub(super) fn check(name: &str, text: &str, file: &ScenarioFile) -> Result<Scenario, ScenarioFault> {
+pub(super) fn check(name: &str, text: &str, file: &ScenarioFile) -> Read<Scenario> {
     let drawing = Drawing::read(text, &file.map)?;
     let goals = drawing.goals(file)?;
     enough(goals.len(), drawing.team_size(file)?).map_err(|reason| {
         let span = file.goals.as_ref().map_or(file.map.span(), Spanned::span);
-        ScenarioFault::new(span, reason)
+        Fault::new(span, reason)
     })?;
     let robots = drawing.team(file, &goals)?;
     reach::goals_for_all(&drawing.map, &goals, &robots)
-        .map_err(|(robot, reason)| ScenarioFault::new(start_of(robot, file), reason))?;
+        .map_err(|(robot, reason)| Fault::new(start_of(robot, file), reason))?;
     let events = file.events.iter().map(|event| drawing.event(event, &robots));
     let serves = services(file, &goals)?;
     Ok(Scenario {
@@ -33,7 +32,7 @@ pub(super) fn check(name: &str, text: &str, file: &ScenarioFile) -> Result<Scena
         title: line_of_text("title", &file.title, LONGEST_TITLE)?,
         limit: whole("limit", file.limit.as_ref(), 1..=MAX_TICKS, 200)?,
         missions: whole("missions", file.missions.as_ref(), 1..=MOST_MISSIONS, 1)?,
-        radio: radio(&file.radio)?,
+        radio: file.radio.check()?,
         inference: inference(&file.inference)?,
         drive_faults: file
             .drive_faults
@@ -50,7 +49,7 @@ pub(super) fn check(name: &str, text: &str, file: &ScenarioFile) -> Result<Scena
 
 impl Drawing {
     /// A free cell of the map.
-    pub(super) fn free(&self, what: &str, number: &WholeNumber) -> Result<Cell, ScenarioFault> {
+    pub(super) fn free(&self, what: &str, number: &WholeNumber) -> Read<Cell> {
         let value = *number.get_ref();
         let cell = u16::try_from(value).ok().map(Cell).filter(|&cell| self.map.contains(cell));
         let reason = match cell {
@@ -61,20 +60,20 @@ impl Drawing {
                 format!("{what} {value} is outside the map, whose cells are 0 to {last}")
             }
         };
-        Err(ScenarioFault::new(number.span(), reason))
+        refuse(number.span(), reason)
     }
 
-    fn goals(&self, file: &ScenarioFile) -> Result<Vec<Cell>, ScenarioFault> {
+    fn goals(&self, file: &ScenarioFile) -> Read<Vec<Cell>> {
         let Some(listed) = &file.goals else { return Ok(self.goals.clone()) };
         if !self.goals.is_empty() {
             let reason = "the map draws goals as 'G' already: leave one of the two out";
-            return Err(ScenarioFault::new(listed.span(), reason));
+            return refuse(listed.span(), reason);
         }
         let mut goals = Vec::new();
         for number in listed.get_ref() {
             let goal = self.free("goal", number)?;
             if goals.contains(&goal) {
-                return Err(ScenarioFault::new(number.span(), format!("goal {} is listed twice", goal.0)));
+                return refuse(number.span(), format!("goal {} is listed twice", goal.0));
             }
             goals.push(goal);
         }
@@ -83,19 +82,16 @@ impl Drawing {
 }
 
 /// With which probability each goal serves: one says so at the most once.
-fn services(file: &ScenarioFile, goals: &[Cell]) -> Result<Vec<f64>, ScenarioFault> {
+fn services(file: &ScenarioFile, goals: &[Cell]) -> Read<Vec<f64>> {
     let mut serves = vec![None; goals.len()];
     for service in &file.services {
         let service = service.get_ref();
         let number = *service.cell.get_ref();
         let Some(goal) = goals.iter().position(|goal| i64::from(goal.0) == number) else {
-            return Err(ScenarioFault::new(service.cell.span(), format!("{number} is no goal")));
+            return refuse(service.cell.span(), format!("{number} is no goal"));
         };
         if serves[goal].replace(share("serves", Some(&service.serves), 1.0)?).is_some() {
-            return Err(ScenarioFault::new(
-                service.cell.span(),
-                format!("goal {number} has a [[goal]] already"),
-            ));
+            return refuse(service.cell.span(), format!("goal {number} has a [[goal]] already"));
         }
     }
     Ok(serves.into_iter().map(|serves| serves.unwrap_or(1.0)).collect())
@@ -118,18 +114,15 @@ fn start_of(robot: usize, file: &ScenarioFile) -> Range<usize> {
     written.map_or(file.map.span(), Spanned::span)
 }
 
-pub(super) fn named(name: &Spanned<String>, robots: &[RobotSpec]) -> Result<usize, ScenarioFault> {
+pub(super) fn named(name: &Spanned<String>, robots: &[RobotSpec]) -> Read<usize> {
     robots.iter().position(|robot| robot.name == *name.get_ref()).ok_or_else(|| {
         let names: Vec<_> = robots.iter().map(|robot| robot.name.as_str()).collect();
         let reason = format!("no robot is called \"{}\": there are {}", name.get_ref(), names.join(", "));
-        ScenarioFault::new(name.span(), reason)
+        Fault::new(name.span(), reason)
     })
 }
 
-fn drive_fault(
-    fault: &Spanned<file::DriveFaultEntry>,
-    robots: &[RobotSpec],
-) -> Result<DriveFault, ScenarioFault> {
+fn drive_fault(fault: &Spanned<file::DriveFaultEntry>, robots: &[RobotSpec]) -> Read<DriveFault> {
     let written = fault.get_ref();
     Ok(DriveFault {
         robot: named(&written.robot, robots)?,
@@ -139,24 +132,14 @@ fn drive_fault(
     })
 }
 
-fn move_called(name: &Spanned<String>) -> Result<Move, ScenarioFault> {
+fn move_called(name: &Spanned<String>) -> Read<Move> {
     text::move_called(name.get_ref()).filter(|&step| step != Move::Wait).ok_or_else(|| {
         let reason = format!("no move is called \"{}\": there are up, down, left and right", name.get_ref());
-        ScenarioFault::new(name.span(), reason)
+        Fault::new(name.span(), reason)
     })
 }
 
-fn radio(written: &file::RadioEntry) -> Result<Radio, ScenarioFault> {
-    let usual = Radio::default();
-    Ok(Radio {
-        loss: share("loss", written.loss.as_ref(), usual.loss)?,
-        delay: whole("delay", written.delay.as_ref(), 1..=1000, usual.delay)?,
-        duplicate: share("duplicate", written.duplicate.as_ref(), usual.duplicate)?,
-        ..usual
-    })
-}
-
-fn inference(written: &file::InferenceEntry) -> Result<InferenceSpec, ScenarioFault> {
+fn inference(written: &file::InferenceEntry) -> Read<InferenceSpec> {
     Ok(InferenceSpec {
         precision: parameter("precision", written.precision.as_ref(), 0.0..=1000.0)?,
         sensor: parameter("sensor", written.sensor.as_ref(), 0.0..=1.0)?,

@@ -1,7 +1,7 @@
 //! The drawn map: free cells, obstacles, and where robots and goals are.
 
-use super::error::ScenarioFault;
 use super::{Floor, MAX_CELLS};
+use crate::input::{Fault, Read, refuse};
 use crate::text::counted;
 use iibt_core::grid::Cell;
 use iibt_core::team::MAX_TEAM;
@@ -25,7 +25,7 @@ struct MapRow<'t> {
 
 impl Drawing {
     /// Reads the map written at `drawn` in the file's text.
-    pub(super) fn read(text: &str, drawn: &Spanned<String>) -> Result<Self, ScenarioFault> {
+    pub(super) fn read(text: &str, drawn: &Spanned<String>) -> Read<Self> {
         let rows = rows(text, drawn.span());
         let mut drawing = Self::blank(&rows, drawn.span())?;
         let marks = rows.iter().flat_map(|row| row.marks.chars().map(move |mark| (row, mark)));
@@ -33,30 +33,24 @@ impl Drawing {
             let cell = Cell(index as u16);
             drawing.mark(cell, mark).map_err(|reason| {
                 let (line, column) = (cell.0 / drawing.map.width(), cell.0 % drawing.map.width());
-                ScenarioFault::new(
-                    row.span.clone(),
-                    format!("row {line}, column {column} of the map: {reason}"),
-                )
+                Fault::new(row.span.clone(), format!("row {line}, column {column} of the map: {reason}"))
             })?;
         }
         Ok(drawing)
     }
 
-    fn blank(rows: &[MapRow<'_>], span: Range<usize>) -> Result<Self, ScenarioFault> {
+    fn blank(rows: &[MapRow<'_>], span: Range<usize>) -> Read<Self> {
         let width = rows.first().map_or(0, MapRow::width);
         if let Some((number, row)) = rows.iter().enumerate().find(|(_, row)| row.width() != width) {
             let reason = format!(
                 "row {number} of the map has {}, but row 0 has {width}",
                 counted(row.width() as u32, "cell")
             );
-            return Err(ScenarioFault::new(row.span.clone(), reason));
+            return refuse(row.span.clone(), reason);
         }
         let map = floor(width, rows.len()).ok_or_else(|| {
             let found = format!("the map has {width} x {} cells", rows.len());
-            ScenarioFault::new(
-                span,
-                format!("{found}: draw 2 to {MAX_CELLS}, '.' for free and '#' for blocked"),
-            )
+            Fault::new(span, format!("{found}: draw 2 to {MAX_CELLS}, '.' for free and '#' for blocked"))
         })?;
         Ok(Self { map, starts: [None; MAX_TEAM], goals: Vec::new() })
     }
@@ -118,7 +112,7 @@ mod tests {
     use super::*;
     use crate::scenario::file::ScenarioFile;
 
-    fn read(text: &str) -> Result<Drawing, ScenarioFault> {
+    fn read(text: &str) -> Read<Drawing> {
         let file: ScenarioFile = toml::from_str(text).unwrap();
         Drawing::read(text, &file.map)
     }

@@ -2,10 +2,8 @@
 
 use super::check::named;
 use super::drawing::Drawing;
-use super::error::ScenarioFault;
-use super::file::{self, WholeNumber};
-use super::values::whole;
-use super::{Event, EventEffect, MAX_TICKS, RobotSpec, Trigger, reach};
+use super::{Event, EventEffect, MAX_TICKS, RobotSpec, Trigger, file, reach};
+use crate::input::{Fault, Read, WholeNumber, refuse, whole};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::Cell;
 use toml::Spanned;
@@ -15,17 +13,13 @@ const WHAT: &str = "say what happens: exactly one of block, charge, visit and st
 
 impl Drawing {
     /// An event, checked against the team.
-    pub(super) fn event(
-        &self,
-        event: &Spanned<file::EventEntry>,
-        robots: &[RobotSpec],
-    ) -> Result<Event, ScenarioFault> {
+    pub(super) fn event(&self, event: &Spanned<file::EventEntry>, robots: &[RobotSpec]) -> Read<Event> {
         let (written, span) = (event.get_ref(), event.span());
         let when = self.when(written, robots).map_err(|fault| fault.or_at(&span))?;
         Ok(Event { when, effect: self.effect(written, when, robots).map_err(|fault| fault.or_at(&span))? })
     }
 
-    fn when(&self, written: &file::EventEntry, robots: &[RobotSpec]) -> Result<Trigger, ScenarioFault> {
+    fn when(&self, written: &file::EventEntry, robots: &[RobotSpec]) -> Read<Trigger> {
         let moves = whole("moves", written.moves.as_ref(), 0..=HORIZON as u32, 0)?;
         let when = match (&written.tick, &written.robot, &written.at, &written.plan) {
             (tick @ Some(_), None, None, None) => {
@@ -37,22 +31,15 @@ impl Drawing {
             (None, None, None, plan @ Some(_)) => {
                 return Ok(Trigger::Planned(whole("plan", plan.as_ref(), 1..=1000, 1)?, moves));
             }
-            _ => return Err(ScenarioFault::anywhere(WHEN)),
+            _ => return Err(Fault::anywhere(WHEN)),
         };
         match &written.moves {
-            Some(moves) => {
-                Err(ScenarioFault::new(moves.span(), "moves are those of a plan: write plan = N with it"))
-            }
+            Some(moves) => refuse(moves.span(), "moves are those of a plan: write plan = N with it"),
             None => Ok(when),
         }
     }
 
-    fn effect(
-        &self,
-        written: &file::EventEntry,
-        when: Trigger,
-        robots: &[RobotSpec],
-    ) -> Result<EventEffect, ScenarioFault> {
+    fn effect(&self, written: &file::EventEntry, when: Trigger, robots: &[RobotSpec]) -> Read<EventEffect> {
         let concerned = || whose(written, when, robots);
         let effect = match (&written.block, &written.charge, &written.visit, &written.stop) {
             (Some(cell), None, None, None) => self.obstacle(written, cell, robots)?,
@@ -68,15 +55,12 @@ impl Drawing {
                 return Ok(EventEffect::Stop(concerned()?, written.ticks.as_ref().map(|_| ticks)));
             }
             (None, None, None, Some(stop)) => {
-                return Err(ScenarioFault::new(
-                    stop.span(),
-                    "stop = false says nothing: write true, or leave it out",
-                ));
+                return refuse(stop.span(), "stop = false says nothing: write true, or leave it out");
             }
-            _ => return Err(ScenarioFault::anywhere(WHAT)),
+            _ => return Err(Fault::anywhere(WHAT)),
         };
         match &written.ticks {
-            Some(ticks) => Err(ScenarioFault::new(ticks.span(), "only stop takes a time: leave `for` out")),
+            Some(ticks) => refuse(ticks.span(), "only stop takes a time: leave `for` out"),
             None => Ok(effect),
         }
     }
@@ -86,45 +70,37 @@ impl Drawing {
         written: &file::EventEntry,
         cell: &WholeNumber,
         robots: &[RobotSpec],
-    ) -> Result<EventEffect, ScenarioFault> {
+    ) -> Read<EventEffect> {
         let (blocked, span) = (self.free("block", cell)?, cell.span());
         if let Some(robot) = robots.iter().find(|robot| robot.start == blocked) {
             let reason =
                 format!("{} is where {} starts: no obstacle can appear there", blocked.0, robot.name);
-            return Err(ScenarioFault::new(span, reason));
+            return refuse(span, reason);
         }
         match &written.who {
-            Some(who) => Err(ScenarioFault::new(who.span(), "an obstacle is nobody's: leave `who` out")),
+            Some(who) => refuse(who.span(), "an obstacle is nobody's: leave `who` out"),
             None => Ok(EventEffect::Block(blocked)),
         }
     }
 
     /// A free cell to which a way leads a robot by the drawn map.
-    pub(super) fn within_reach(
-        &self,
-        what: &str,
-        number: &WholeNumber,
-        robot: &RobotSpec,
-    ) -> Result<Cell, ScenarioFault> {
+    pub(super) fn within_reach(&self, what: &str, number: &WholeNumber, robot: &RobotSpec) -> Read<Cell> {
         let cell = self.free(what, number)?;
         if reach::is_near(&self.map, robot, cell) {
             return Ok(cell);
         }
         let (name, start) = (&robot.name, robot.start.0);
-        Err(ScenarioFault::new(
-            number.span(),
-            format!("{name} on {start} cannot reach the {what} {}", cell.0),
-        ))
+        refuse(number.span(), format!("{name} on {start} cannot reach the {what} {}", cell.0))
     }
 }
 
 /// Whom an event concerns: the robot that is named, else the one that sets it off.
-fn whose(written: &file::EventEntry, when: Trigger, robots: &[RobotSpec]) -> Result<usize, ScenarioFault> {
+fn whose(written: &file::EventEntry, when: Trigger, robots: &[RobotSpec]) -> Read<usize> {
     match (&written.who, when) {
         (Some(who), _) => named(who, robots),
         (None, Trigger::Reached(robot, _)) => Ok(robot),
         (None, Trigger::Tick(_) | Trigger::Planned(..)) => {
-            Err(ScenarioFault::anywhere("say whom it concerns: who = \"NAME\""))
+            Err(Fault::anywhere("say whom it concerns: who = \"NAME\""))
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A scenario file as it is written, before anything is checked but its keys and their types.
 
+use crate::input::{RadioEntry, RealNumber, WholeNumber};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -25,20 +26,6 @@ pub(super) struct ScenarioFile {
     pub events: Vec<Spanned<EventEntry>>,
     #[serde(default, rename = "wear")]
     pub drive_faults: Vec<Spanned<DriveFaultEntry>>,
-}
-
-/// A whole number and where it is written.
-pub(super) type WholeNumber = Spanned<i64>;
-
-/// A real number and where it is written.
-pub(super) type RealNumber = Spanned<f64>;
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RadioEntry {
-    pub loss: Option<RealNumber>,
-    pub delay: Option<WholeNumber>,
-    pub duplicate: Option<RealNumber>,
 }
 
 #[derive(Deserialize, Default)]

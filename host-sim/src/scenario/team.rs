@@ -1,10 +1,9 @@
 //! The team as written and drawn, checked robot by robot.
 
 use super::drawing::Drawing;
-use super::error::ScenarioFault;
-use super::file::{self, ScenarioFile, WholeNumber};
-use super::values::{line_of_text, parameter, percent, share, whole};
+use super::file::{self, ScenarioFile};
 use super::{MAX_PATHS, RobotSpec};
+use crate::input::{Fault, Read, WholeNumber, line_of_text, parameter, percent, refuse, share, whole};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Path};
 use iibt_core::navigation::MAX_PACE;
@@ -18,10 +17,10 @@ const SLOWEST: u32 = MAX_PACE as u32;
 
 impl Drawing {
     /// How many robots there are.
-    pub(super) fn team_size(&self, file: &ScenarioFile) -> Result<usize, ScenarioFault> {
+    pub(super) fn team_size(&self, file: &ScenarioFile) -> Read<usize> {
         if let Some(extra) = file.robots.get(MAX_TEAM) {
             let reason = format!("{} robots, but a team has at most {MAX_TEAM}", file.robots.len());
-            return Err(ScenarioFault::new(extra.span(), reason));
+            return refuse(extra.span(), reason);
         }
         let drawn = self.starts.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
         let missing = |&index: &usize| file.robots.get(index).is_none() && self.starts[index].is_none();
@@ -35,11 +34,11 @@ impl Drawing {
                 )
             }
         };
-        Err(ScenarioFault::new(file.map.span(), reason))
+        refuse(file.map.span(), reason)
     }
 
     /// The robots in the order of their numbers: those written, and those only drawn.
-    pub(super) fn team(&self, file: &ScenarioFile, goals: &[Cell]) -> Result<Vec<RobotSpec>, ScenarioFault> {
+    pub(super) fn team(&self, file: &ScenarioFile, goals: &[Cell]) -> Read<Vec<RobotSpec>> {
         let mut robots = Vec::new();
         for index in 0..self.team_size(file)? {
             let (span, written) = match file.robots.get(index) {
@@ -47,7 +46,7 @@ impl Drawing {
                 None => (file.map.span(), &file::RobotEntry::default()),
             };
             let mut robot = self.robot(index, written, goals).map_err(|fault| fault.or_at(&span))?;
-            apart(&robot, &robots).map_err(|reason| ScenarioFault::new(span, reason))?;
+            apart(&robot, &robots).map_err(|reason| Fault::new(span, reason))?;
             robot.slip = share("slip", written.slip.as_ref().or(file.slip.as_ref()), 0.0)?;
             robot.view = whole("view", written.view.as_ref().or(file.view.as_ref()), 1..=8, 1)? as u16;
             robot.charger = self.charger(written, &robot, &robots)?;
@@ -57,12 +56,7 @@ impl Drawing {
         Ok(robots)
     }
 
-    fn robot(
-        &self,
-        index: usize,
-        written: &file::RobotEntry,
-        goals: &[Cell],
-    ) -> Result<RobotSpec, ScenarioFault> {
+    fn robot(&self, index: usize, written: &file::RobotEntry, goals: &[Cell]) -> Read<RobotSpec> {
         let name = match &written.name {
             Some(name) => line_of_text("name", name, LONGEST_NAME)?,
             None => format!("R{}", index + 1),
@@ -84,18 +78,18 @@ impl Drawing {
         })
     }
 
-    fn start(&self, index: usize, name: &str, written: &file::RobotEntry) -> Result<Cell, ScenarioFault> {
+    fn start(&self, index: usize, name: &str, written: &file::RobotEntry) -> Read<Cell> {
         let mark = index + 1;
         match (self.starts.get(index).copied().flatten(), &written.start) {
             (None, Some(number)) => self.free("start", number),
             (Some(cell), None) => Ok(cell),
             (Some(_), Some(number)) => {
                 let reason = format!("the map draws {name} as '{mark}' already: leave one of the two out");
-                Err(ScenarioFault::new(number.span(), reason))
+                refuse(number.span(), reason)
             }
             (None, None) => {
                 let reason = format!("{name} has no start: write start = CELL, or draw '{mark}' on the map");
-                Err(ScenarioFault::anywhere(reason))
+                Err(Fault::anywhere(reason))
             }
         }
     }
@@ -106,56 +100,48 @@ impl Drawing {
         written: &file::RobotEntry,
         robot: &RobotSpec,
         others: &[RobotSpec],
-    ) -> Result<Option<Cell>, ScenarioFault> {
+    ) -> Read<Option<Cell>> {
         let Some(number) = &written.charger else { return Ok(None) };
         let cell = self.within_reach("charger", number, robot)?;
         match others.iter().find(|other| other.charger == Some(cell)) {
             Some(other) => {
                 let reason = format!("{} is the charger of {} already", cell.0, other.name);
-                Err(ScenarioFault::new(number.span(), reason))
+                refuse(number.span(), reason)
             }
             None => Ok(Some(cell)),
         }
     }
 
-    fn paths(
-        &self,
-        start: Cell,
-        written: &file::RobotEntry,
-        goals: &[Cell],
-    ) -> Result<Vec<Path>, ScenarioFault> {
+    fn paths(&self, start: Cell, written: &file::RobotEntry, goals: &[Cell]) -> Read<Vec<Path>> {
         let Some(listed) = &written.paths else { return Ok(Vec::new()) };
         let count = listed.get_ref().len();
         if count == 0 || count > MAX_PATHS {
             let reason = format!("{count} paths listed: give 1 to {MAX_PATHS}, or leave `paths` out");
-            return Err(ScenarioFault::new(listed.span(), reason));
+            return refuse(listed.span(), reason);
         }
         let paths = listed.get_ref().iter().map(|path| self.path(path, goals));
         let paths = paths.collect::<Result<Vec<_>, _>>()?;
         if paths.iter().all(|path| path.start != start) {
             let reason = format!("no path begins at {}, where the robot starts", start.0);
-            return Err(ScenarioFault::new(listed.span(), reason));
+            return refuse(listed.span(), reason);
         }
         Ok(paths)
     }
 
-    fn path(&self, listed: &Spanned<Vec<WholeNumber>>, goals: &[Cell]) -> Result<Path, ScenarioFault> {
+    fn path(&self, listed: &Spanned<Vec<WholeNumber>>, goals: &[Cell]) -> Read<Path> {
         let numbers = listed.get_ref();
         let cells = numbers.iter().map(|number| self.free("path cell", number));
         let cells = cells.collect::<Result<Vec<_>, _>>()?;
         for (pair, number) in cells.windows(2).zip(numbers.iter().skip(1)) {
             if self.map.move_between(pair[0], pair[1]).is_none() {
                 let reason = format!("{} and {} on the path are no neighbours", pair[0].0, pair[1].0);
-                return Err(ScenarioFault::new(number.span(), reason));
+                return refuse(number.span(), reason);
             }
         }
-        ends_well(&cells, goals).map_err(|reason| ScenarioFault::new(listed.span(), reason))?;
+        ends_well(&cells, goals).map_err(|reason| Fault::new(listed.span(), reason))?;
         Path::through(&self.map, &cells).ok_or_else(|| {
             let moves = cells.len().saturating_sub(1);
-            ScenarioFault::new(
-                listed.span(),
-                format!("the path has {moves} moves, but at most {HORIZON} fit"),
-            )
+            Fault::new(listed.span(), format!("the path has {moves} moves, but at most {HORIZON} fit"))
         })
     }
 }
@@ -182,12 +168,12 @@ fn apart(robot: &RobotSpec, others: &[RobotSpec]) -> Result<(), String> {
     Ok(())
 }
 
-fn all_or_none(robots: &[RobotSpec], file: &ScenarioFile) -> Result<(), ScenarioFault> {
+fn all_or_none(robots: &[RobotSpec], file: &ScenarioFile) -> Read<()> {
     let listed = file.robots.iter().find_map(|robot| robot.get_ref().paths.as_ref());
     match (listed, robots.iter().find(|robot| robot.paths.is_empty())) {
         (Some(listed), Some(robot)) => {
             let reason = format!("{} has no paths: list them for every robot or for none", robot.name);
-            Err(ScenarioFault::new(listed.span(), reason))
+            refuse(listed.span(), reason)
         }
         _ => Ok(()),
     }

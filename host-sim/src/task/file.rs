@@ -1,34 +1,23 @@
 //! A task file as it is written, before anything is checked but its keys and their types.
 
+use crate::input::{RadioEntry, RealNumber, Text, WholeNumber};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
-
-pub(super) type Text = Spanned<String>;
-pub(super) type Number = Spanned<i64>;
-pub(super) type Real = Spanned<f64>;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct File {
     pub title: Text,
-    pub limit: Option<Number>,
-    pub precision: Option<Real>,
-    pub confidence: Option<Real>,
+    pub limit: Option<WholeNumber>,
+    pub precision: Option<RealNumber>,
+    pub confidence: Option<RealNumber>,
     #[serde(default)]
-    pub radio: TaskRadioEntry,
+    pub radio: RadioEntry,
     #[serde(rename = "robot")]
     pub robots: Vec<Spanned<Robot>>,
     #[serde(rename = "goal")]
     pub goals: Vec<Spanned<GoalTable>>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-pub(super) struct TaskRadioEntry {
-    pub loss: Option<Real>,
-    pub delay: Option<Number>,
-    pub duplicate: Option<Real>,
 }
 
 #[derive(Deserialize)]
@@ -75,7 +64,7 @@ pub(super) struct Sensor {
     /// A factor, or `state`; left out for labels of its own.
     pub reads: Option<Text>,
     pub labels: Option<Labels>,
-    pub right: Option<Real>,
+    pub right: Option<RealNumber>,
     pub table: Option<Vec<Vec<f64>>>,
 }
 
@@ -89,13 +78,13 @@ pub(super) struct Action {
     pub forbids: Vec<Text>,
     pub brings: Option<Text>,
     pub otherwise: Option<Text>,
-    pub expected: Option<Real>,
+    pub expected: Option<RealNumber>,
     #[serde(default, rename = "effect")]
     pub effects: Vec<Effect>,
-    pub success: Option<Real>,
-    pub habit: Option<Real>,
-    pub ticks: Option<Number>,
-    pub fails: Option<Real>,
+    pub success: Option<RealNumber>,
+    pub habit: Option<RealNumber>,
+    pub ticks: Option<WholeNumber>,
+    pub fails: Option<RealNumber>,
 }
 
 #[derive(Deserialize)]
@@ -123,7 +112,7 @@ pub(super) struct Remedy {
     pub missing: Text,
     pub value: Option<bool>,
     pub prefer: Text,
-    pub by: Option<Real>,
+    pub by: Option<RealNumber>,
     pub target: Option<Text>,
 }
 
@@ -132,8 +121,8 @@ pub(super) struct Remedy {
 pub(super) struct Aim {
     pub name: Text,
     pub done: Vec<Text>,
-    pub prefer: BTreeMap<String, Real>,
-    pub wish: Option<BTreeMap<String, BTreeMap<String, Real>>>,
+    pub prefer: BTreeMap<String, RealNumber>,
+    pub wish: Option<BTreeMap<String, BTreeMap<String, RealNumber>>>,
     pub target: Option<Text>,
 }
 
@@ -141,7 +130,7 @@ pub(super) struct Aim {
 #[serde(deny_unknown_fields)]
 pub(super) struct OutcomeTable {
     pub names: Vec<Text>,
-    pub prefer: BTreeMap<String, Real>,
+    pub prefer: BTreeMap<String, RealNumber>,
     pub table: Vec<Text>,
     pub possible: Option<Text>,
 }

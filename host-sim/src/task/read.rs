@@ -1,12 +1,11 @@
 //! From a task file as written to tables and truth, or the first thing that is wrong with it.
 
-use super::error::{Fault, Read, TaskFileError};
-use super::file::{self, File, Real, Text};
-use super::values::{
-    action_names, fact_names, factor_names, index, is_idle, real, share, state_names, states_of, target,
-    texts, unknown, whole,
+use super::file::{self, File};
+use super::names::{
+    action_names, fact_names, factor_names, index, is_idle, state_names, states_of, target, texts, unknown,
 };
 use super::world::{Goal, Truth};
+use crate::input::{Fault, FileError, Read, RealNumber, Text, real, refuse, share, whole};
 use crate::scenario::Radio;
 use bumpalo::Bump;
 use iibt_core::iibt::Literal;
@@ -40,8 +39,8 @@ impl<'a> TableMission<'a> {
     /// Reads a task file into `arena`; `name` is what it will be called, in errors too.
     ///
     /// # Errors
-    /// [`TaskFileError`] with line, column and reason of the first thing that is wrong.
-    pub fn parse(arena: &'a Bump, name: &str, text: &str) -> Result<Self, TaskFileError> {
+    /// [`FileError`] with line, column and reason of the first thing that is wrong.
+    pub fn parse(arena: &'a Bump, name: &str, text: &str) -> Result<Self, FileError> {
         let file = toml::from_str(text).map_err(Fault::from);
         let read = file.and_then(|file: File| Reader { arena, file: &file }.mission(name));
         read.map_err(|fault| fault.in_file(name, text))
@@ -66,19 +65,13 @@ impl<'a> Reader<'a, '_> {
             let with = tables.with_confidence(*confidence.get_ref() as f32);
             tables = with.map_err(|error| Fault::new(confidence.span(), error.reason))?;
         }
-        let radio = Radio::default();
         Ok(TableMission {
             name: name.to_owned(),
             title: file.title.get_ref().clone(),
             truth: self.truth(&tables)?,
             tables,
             limit: whole("limit", file.limit.as_ref(), 1..=100_000, 1000)?,
-            radio: Radio {
-                loss: share("loss", file.radio.loss.as_ref(), radio.loss)?,
-                delay: whole("delay", file.radio.delay.as_ref(), 1..=1000, radio.delay)?,
-                duplicate: share("duplicate", file.radio.duplicate.as_ref(), radio.duplicate)?,
-                ..radio
-            },
+            radio: file.radio.check()?,
         })
     }
 
@@ -122,7 +115,7 @@ impl<'a> Reader<'a, '_> {
     /// The states of the first factor as semantic states.
     fn identity(&self, robot: &file::Robot) -> Read<Labels<'a>> {
         let Some(first) = robot.factors.first() else {
-            return Err(Fault::new(robot.name.span(), "a robot needs a [[robot.factor]]"));
+            return refuse(robot.name.span(), "a robot needs a [[robot.factor]]");
         };
         let states = &first.get_ref().states;
         let numbers: Vec<u8> = (0..states.len().min(255) as u8).collect();
@@ -146,7 +139,7 @@ impl<'a> Reader<'a, '_> {
             (Some(reads), None) if reads.get_ref() == "state" => Reads::State,
             (Some(reads), None) => Reads::Factor(index("factor", reads, &factor_names(robot))?),
             (None, Some(labels)) => Reads::Labels(self.labels(labels, robot)?),
-            _ => return Err(Fault::new(sensor.name.span(), "a sensor has either `reads` or `labels`")),
+            _ => return refuse(sensor.name.span(), "a sensor has either `reads` or `labels`"),
         };
         let accuracy = match (&sensor.right, &sensor.table) {
             (Some(right), None) => Accuracy::Even(*right.get_ref() as f32),
@@ -154,7 +147,7 @@ impl<'a> Reader<'a, '_> {
                 let entries: Vec<f32> = rows.iter().flatten().map(|&p| p as f32).collect();
                 Accuracy::Table(self.arena.alloc_slice_copy(&entries))
             }
-            _ => return Err(Fault::new(sensor.name.span(), "a sensor has either `right` or `table`")),
+            _ => return refuse(sensor.name.span(), "a sensor has either `right` or `table`"),
         };
         Ok(Sensor { name: self.text(&sensor.name), reads, accuracy })
     }
@@ -166,7 +159,7 @@ impl<'a> Reader<'a, '_> {
             (Some(brings), Some(other)) => Postcondition::Reset(state(brings)?, expected, state(other)?),
             (Some(brings), None) => Postcondition::State(state(brings)?, expected),
             (None, Some(other)) => {
-                return Err(Fault::new(other.span(), "`otherwise` is what comes in the place of `brings`"));
+                return refuse(other.span(), "`otherwise` is what comes in the place of `brings`");
             }
             (None, None) => Postcondition::Nothing,
         };
@@ -229,14 +222,14 @@ impl<'a> Reader<'a, '_> {
             _ => {
                 let reason =
                     "a fact has `factor` and `is`, `factor` alone for the target, or `robot` and `doing`";
-                return Err(Fault::new(fact.name.span(), reason));
+                return refuse(fact.name.span(), reason);
             }
         };
         Ok(Fact { name: self.text(&fact.name), holds })
     }
 
     fn remedy(&self, remedy: &file::Remedy, robot: &file::Robot) -> Read<Remedy> {
-        let by = |by: &Real| real("by", Some(by), -1000.0..=1000.0, 0.0).map(|by| Raise::By(by as f32));
+        let by = |by: &RealNumber| real("by", Some(by), -1000.0..=1000.0, 0.0).map(|by| Raise::By(by as f32));
         Ok(Remedy {
             missing: Literal {
                 variable: index("fact", &remedy.missing, &fact_names(robot))?,
@@ -263,7 +256,7 @@ impl<'a> Reader<'a, '_> {
     /// A row for each robot by its name; nothing for the own one, which is not read.
     fn wishes(
         &self,
-        wishes: &BTreeMap<String, BTreeMap<String, Real>>,
+        wishes: &BTreeMap<String, BTreeMap<String, RealNumber>>,
         aim: &file::Aim,
         own: &file::Robot,
     ) -> Read<Wish<'a>> {
@@ -272,7 +265,7 @@ impl<'a> Reader<'a, '_> {
         let unknown = |name: &&String| !others().any(|of| of.name.get_ref() == *name);
         if let Some(name) = wishes.keys().find(unknown) {
             let reason = format!("the aim wishes something of \"{name}\", which is no teammate");
-            return Err(Fault::new(aim.name.span(), reason));
+            return refuse(aim.name.span(), reason);
         }
         let row = |of: &Spanned<file::Robot>| match wishes.get(of.get_ref().name.get_ref()) {
             _ if of.get_ref().name.get_ref() == own => Ok(&[][..]),
@@ -297,14 +290,14 @@ impl<'a> Reader<'a, '_> {
     /// A preference by the names of states, zero for one that is not named.
     fn preference(
         &self,
-        values: &BTreeMap<String, Real>,
+        values: &BTreeMap<String, RealNumber>,
         names: &[&str],
         at: Range<usize>,
     ) -> Read<&'a [f32]> {
         let mut row = vec![0.0; names.len()];
         for (name, value) in values {
             let Some(place) = names.iter().position(|known| known == name) else {
-                return Err(Fault::new(value.span(), unknown("state", name, names)));
+                return refuse(value.span(), unknown("state", name, names));
             };
             row[place] = real("a preference", Some(value), -1e6..=1e6, 0.0).map_err(|_| {
                 Fault::new(at.clone(), format!("the preference for \"{name}\" is not between -1e6 and 1e6"))

@@ -1,8 +1,7 @@
-//! Names and numbers of a task file: which there are, and their ranges.
+//! The names of a task file.
 
-use super::error::{Fault, Read};
-use super::file::{self, Number, Real, Text};
-use std::ops::RangeInclusive;
+use super::file;
+use crate::input::{Fault, Read, Text, refuse};
 
 pub(super) fn is_idle(action: &file::Action) -> bool {
     action.needs.is_empty() && action.forbids.is_empty() && action.effects.is_empty()
@@ -42,7 +41,7 @@ pub(super) fn target(name: Option<&Text>, robot: &file::Robot) -> Read<Option<u8
     let effects = robot.actions.iter().flat_map(|action| &action.get_ref().effects);
     let aimed = effects.filter(|effect| effect.to.get_ref() == "target").map(|effect| &effect.factor).next();
     let Some(factor) = aimed else {
-        return Err(Fault::new(name.span(), "no effect leads to \"target\", so there is none to name"));
+        return refuse(name.span(), "no effect leads to \"target\", so there is none to name");
     };
     let factor = index("factor", factor, &factor_names(robot))?;
     index("state", name, &states_of(robot, factor)).map(Some)
@@ -59,27 +58,4 @@ pub(super) fn unknown(what: &str, name: &str, names: &[&str]) -> String {
         return format!("there is no {what} \"{name}\": there is none at all");
     }
     format!("there is no {what} \"{name}\": there are {}", names.join(", "))
-}
-
-pub(super) fn whole(key: &str, number: Option<&Number>, range: RangeInclusive<u32>, usual: u32) -> Read<u32> {
-    let Some(number) = number else { return Ok(usual) };
-    let value = u32::try_from(*number.get_ref()).ok().filter(|value| range.contains(value));
-    value.ok_or_else(|| {
-        let (found, least, most) = (number.get_ref(), range.start(), range.end());
-        Fault::new(number.span(), format!("{key} = {found} is not between {least} and {most}"))
-    })
-}
-
-pub(super) fn share(key: &str, number: Option<&Real>, usual: f64) -> Read<f64> {
-    real(key, number, 0.0..=1.0, usual)
-}
-
-pub(super) fn real(key: &str, number: Option<&Real>, range: RangeInclusive<f64>, usual: f64) -> Read<f64> {
-    let Some(number) = number else { return Ok(usual) };
-    let value = *number.get_ref();
-    if range.contains(&value) {
-        return Ok(value);
-    }
-    let (least, most) = (range.start(), range.end());
-    Err(Fault::new(number.span(), format!("{key} = {value} is not between {least} and {most}")))
 }

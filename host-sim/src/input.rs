@@ -1,0 +1,100 @@
+//! Files that a user writes: what is wrong with one, and where.
+
+mod values;
+
+pub(crate) use values::{
+    RadioEntry, RealNumber, Text, WholeNumber, line_of_text, parameter, percent, real, share, whole,
+};
+
+use std::ops::Range;
+use thiserror::Error;
+
+/// Why a file was refused. Its display is `FILE:LINE:COLUMN: reason`, without the column or the
+/// line where they are not known.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{}: {reason}", self.place())]
+pub struct FileError {
+    /// The file, as it was named.
+    pub file: String,
+    /// The line, from one; `None` where the reason names the place.
+    pub line: Option<usize>,
+    /// The column in characters, from one.
+    pub column: Option<usize>,
+    /// What is wrong and what would be right.
+    pub reason: String,
+}
+
+impl FileError {
+    fn place(&self) -> String {
+        let numbers = [self.line, self.column].into_iter().flatten();
+        numbers.fold(self.file.clone(), |place, number| format!("{place}:{number}"))
+    }
+}
+
+/// A [`FileError`] before the file is known: the byte where it is, and the reason.
+#[derive(Debug)]
+pub(crate) struct Fault {
+    at: Option<usize>,
+    reason: String,
+}
+
+/// What is read, or the first thing that is wrong with it.
+pub(crate) type Read<T> = Result<T, Fault>;
+
+/// Refuses what is written at `span`.
+pub(crate) fn refuse<T>(span: Range<usize>, reason: impl Into<String>) -> Read<T> {
+    Err(Fault::new(span, reason))
+}
+
+impl Fault {
+    pub(crate) fn new(span: Range<usize>, reason: impl Into<String>) -> Self {
+        Self { at: Some(span.start), reason: reason.into() }
+    }
+
+    /// Something that is missing, and so stands nowhere; see [`Fault::or_at`].
+    pub(crate) fn anywhere(reason: impl Into<String>) -> Self {
+        Self { at: None, reason: reason.into() }
+    }
+
+    /// This fault, at `span` if it has no place of its own.
+    pub(crate) fn or_at(self, span: &Range<usize>) -> Self {
+        Self { at: self.at.or(Some(span.start)), ..self }
+    }
+
+    /// This fault with its line in the file.
+    pub(crate) fn on_line(self, file: &str, text: &str) -> FileError {
+        FileError { column: None, ..self.in_file(file, text) }
+    }
+
+    /// This fault with its line and column in the file.
+    pub(crate) fn in_file(self, file: &str, text: &str) -> FileError {
+        let (line, column) = place(text.as_bytes(), self.at.unwrap_or(0));
+        FileError { file: file.to_owned(), line: Some(line), column: Some(column), reason: self.reason }
+    }
+}
+
+impl From<toml::de::Error> for Fault {
+    fn from(error: toml::de::Error) -> Self {
+        let message = error.message().trim().replace('\n', "; ");
+        let message = message.replace("i64", "a whole number").replace("f64", "a number");
+        Self::new(error.span().unwrap_or_default(), message)
+    }
+}
+
+/// Returns the line and the column in characters of a byte, both from one.
+pub(crate) fn place(text: &[u8], at: usize) -> (usize, usize) {
+    let before = &text[..at.min(text.len())];
+    let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+    let begin = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |newline| newline + 1);
+    (line, 1 + String::from_utf8_lossy(&before[begin..]).chars().count())
+}
+
+/// Returns the bytes of a file as text.
+pub(crate) fn utf8<'t>(file: &str, bytes: &'t [u8]) -> Result<&'t str, FileError> {
+    std::str::from_utf8(bytes).map_err(|error| FileError {
+        file: file.to_owned(),
+        line: Some(place(bytes, error.valid_up_to()).0),
+        column: None,
+        reason: "this is no UTF-8 text".to_owned(),
+    })
+}
