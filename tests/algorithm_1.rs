@@ -1,4 +1,5 @@
-//! Algorithm 1 of the paper, line by line, on the robots of section 6.2: tables that fly in the simulator.
+//! Algorithm 1 of the paper, line by line, on the robots of section 6.2: tables that fly in the
+//! simulator.
 
 use host_sim::manipulation::tables::{
     ELSEWHERE, EMPTY, FREE, GOAL_A, GOAL_B, GOAL_C, HOLD, IDLE, IN_TURN, LOC, MOVE_TO, PICK, PLACE, PUT_DOWN,
@@ -100,7 +101,8 @@ fn line_7_builds_its_own_candidates_from_the_belief() {
 
 #[test]
 fn lines_8_to_11_join_the_teammates_intentions() {
-    // In turn it keeps still while the teammate acts, though it would like that to be free; at once it goes as well.
+    // In turn it keeps still while the teammate acts, though it would like that to be free; at once
+    // it goes as well.
     for (operator, in_turn, at_once) in [(MOVE_TO, 12, 0), (PICK, 13, 1), (PUT_DOWN, 14, 2), (IDLE, 3, 3)] {
         for (tables, expected) in [(&TURNS, in_turn), (&AT_ONCE, at_once)] {
             let mut robot = Bench::new(tables, 0);

@@ -1,6 +1,7 @@
 //! What crosses crates, linked once: one file is one module.
 //!
-//! `cargo test -p tests --test all` runs everything, `cargo test -p tests --test all safety::` one file.
+//! `cargo test -p tests --test all` runs everything, `cargo test -p tests --test all safety::` one
+//! file.
 
 mod algorithm_1;
 mod benchmarks;

@@ -1,4 +1,5 @@
-//! What goes beyond the paper: unlike robots that know it, and robots that learn where they are served.
+//! Results beyond the paper: heterogeneous teams that know their differences, and robots that learn
+//! where they are served.
 
 use host_sim::beyond::{LearnedPreferences, Mixed, Unlike};
 use host_sim::campaign::Score;

@@ -1,4 +1,4 @@
-//! What the released image takes of its chip, held against `budgets.toml` and what README says.
+//! The resources that the released image takes, checked against `budgets.toml` and README.
 
 use tests::budgets::assert_within;
 use tests::elf::Elf;
@@ -28,8 +28,8 @@ fn a_tree_is_within_its_budget() {
     assert_within("tree", "ram_per_node", iibt_core::tree::Memory::<21>::BYTES as u64 / 21);
 }
 
-/// The instructions of the tick that the image logs next: an instruction takes a nanosecond there, and the
-/// timer whose cycles it counts runs at 168 MHz.
+/// The instructions of the tick that the image logs next: an instruction takes a nanosecond there,
+/// and the timer whose cycles it counts runs at 168 MHz.
 fn instructions(image: &mut Robot) -> u64 {
     let line = image.wait_for("took").message;
     u64::from(number(&line, "took ")) * 1000 / 168

@@ -1,4 +1,5 @@
-//! Campaigns: conventional trees that fly every mission, and what holds for every flight of the inference node.
+//! Campaigns: conventional trees that fly every mission, and what holds for every flight of the
+//! inference node.
 
 use host_sim::campaign::{Campaign, Disturbance, Score, Trace, Violations};
 use host_sim::{Conditions, Outcome, Pilot, Record, Scenario, fly, library};

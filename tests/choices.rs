@@ -1,4 +1,4 @@
-//! What a team settles on: the paths it agrees on, whoever it is compiled for.
+//! The paths that a team agrees on are the same for every size of map it is compiled for.
 
 use host_sim::{Faults, NavigatorFlight};
 use iibt_core::grid::{Cell, Map, Path};

@@ -1,4 +1,4 @@
-//! What the documents name is there: files, links and tests.
+//! The files, links and tests that the documents name exist.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -96,7 +96,8 @@ fn tests_that_are_named_exist() {
     assert!(named >= 8, "only {named} tests are named: are they still found?");
 }
 
-/// Beyond the head of a table, its rule, and its rows in other documents: every row is a statement about the paper.
+/// Beyond the head of a table, its rule, and its rows in other documents: every row is a statement
+/// about the paper.
 #[test]
 fn every_statement_about_the_paper_names_its_test() {
     let document = read(&root().join("docs/paper.md"));

@@ -39,7 +39,8 @@ mod arrives {
         }
     }
 
-    /// The layout, pinned. If this fails, the layout has changed: the schema must have changed with it.
+    /// The layout, pinned. If this fails, the layout has changed: the schema must have changed with
+    /// it.
     #[test]
     fn in_the_published_layout() {
         let frame = framed(&six_moves());
@@ -358,8 +359,9 @@ mod in_a_stream {
             for bit in 0..8 * damaged_length {
                 let mut stream = stream.clone();
                 stream[bit / 8] ^= 1 << (bit % 8);
-                // The delimiter before the first frame is not missed at the beginning of a stream only if it turns
-                // into a byte of the frame; the one after it has another behind it.
+                // The delimiter before the first frame is not missed at the beginning of a stream
+                // only if it turns into a byte of the frame; the one after it has another behind
+                // it.
                 let expected = [second.clone(), third.clone()];
                 let received = received(&stream);
                 let rest = received.strip_prefix(std::slice::from_ref(&first)).unwrap_or(&received);

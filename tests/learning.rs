@@ -1,4 +1,5 @@
-//! B learned from what happened: by a robot in flight, which then chooses otherwise, and on the host from a log.
+//! B learned from experience: by a robot in flight, which then chooses otherwise, and on the host
+//! from a log.
 
 use host_sim::{
     Conditions, ExecutionLog, Faults, Learned, Logbook, MoveRatio, NavigatorFlight, Record, Scenario, fly,
@@ -69,8 +70,8 @@ mod in_flight {
         assert_eq!(learns, does_not, "to the last bit");
     }
 
-    /// The true probability is reached within three standard errors of a ratio of so many tries, plus what the eight
-    /// successes that a robot begins with weigh.
+    /// The true probability is reached within three standard errors of a ratio of so many tries,
+    /// plus what the eight successes that a robot begins with weigh.
     #[test]
     fn the_slips_a_robot_has_learned_are_those_of_its_drive() {
         let (starts, goals) = ([Cell(0)], [Cell(48)]);

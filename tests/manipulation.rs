@@ -1,4 +1,5 @@
-//! The paper's section 6.2: one robot's decisions on the bench, then two robots with a bottle and a plate.
+//! The paper's section 6.2: one robot's decisions on the bench, then two robots with a bottle and a
+//! plate.
 
 mod decisions {
     use host_sim::manipulation::tables::{

@@ -1,4 +1,5 @@
-//! The lines of Algorithm 1 on real robots: what makes a team decide, wait, decide again, stop and fail.
+//! The lines of Algorithm 1 on real robots: what makes a team decide, wait, decide again, stop and
+//! fail.
 
 use host_sim::{EventEffect, Faults, NavigatorFlight, Radio, Reading, reproduce};
 use iibt_core::grid::{Cell, Map};
@@ -303,7 +304,8 @@ fn a_move_that_nothing_confirms_is_not_announced() {
     fly_until(&mut team, "all arrive", |team| all(team, Stage::Arrived));
 }
 
-/// A localiser that lags makes a move look as if it had failed; made once more it would lead off the path.
+/// A localiser that lags makes a move look as if it had failed; made once more it would lead off
+/// the path.
 #[test]
 fn one_late_reading_does_not_have_a_move_made_twice() {
     let mission = factory();

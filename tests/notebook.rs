@@ -1,5 +1,5 @@
-//! Models from notebooks: the numbers of the field's tools, refusals that name the place, and exported source that has the
-//! same bits.
+//! Models from notebooks: the numbers of the field's tools, refusals that name the place, and
+//! exported source that has the same bits.
 
 #![allow(clippy::excessive_precision, reason = "the figures of other tools, as they give them")]
 
@@ -11,8 +11,8 @@ const BENCHMARK_1: &str = include_str!("../host-sim/models/benchmark-1.json");
 const BENCHMARK_2: &str = include_str!("../host-sim/models/benchmark-2.json");
 const SWITCH: &str = include_str!("../host-sim/models/switch.json");
 
-/// What a tool of the field gives for a model: pymdp 0.0.7.1 in numpy for the joint information gain, pymdp 1.0.4 in JAX and
-/// double precision for the one per modality.
+/// What a tool of the field gives for a model: pymdp 0.0.7.1 in numpy for the joint information
+/// gain, pymdp 1.0.4 in JAX and double precision for the one per modality.
 struct Expected {
     model: &'static str,
     convention: Convention,
@@ -173,7 +173,8 @@ fn exact_beliefs_have_the_surprise_for_their_free_energy() {
 
 #[test]
 fn sweeps_that_do_not_come_to_rest_give_way_to_exact_beliefs() {
-    // Both robots see themselves beside the goals and hear of a failure: factors swept in parallel oscillate.
+    // Both robots see themselves beside the goals and hear of a failure: factors swept in parallel
+    // oscillate.
     let model = notebook(BENCHMARK_2).observing("24,25,2").expect("an observation");
     let report = run(&model, InferenceRun { convention: Convention::PerModality, ..InferenceRun::default() });
     let step = only(&report);

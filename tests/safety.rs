@@ -1,7 +1,8 @@
-//! Whatever the radio, the drive and the world do: no two robots ever share or swap a cell.
+//! No two robots ever share or swap a cell, whatever the radio, the drive and the world do.
 //!
-//! How many teams must arrive is what was measured less some three standard deviations of such a count, and five
-//! where nearly all arrive: another stream of random numbers passes, a team that is held up does not.
+//! How many teams must arrive is what was measured less some three standard deviations of such a
+//! count, and five where nearly all arrive: another stream of random numbers passes, a team that is
+//! held up does not.
 
 use host_sim::{Faults, NavigatorFlight, Radio, Random, reproduce};
 use iibt_core::actions::HORIZON;
@@ -24,18 +25,20 @@ fn team<'m>(mission: &'m Mission<'m, 2>, faults: Faults, seed: u64) -> Team<'m> 
     Team::over(mission, faults, seed).expect("a sound mission").beginning_at(Instant(u32::MAX - 50))
 }
 
-/// A radio that loses and doubles copies with these probabilities, and delays them by up to so many ticks more.
+/// A radio that loses and doubles copies with these probabilities, and delays them by up to so many
+/// ticks more.
 fn radio(loss: f64, jitter: u32, duplicate: f64) -> Radio {
     Radio { loss, jitter, duplicate, ..Radio::default() }
 }
 
-/// A random map with walls in a tenth of its cells, and a team of two to five robots with as many goals, and chargers for
-/// all but the last robot, all within reach of each other.
+/// A random map with walls in a tenth of its cells, and a team of two to five robots with as many
+/// goals, and chargers for all but the last robot, all within reach of each other.
 fn fly(seed: u64, faults: Faults) -> Outcome {
     fly_at(seed, faults, [1; 5], &[])
 }
 
-/// The same with robots whose moves take so many ticks, and what they take for the steps of a plan that those are.
+/// The same with robots whose moves take so many ticks, and what they take for the steps of a plan
+/// that those are.
 fn fly_at(seed: u64, faults: Faults, ticks: [u32; 5], paces: &[u8]) -> Outcome {
     let mut random = Random::new(seed);
     let size = 2 + (seed % 4) as usize;
@@ -50,7 +53,8 @@ fn fly_at(seed: u64, faults: Faults, ticks: [u32; 5], paces: &[u8]) -> Outcome {
     judge::fly(&mut team, 800)
 }
 
-/// A map with walls in about a tenth of its cells, and at least so many free cells within reach of each other.
+/// A map with walls in about a tenth of its cells, and at least so many free cells within reach of
+/// each other.
 fn ground(random: &mut Random, least: usize) -> (Map<2>, Vec<Cell>) {
     let mut planner = Planner::<49>::new();
     loop {
@@ -164,7 +168,8 @@ fn with_no_radio_at_all_nobody_moves() {
 mod with_robots_of_different_paces {
     use super::*;
 
-    /// Robots whose moves take up to six ticks, on all kinds of ground; returns in how many missions all arrived.
+    /// Robots whose moves take up to six ticks, on all kinds of ground; returns in how many
+    /// missions all arrived.
     fn campaign(faults: Faults, paces: fn([u32; 5]) -> [u8; 5]) -> usize {
         let outcomes = (0..RUNS).map(|seed| {
             let ticks = [0, 1, 2, 3, 4].map(|robot| 1 + ((seed / 4 + robot * 5) % 6) as u32);

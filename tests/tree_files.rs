@@ -150,7 +150,8 @@ mod built_in {
 
     #[test]
     fn they_have_the_sizes_that_the_paper_reports() {
-        // Sequences, fallbacks, conditions, actions, levels: the paper's tables 3, 6 and 7 and its figures.
+        // Sequences, fallbacks, conditions, actions, levels: the paper's tables 3, 6 and 7 and its
+        // figures.
         for (name, [sequences, fallbacks, conditions, actions, levels]) in [
             ("pilot", [1, 1, 1, 2, 3]),
             ("figure-5-inference", [0, 0, 0, 1, 1]),

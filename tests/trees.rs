@@ -1,7 +1,8 @@
 //! The rules of BehaviorTree.CPP's nodes, one test each: scripted leaves in, traces out.
 //!
-//! A leaf is a letter. `a=RS` returns running, then success, and repeats the last; K is skipped. Ticks are 10 ms
-//! apart. In a trace `!` stands for a tick after which the tree wants the next one at once.
+//! A leaf is a letter. `a=RS` returns running, then success, and repeats the last; K is skipped.
+//! Ticks are 10 ms apart. In a trace `!` stands for a tick after which the tree wants the next one
+//! at once.
 
 use iibt_core::time::Instant;
 use iibt_core::tree;
@@ -291,7 +292,8 @@ rule!(repeat_without_end_repeats:
     { Repeat(-1) { Action('a') } }
     "a=S" => ["a:S => R!", "a:S => R!", "a:S => R!"]);
 
-/// Nothing below a loop of zero rounds is ever ticked, which `Tree` refuses: so the table is built by hand.
+/// Nothing below a loop of zero rounds is ever ticked, which `Tree` refuses: so the table is built
+/// by hand.
 #[test]
 fn zero_rounds_end_without_a_tick() {
     use iibt_core::tree::{NodeMemory, Row, Times, TreeRef};

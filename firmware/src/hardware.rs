@@ -24,7 +24,7 @@ pub trait Link {
     fn send(&mut self, frame: &[u8]) -> bool;
 }
 
-/// Wheels, one cell at a time.
+/// A drive that moves one cell at a time.
 ///
 /// A move is made whole or not at all, and a robot that has begun one counts as in both cells until
 /// it is done. [`Move::Up`] leads to the row before, towards cell zero.

@@ -1,7 +1,7 @@
 //! The robot controller: everything between the hardware's traits and the core's decisions.
 //!
 //! ```text
-//! Link ─► frames ─► Roster ──► peers ┐                            ┌─► act ─► Drive, gripper, lamp ...
+//! Link ─► frames ─► Roster ──► peers ┐                            ┌─► act ─► Drive, gripper ...
 //! Localiser, Scanner ... ─► sense ───┼─► behavior tree ─► choice ─┤
 //! Clock ─────────────────────────────┘   (one leaf may infer)     └─► message ─► frame ─► Link
 //! ```

@@ -10,7 +10,7 @@ pub struct LinkReport {
     pub sent: u32,
     /// Frames that the link did not take, and messages that no frame carries.
     pub unsent: u32,
-    /// Stretches of bytes that were too long for a frame.
+    /// Runs of bytes that were too long for a frame.
     pub dropped: u32,
     /// The counts of received frames, accepted and refused.
     pub received: Counters,

@@ -4,8 +4,8 @@ use iibt_core::team::{Invalid, Message, Peers};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 
-/// A robot that a [`Controller`](crate::Controller) runs on hardware `H`: what it senses, its
-/// behavior tree, what it does and what it tells its teammates.
+/// A robot that a [`Controller`](crate::Controller) runs on hardware `H`: its sensing, behavior
+/// tree, actions and messages.
 ///
 /// The controller calls the methods once a tick, in the order in which they stand here. None of
 /// them waits. A robot asks of its hardware what it needs, as bounds on `H`, and nothing else.
@@ -29,7 +29,11 @@ use iibt_core::tree::Status;
 /// }
 ///
 /// static TREE: Tree<Leaf, 4> = iibt_core::tree! {
-///     ReactiveSequence { Condition(Leaf::Held), Condition(Leaf::TeammateHolds), Action(Leaf::Light) }
+///     ReactiveSequence {
+///         Condition(Leaf::Held),
+///         Condition(Leaf::TeammateHolds),
+///         Action(Leaf::Light),
+///     }
 /// };
 ///
 /// /// Whether the button is held.
@@ -165,10 +169,10 @@ pub trait Robot<H> {
     /// Reads the sensors.
     fn sense(&mut self, hardware: &mut H, now: Instant);
 
-    /// Ticks the behavior tree once, in whatever form it is, and returns the status of its root.
+    /// Ticks the behavior tree once and returns the status of its root.
     fn tick(&mut self, peers: Peers<'_, Self::Message>, now: Instant) -> Status;
 
-    /// Carries out what the tick decided.
+    /// Carries out the decision of the tick.
     fn act(&mut self, hardware: &mut H);
 
     /// Returns the message to announce now.

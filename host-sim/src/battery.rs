@@ -1,9 +1,9 @@
-//! A robot's battery: what moves take from it, and what its charger gives.
+//! The battery of a robot, drained by moves and filled by its charger.
 
 use crate::scenario::RobotSpec;
 use iibt_core::grid::Cell;
 
-/// The battery of one robot, in percent of what it can hold.
+/// The battery of one robot, in percent of its capacity.
 #[derive(Clone, Debug)]
 pub(crate) struct BatteryState {
     charge: f64,
@@ -22,7 +22,7 @@ impl BatteryState {
         }
     }
 
-    /// What the gauge shows: whole percents, rounded down.
+    /// The reading of the gauge: whole percents, rounded down.
     pub(crate) fn percent(&self) -> u8 {
         self.charge as u8
     }
@@ -41,12 +41,12 @@ impl BatteryState {
         falls
     }
 
-    /// Holds this charge from now on.
+    /// Sets the charge.
     pub(crate) fn set(&mut self, percent: u8) {
         self.charge = f64::from(percent.min(100));
     }
 
-    /// One tick that brought the robot from one cell to another, or left it where it was.
+    /// Drains the battery by a move between two cells; charges it where the robot stays on its charger.
     pub(crate) fn tick(&mut self, from: Cell, to: Cell) {
         if from != to {
             self.charge = (self.charge - self.drain).max(0.0);

@@ -1,4 +1,5 @@
-//! A robot's body: the hardware its controller works on, filled and read by the world around it.
+//! The body of a simulated robot: the hardware of its controller, filled and read by the simulated
+//! world.
 //!
 //! Within a tick a body is alone. The world puts in what the sensors read before the controller
 //! ticks, and carries out what the controller has commanded afterwards.
@@ -11,7 +12,7 @@ use std::collections::VecDeque;
 /// The hardware of one simulated robot.
 pub(crate) type Body = adapters::Body<Antenna, Clock, Wheels, Localiser, Scanner, Battery>;
 
-/// A body at the beginning of time.
+/// A body whose clock is at zero.
 pub(crate) fn body() -> Body {
     Body {
         link: Antenna::default(),
@@ -28,18 +29,18 @@ pub(crate) fn body() -> Body {
 pub struct Antenna {
     pub(crate) received: VecDeque<u8>,
     pub(crate) sent: Vec<Vec<u8>>,
-    /// What was sent in the last tick of a flight.
+    /// The frames sent in the last tick of a flight.
     pub(crate) last: Vec<Vec<u8>>,
 }
 
-/// The wheels, the move they have been told to make, and whether they are still making one.
+/// The wheels, the commanded move, and whether a move is under way.
 #[derive(Debug, Default)]
 pub struct Wheels {
     pub(crate) command: Option<Move>,
     pub(crate) moving: bool,
 }
 
-/// The positioning, and what it reads in this tick.
+/// The positioning, and its reading in this tick.
 #[derive(Debug, Default)]
 pub struct Localiser {
     pub(crate) reading: Option<Cell>,
@@ -65,7 +66,7 @@ pub struct Clock {
 }
 
 impl Scanner {
-    /// Turns to what is in view now.
+    /// Updates the obstacles in view.
     pub(crate) fn look(&mut self, in_view: Vec<Cell>) {
         self.unreported.retain(|cell| in_view.contains(cell));
         for &cell in in_view.iter().rev().filter(|cell| !self.in_view.contains(cell)) {

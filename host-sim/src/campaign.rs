@@ -2,7 +2,8 @@
 //! seeds.
 //!
 //! ```text
-//! Campaign ─► Disturbance: the scenario as a seed draws it ─► fly ─► Score: validated ─► Summary, Comparison ─► CampaignReport
+//! Campaign ─► Disturbance: the scenario as a seed draws it ─► fly ─► Score: validated
+//!                         CampaignReport ◄─ Summary, Comparison ◄────┘
 //! ```
 //!
 //! The flights run in parallel; the report does not depend on the number of threads.
@@ -13,7 +14,9 @@
 //!
 //! let scenario = library::find("two-goals").expect("it is built in")?;
 //! let pilots = [Pilot::Inference, Pilot::Conventional];
-//! let campaign = Campaign { scenario: &scenario, disturbances: &[Disturbance::Loss], pilots: &pilots, seeds: 5 };
+//! let disturbances = [Disturbance::Loss];
+//! let campaign =
+//!     Campaign { scenario: &scenario, disturbances: &disturbances, pilots: &pilots, seeds: 5 };
 //! let report = campaign.fly(None, &|_, _| ())?;
 //! assert_eq!(report.rows[0].summaries[0].accomplished.count, 5);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -165,7 +165,7 @@ impl From<FlownTree> for Pilot {
 
 type Failure = Box<dyn Error>;
 
-/// Does what the command line says.
+/// Runs the command line.
 pub(crate) fn main() -> ExitCode {
     match Cli::parse().run() {
         Ok(code) => code,

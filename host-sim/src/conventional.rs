@@ -1,20 +1,24 @@
-//! Robots with conventional trees: the same body, the same frames, but behavior trees of conditions
-//! and actions written by hand.
+//! Robots with conventional trees: the same body and frames, but behavior trees of conditions and
+//! actions, written by hand.
 //!
 //! They tick the trees of the paper's figures 8 and 5(a) from `trees/`: loaded, lowered to the
 //! core's table, each leaf bound by its name. They are the baseline for inference, written as an
 //! engineer would with the same sensors, radio and maps, and no probabilities:
 //!
-//! | question | answer |
-//! |---|---|
-//! | where am I | where the last move should have led, if the reading says so; any other reading counts when it comes twice in a row |
-//! | whose goal is which | least sum of ways from the announced cells; the lower number keeps the goal it has announced |
-//! | which way | a path in space and time past those with the right of way and those that stand, constructed again when an obstacle or a teammate is on it |
-//! | when to arrive | not before the slowest teammate: waits before the last move, and the last move only when all are one move away |
-//! | may I move | into a cell that was announced a tick before, where no teammate can be, and that none with the right of way goes to |
-//! | who has the right of way | robots on their way to a charger, then the lower number |
-//! | who was not heard | may be anywhere it can have come to; one not heard for sixteen frames stands where it was |
-//! | battery low | drive to the charger, stay until charged, come back |
+//! - **Position**: where the last move should have led, if the reading agrees. Any other reading
+//!   counts when it comes twice in a row.
+//! - **Assignment of goals**: the least sum of distances from the announced cells. The robot with
+//!   the lower number keeps the goal that it has announced.
+//! - **Path**: in space and time, past the robots with the right of way and those that stand. It is
+//!   planned again when an obstacle or a teammate is on it.
+//! - **Arrival**: not before the slowest teammate. A robot waits before its last move until all are
+//!   one move away.
+//! - **Permission to move**: into a cell that was announced a tick before, that no teammate can be
+//!   on, and that no robot with the right of way goes to.
+//! - **Right of way**: robots on their way to a charger, then the lower number.
+//! - **Silent teammates**: may be anywhere they can have reached. After sixteen frames without a
+//!   message, a teammate counts as standing where it was.
+//! - **Low battery**: drive to the charger, stay until charged, come back.
 //!
 //! There is no round and no agreement: every robot decides by itself from the last messages. It
 //! announces `Agreed` when it makes the next step of its path in this tick, and `Announced` when it
@@ -22,7 +26,7 @@
 //!
 //! ```text
 //! frames ─► roster ─► teammates ─┐
-//! localiser ─► position ─────────┼─► tree: conditions ask, actions propose ─► released if safe ─► drive
+//! localiser ─► position ─────────┼─► tree: conditions ask, actions propose ─► if safe ─► drive
 //! scanner ─► known obstacles ────┘                     └─► intention ─► frame
 //! ```
 

@@ -1,4 +1,4 @@
-//! Faults: what goes wrong at random while a mission is flown.
+//! Random faults during a mission.
 
 use crate::random::{Random, Stream};
 use crate::robot::resized;
@@ -11,16 +11,17 @@ use iibt_core::navigation::{Mission, MissionError};
 /// The most obstacles that appear in one flight.
 const OBSTACLES: u32 = 3;
 
-/// How often at most one robot's battery falls, and how many way-points it is given.
+/// The most times that one robot's battery falls, and the most way-points that it is given.
 const TIMES: u32 = 2;
 
-/// The charge in percent to which a battery falls: below what a robot leaves its team with.
+/// The charge in percent to which a battery falls: below the level at which a robot leaves its
+/// team.
 const LOW: u8 = 10;
 
-/// What a tick gives a battery, in percent: on its charger, and anywhere to a robot that has none.
+/// The charge gained per tick, in percent: on the charger, or anywhere for a robot without one.
 const CHARGING: [u8; 2] = [20, 4];
 
-/// What goes wrong at random, as probabilities and amounts; none of it by default.
+/// Random faults, as probabilities and amounts; none by default.
 ///
 /// ```
 /// use host_sim::{Faults, Radio};
@@ -31,13 +32,13 @@ const CHARGING: [u8; 2] = [20, 4];
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Faults {
-    /// What happens to frames.
+    /// The faults of the radio.
     pub radio: Radio,
     /// The probability that a move fails, and the robot stays.
     pub slip: f64,
     /// The probability that a localiser names another cell than the true one.
     pub misreading: f64,
-    /// The probability per robot and tick that it restarts and has lost what it knew.
+    /// The probability per robot and tick that it restarts without its memory.
     pub restart: f64,
     /// The probability per tick that a cell without a goal becomes an obstacle, up to three times.
     pub obstacle: f64,
@@ -64,7 +65,7 @@ impl FaultInjector {
         Self { faults, random, obstacles: 0, low_batteries: vec![0; team], errands: vec![0; team] }
     }
 
-    /// Draws what happens to the world with the next tick; returns the robots that restart.
+    /// Draws the faults of the next tick; returns the robots that restart.
     pub(crate) fn strike(&mut self, world: &mut World, scenario: &Scenario) -> Vec<usize> {
         self.obstruct(world, &scenario.goals);
         let mut restarting = Vec::new();

@@ -24,10 +24,10 @@ use iibt_core::team::Key;
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 
-/// What a localiser reads.
+/// The reading of a localiser.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reading {
-    /// The true cell, or now and then another one, as often as the scenario or the faults say.
+    /// The true cell, or another one with the probability that the scenario or the faults give.
     #[default]
     Drawn,
     /// Always this cell.
@@ -36,7 +36,7 @@ pub enum Reading {
     Nothing,
 }
 
-/// A team in flight that is ticked by hand, interfered with and looked into.
+/// A team in flight, ticked step by step, that can be disturbed and inspected between two ticks.
 ///
 /// The robots are the firmware's controllers, each alone in a simulated body; world, radio and
 /// referee are those of [`fly`](crate::fly). Robots are named by their index, from zero; methods
@@ -52,7 +52,8 @@ pub enum Reading {
 /// let (starts, goals) = ([Cell(0), Cell(8)], [Cell(3), Cell(11)]);
 /// let mission = Mission::new(map, &starts, &goals);
 /// let radio = Radio { loss: 0.2, jitter: 2, ..Radio::default() };
-/// let mut flight = NavigatorFlight::<12, 1, 16>::over(&mission, Faults { radio, ..Faults::default() }, 7)?;
+/// let mut flight =
+///     NavigatorFlight::<12, 1, 16>::over(&mission, Faults { radio, ..Faults::default() }, 7)?;
 ///
 /// while flight.reports().iter().any(|report| report.stage != Stage::Agreed) {
 ///     flight.tick();
@@ -102,7 +103,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> NavigatorFlight<'m, S, 
         Self::with_key(mission, KEY, faults, seed)
     }
 
-    /// The same with a key of the team's own.
+    /// Starts the flight with a key of the team's own.
     ///
     /// # Errors
     /// As [`over`](Self::over).
@@ -149,15 +150,14 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         })
     }
 
-    /// The same with robots whose clocks begin at an instant, as shortly before they wrap.
+    /// Starts the robots' clocks at an instant, such as shortly before they wrap.
     #[must_use]
     pub const fn beginning_at(mut self, instant: Instant) -> Self {
         self.began = instant.0;
         self
     }
 
-    /// Ticks the world and every robot once; returns what happened, but for what the robots say of
-    /// themselves.
+    /// Ticks the world and every robot once; returns the events, without those that robots report.
     pub fn tick(&mut self) -> Vec<FlightEvent> {
         let mut events = self.world.begin(self.tick, self.progress);
         self.instruct(&mut events);
@@ -189,7 +189,7 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         }
     }
 
-    /// Fills the bodies with what the sensors and the radio bring in this tick.
+    /// Fills the bodies with this tick's readings and frames.
     fn sense(&mut self) -> Vec<FlightEvent> {
         let mut events = Vec::new();
         for index in 0..self.robots.len() {
@@ -240,7 +240,7 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         }
     }
 
-    /// Makes the moves that the robots have commanded, as far as their drives let them.
+    /// Makes the commanded moves, unless a drive fails.
     fn drive(&mut self) -> Option<FlightEvent> {
         self.commands = self.robots.iter_mut().map(|robot| robot.body().drive.command.take()).collect();
         let commands: Vec<_> = (0..self.robots.len()).map(|robot| self.made(robot)).collect();
@@ -252,7 +252,7 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         (times > 0).then_some(FlightEvent::Collided { times })
     }
 
-    /// The move that a robot really makes.
+    /// The move that a robot actually makes.
     fn made(&mut self, robot: usize) -> Move {
         let step = self.commands[robot].unwrap_or(Move::Wait);
         let applies =
@@ -271,14 +271,14 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
     }
 }
 
-/// Interfering with a flight between two ticks.
+/// Disturbances between two ticks.
 impl<R: AnyRobot + ?Sized> Flight<'_, R> {
     /// Makes an event happen with the next tick.
     pub fn cause(&mut self, effect: EventEffect) {
         self.world.cause(effect);
     }
 
-    /// Restarts a robot where it is; it has lost what it knew.
+    /// Restarts a robot in its cell, without its memory.
     ///
     /// # Errors
     /// [`TeamError`], as the robot was built with before.
@@ -332,7 +332,7 @@ impl<R: AnyRobot + ?Sized> Flight<'_, R> {
     }
 }
 
-/// Looking into a flight.
+/// Inspection between two ticks.
 impl<R: AnyRobot + ?Sized> Flight<'_, R> {
     /// The ticks flown.
     #[must_use]
@@ -363,19 +363,19 @@ impl<R: AnyRobot + ?Sized> Flight<'_, R> {
         self.statuses.iter().all(|&status| status == Status::Success)
     }
 
-    /// What the robots say of themselves after the last tick.
+    /// The robots' reports after the last tick.
     #[must_use]
     pub fn reports(&self) -> &[Report] {
         &self.reports
     }
 
-    /// Where the robots stand, in truth.
+    /// The true cells of the robots.
     #[must_use]
     pub fn cells(&self) -> &[Cell] {
         self.world.cells()
     }
 
-    /// The cell that each robot is on its way to; until it is there it is in both.
+    /// The cell that each robot is moving to; during the move it occupies both.
     pub fn entering(&self) -> impl Iterator<Item = Option<Cell>> + '_ {
         self.world.entering()
     }
@@ -386,7 +386,7 @@ impl<R: AnyRobot + ?Sized> Flight<'_, R> {
         &self.commands
     }
 
-    /// Free and blocked cells, in truth.
+    /// The true map, with the obstacles that have appeared.
     #[must_use]
     pub fn floor(&self) -> &Floor {
         self.world.floor()
@@ -403,13 +403,13 @@ impl<R: AnyRobot + ?Sized> Flight<'_, R> {
         &self.robots[robot].body().link.last
     }
 
-    /// What the referee has seen.
+    /// The collisions that the referee has counted.
     #[must_use]
     pub const fn collisions(&self) -> Collisions {
         self.collisions
     }
 
-    /// What became of each robot's frames.
+    /// The traffic of each robot's frames.
     #[must_use]
     pub fn traffic(&self) -> &[Traffic] {
         self.radio.traffic()

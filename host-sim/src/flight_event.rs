@@ -11,21 +11,21 @@ use serde::Serialize;
 pub enum FlightEvent {
     /// An obstacle appeared.
     Appeared {
-        /// Where.
+        /// The cell.
         cell: Cell,
     },
     /// A robot observed an obstacle that no robot had observed.
     Found {
-        /// Who.
+        /// The robot, by its index.
         robot: usize,
-        /// Where.
+        /// The cell.
         cell: Cell,
     },
     /// A robot chose a policy.
     Chose {
-        /// Who.
+        /// The robot, by its index.
         robot: usize,
-        /// In which round.
+        /// The round.
         round: u16,
         /// The goal it leads to.
         goal: Cell,
@@ -36,71 +36,71 @@ pub enum FlightEvent {
     },
     /// All robots know each other's choices and will follow their own.
     Agreed {
-        /// In which round.
+        /// The round.
         round: u16,
     },
     /// A robot stands on its goal.
     Arrived {
-        /// Who.
+        /// The robot, by its index.
         robot: usize,
-        /// Where it stands in truth.
+        /// Its true cell.
         cell: Cell,
     },
     /// A robot was told to visit a cell before its goal.
     Asked {
-        /// Who.
+        /// The robot, by its index.
         robot: usize,
-        /// Where.
+        /// The cell.
         cell: Cell,
     },
     /// A robot was told to visit a cell, but there is an obstacle or no room for another way-point.
     Refused {
-        /// Who.
+        /// The robot, by its index.
         robot: usize,
-        /// Where.
+        /// The cell.
         cell: Cell,
     },
     /// A robot has visited a way-point according to its belief.
     Visited {
-        /// Who.
+        /// The robot, by its index.
         robot: usize,
-        /// Which.
+        /// The way-point.
         cell: Cell,
     },
     /// A robot's battery fell.
     Drained {
-        /// Whose.
+        /// The robot, by its index.
         robot: usize,
-        /// To how many percent.
+        /// The charge afterwards, in percent.
         charge: u8,
     },
     /// A robot left the team, to charge or to step out of a teammate's way.
     Left {
-        /// Who.
+        /// The robot, by its index.
         robot: usize,
         /// Its charge in percent.
         charge: u8,
     },
     /// A robot is back and takes part again.
     Returned {
-        /// Who.
+        /// The robot, by its index.
         robot: usize,
         /// Its charge in percent.
         charge: u8,
     },
     /// A robot stopped.
     Stopped {
-        /// Who.
+        /// The robot, by its index.
         robot: usize,
     },
     /// A robot that had stopped goes on.
     Resumed {
-        /// Who.
+        /// The robot, by its index.
         robot: usize,
     },
     /// Robots shared or swapped cells, or ran into something.
     Collided {
-        /// How often in this tick.
+        /// The number of collisions in this tick.
         times: u32,
     },
 }

@@ -12,14 +12,14 @@ use crate::team::{Pilot, TeamError, with_team};
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::{MAX_GOALS, Report, Stage};
 
-/// What a flight depends on besides its scenario.
+/// The conditions of a flight besides its scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Conditions {
     /// The seed of all chance.
     pub seed: u64,
     /// The radio's loss, 0 to 1, in place of the scenario's.
     pub loss: Option<f64>,
-    /// What flies the robots.
+    /// The pilot of the robots.
     pub tree: Pilot,
 }
 
@@ -109,7 +109,7 @@ pub(crate) fn fly_preferring(
     })
 }
 
-/// A flight and what is kept of it.
+/// A flight and its record so far.
 struct Recorder<'f, 'm> {
     scenario: &'f Scenario,
     conditions: Conditions,
@@ -142,7 +142,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
         }
     }
 
-    /// Shows how things stand, and the events but for those told already.
+    /// Shows the observer the state of the flight and the new events.
     fn show(&self, observer: &mut dyn Observer, told: usize) {
         let (robots, world) = (0..self.scenario.robots.len(), self.flight.world());
         let charges: Vec<_> = robots.clone().map(|robot| world.battery(robot).percent()).collect();

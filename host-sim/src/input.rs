@@ -1,4 +1,4 @@
-//! Files that a user writes: what is wrong with one, and where.
+//! Errors in files that users write, with their places.
 
 mod values;
 
@@ -51,7 +51,7 @@ impl Fault {
         Self { at: Some(span.start), reason: reason.into() }
     }
 
-    /// Something that is missing, and so stands nowhere; see [`Fault::or_at`].
+    /// A fault without a place of its own, because something is missing; see [`Fault::or_at`].
     pub(crate) fn anywhere(reason: impl Into<String>) -> Self {
         Self { at: None, reason: reason.into() }
     }

@@ -23,7 +23,8 @@ const HEADER: &str = "tick,robot,cell,move,next,succeeded";
 #[derive(Debug)]
 pub struct Logbook<W> {
     out: W,
-    /// The move that each robot is making, where it began, and when; nothing before the first tick.
+    /// The move that each robot is making, with the cell and tick in which it began; empty before
+    /// the first tick.
     begun: Vec<Option<(u32, Cell, Move)>>,
     before: Vec<Cell>,
     written: io::Result<()>,

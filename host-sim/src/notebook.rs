@@ -45,8 +45,8 @@ impl Notebook {
         json::read(text).and_then(|value| reading::model(file, &value)).map_err(|fault| fault.in_file(file))
     }
 
-    /// The same model with one observation in place of the file's: for each modality an outcome,
-    /// null or a list of weights, as the entries of a JSON list, with or without its brackets.
+    /// Replaces the observations of the file by one: for each modality an outcome, null or a list
+    /// of weights, as the entries of a JSON list, with or without its brackets.
     ///
     /// # Errors
     /// A [`FileError`] that names what is wrong and where.
@@ -58,7 +58,7 @@ impl Notebook {
         Ok(self)
     }
 
-    /// The same model with another precision γ.
+    /// Replaces the precision γ.
     ///
     /// # Errors
     /// A [`FileError`] when it is negative, too large or no number.

@@ -9,7 +9,8 @@ use std::iter::Sum;
 /// The key of every simulated team that is given no other. It keeps nothing secret.
 pub const KEY: Key = Key::new(*b"simulated robots");
 
-/// Every frame goes to every teammate, each copy with its own luck.
+/// A broadcast channel: every frame goes to every teammate, and each copy is lost, delayed or
+/// doubled by itself.
 #[derive(Debug)]
 pub(crate) struct RadioChannel {
     terms: scenario::Radio,
@@ -23,7 +24,7 @@ pub(crate) struct RadioChannel {
     traffic: Vec<Traffic>,
 }
 
-/// What became of one robot's frames.
+/// The traffic of one robot's frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Traffic {
     /// The frames it has sent.
@@ -107,7 +108,7 @@ impl RadioChannel {
         arrivals
     }
 
-    /// What became of each robot's frames so far.
+    /// The traffic of each robot's frames so far.
     pub(crate) fn traffic(&self) -> &[Traffic] {
         &self.traffic
     }

@@ -3,8 +3,8 @@
 use rand_pcg::Pcg32;
 use rand_pcg::rand_core::Rng;
 
-/// What draws are for. Each purpose has a stream of its own, so that more draws of one kind leave
-/// the others as they were.
+/// The purpose of a draw, which has a stream of its own. Each purpose has a stream of its own, so
+/// that more draws of one kind leave the others as they were.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub(crate) enum Stream {
@@ -12,7 +12,7 @@ pub(crate) enum Stream {
     Loss = 1,
     /// Whether a frame arrives twice.
     Duplicate = 2,
-    /// What a localiser reads.
+    /// The reading of a localiser.
     Localiser = 3,
     /// Whether a worn drive makes a move.
     DriveFault = 4,
@@ -20,7 +20,7 @@ pub(crate) enum Stream {
     Slip = 5,
     /// The disturbances that a campaign adds to a mission.
     Disturbance = 6,
-    /// Where robots start and where they are wanted, in missions that are drawn.
+    /// The starts and goals of missions that are drawn.
     Place = 7,
     /// Whether a robot is served at its goal.
     Service = 8,
@@ -28,9 +28,9 @@ pub(crate) enum Stream {
     Jitter = 9,
     /// The garbage bytes on the link.
     Noise = 10,
-    /// What happens to the world and the robots of a flight with [`Faults`](crate::Faults).
+    /// The faults of a flight with [`Faults`](crate::Faults).
     Fault = 11,
-    /// What a robot that handles things reads of its state.
+    /// The readings of a robot that works on a table task.
     Reading = 16,
     /// Whether an action of such a robot fails.
     Action = 17,
@@ -74,7 +74,7 @@ impl Random {
         ((u64::from(self.bits()) * count as u64) >> 32) as usize
     }
 
-    /// This many bytes.
+    /// The next `count` bytes.
     pub fn bytes(&mut self, count: usize) -> Vec<u8> {
         (0..count).map(|_| self.bits() as u8).collect()
     }

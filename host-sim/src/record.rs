@@ -10,8 +10,8 @@ use iibt_core::grid::Cell;
 use iibt_core::navigation::{Report, Stage};
 use serde::Serialize;
 
-/// A flight from its first to its last tick. Cells are numbered row by row from the top left, from
-/// zero.
+/// The record of a flight, from its first to its last tick. Cells are numbered row by row from the
+/// top left, from zero.
 ///
 /// ```
 /// use host_sim::{Conditions, FlightEvent, Outcome, fly, library};
@@ -20,7 +20,8 @@ use serde::Serialize;
 /// let record = fly(&scenario, Conditions { seed: 7, ..Conditions::default() }, &mut ())?;
 /// assert_eq!((record.outcome, record.collisions.total()), (Outcome::Together, 0));
 /// assert_eq!(record.history.len() as u32, record.ticks + 2);
-/// let choices = record.events.iter().filter(|timed| matches!(timed.event, FlightEvent::Chose { .. }));
+/// let choices =
+///     record.events.iter().filter(|timed| matches!(timed.event, FlightEvent::Chose { .. }));
 /// assert!(choices.count() >= record.robots.len());
 /// assert!(record.to_json()?.starts_with(r#"{"scenario":"two-goals""#));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -136,7 +137,7 @@ pub struct Activity {
 pub struct TimedEvent {
     /// The tick in which it happened, from zero.
     pub tick: u32,
-    /// What happened.
+    /// The event.
     #[serde(flatten)]
     pub event: FlightEvent,
 }

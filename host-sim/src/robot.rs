@@ -1,4 +1,4 @@
-//! A robot as the simulator sees it, whatever flies it.
+//! The simulator's view of a robot with any pilot.
 
 use crate::body::Body;
 use crate::scenario::Floor;
@@ -7,21 +7,21 @@ use iibt_core::grid::{Cell, Map};
 use iibt_core::navigation::{MAX_GOALS, Report};
 use iibt_core::tree::Status;
 
-/// A robot that flies, whatever the size its controller is compiled for.
+/// A flying robot, whose controller may be compiled for any size of map.
 ///
 /// Implemented for the firmware's [`Controller`] of a [`Navigator`] in a simulated body.
 pub trait AnyRobot {
     /// Ticks its controller once; returns what its tree returned.
     fn tick(&mut self) -> Status;
-    /// What it says of itself.
+    /// Its report.
     fn report(&self) -> Report;
-    /// What became of its frames.
+    /// The traffic of its frames.
     fn link_report(&self) -> LinkReport;
     /// The leaf of its tree that is running.
     fn activity(&self) -> Option<&'static str>;
     /// Tells it to visit a cell; returns whether it will.
     fn visit(&mut self, cell: Cell) -> bool;
-    /// Sets its preference for each goal; to a conventional one it makes no difference.
+    /// Sets its preference for each goal; a conventional robot ignores it.
     fn set_goal_preferences(&mut self, _: &[f32; MAX_GOALS]) {}
     /// The way-points that it is still to visit.
     fn waypoints(&self) -> &[Cell];

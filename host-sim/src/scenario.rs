@@ -112,9 +112,9 @@ pub struct RobotSpec {
 /// An event that happens once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
-    /// When it happens.
+    /// The trigger.
     pub when: Trigger,
-    /// What happens.
+    /// The effect.
     pub effect: EventEffect,
 }
 

@@ -1,5 +1,5 @@
-//! The team: a controller for every robot, each in a body of its own: the firmware's own, or one
-//! with a conventional tree.
+//! The team: a controller for every robot, each in a body of its own. It is the firmware's own, or
+//! one with a conventional tree.
 //!
 //! A controller is compiled for a size of map; this module alone chooses the size.
 
@@ -37,7 +37,7 @@ pub enum TeamError {
     Mission(#[from] MissionError),
 }
 
-/// What flies the robots.
+/// The pilot of the robots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Pilot {
@@ -52,7 +52,7 @@ pub enum Pilot {
 }
 
 impl Pilot {
-    /// What it is called on the command line.
+    /// The name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

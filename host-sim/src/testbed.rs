@@ -1,4 +1,4 @@
-//! Robots of one's own over the simulated radio.
+//! A testbed for robots of any kind: simulated hardware, clocks and radio.
 
 use crate::body::{Antenna, Clock};
 use crate::radio::{KEY, RadioChannel, Traffic};
@@ -191,7 +191,7 @@ impl<R: Robot<T>, T> Testbed<R, T> {
         &mut self.robots[robot].hardware_mut().parts
     }
 
-    /// What became of the frames of all robots.
+    /// The traffic of all robots.
     #[must_use]
     pub fn traffic(&self) -> Traffic {
         self.radio.traffic().iter().sum()

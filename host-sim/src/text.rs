@@ -1,4 +1,4 @@
-//! Text for people, shared by all output.
+//! Names and phrases shared by all output.
 
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::Cause;

@@ -17,10 +17,11 @@
 //! |---|---|---|---|
 //! | nodes of BehaviorTree.CPP 4.10 | yes | yes, but those below | yes, but those below |
 //! | `PipelineSequence`, `RoundRobin`, `RecoveryNode`, `RateController` of Nav2 | yes | yes | yes |
-//! | `TryCatch`, `SkipUnlessUpdated`, `WaitValueUpdate`, `WasEntryUpdated`, `Loop*` | yes | refused | refused |
+//! | `TryCatch`, `WaitValueUpdate`, `Loop*` | yes | refused | refused |
+//! | `SkipUnlessUpdated`, `WasEntryUpdated` | yes | refused | refused |
 //! | `<include>`, several trees, SubTrees with ports | yes | yes | yes |
 //! | `<include ros_pkg>` | refused | refused | refused |
-//! | leaves of your own, from `<TreeNodesModel>` | yes | play scripts of statuses | variants of an enum |
+//! | leaves of your own, from `<TreeNodesModel>` | yes | scripted statuses | variants of an enum |
 //! | control nodes and decorators of your own | yes | refused | refused |
 //! | scripts: nodes, `Precondition`, `_while` | yes | run | questions to the program |
 //! | `_skipIf`, `_failureIf`, `_successIf` | yes | run | on conditions, else refused |
@@ -41,7 +42,14 @@
 //! let document = Document::parse("house.xml", text, &Extras::default())?;
 //! assert!(tree::check(&document, None).is_empty());
 //! let instance = Instance::of(&document, "Main").expect("it was checked");
-//! let run = DryRun { ticks: 2, mode: Mode::ExactlyOnce, tick_ms: 10, leaves: &[], halt_after: None, compat: false };
+//! let run = DryRun {
+//!     ticks: 2,
+//!     mode: Mode::ExactlyOnce,
+//!     tick_ms: 10,
+//!     leaves: &[],
+//!     halt_after: None,
+//!     compat: false,
+//! };
 //! let expected = "tick 1: door:F window:R => RUNNING\ntick 2: window:S => SUCCESS\n";
 //! assert_eq!(run.run(&instance)?.text, expected);
 //! # Ok::<(), host_sim::tree::Diagnostic>(())

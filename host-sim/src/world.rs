@@ -1,4 +1,4 @@
-//! The world as it is, whatever the robots believe: where they stand and what blocks their way.
+//! The true world: where the robots stand, and what blocks their way.
 
 use crate::battery::BatteryState;
 use crate::flight_event::FlightEvent;
@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use crate::scenario::{Event, EventEffect, Floor, Scenario, Trigger};
 use iibt_core::grid::{Cell, Move};
 
-/// The truth of a flight.
+/// The true state of a flight.
 #[derive(Debug)]
 pub(crate) struct World {
     known: Floor,
@@ -26,7 +26,7 @@ pub(crate) struct World {
 /// A move that takes more than a tick.
 #[derive(Clone, Copy, Debug)]
 struct Passage {
-    /// Where it leads.
+    /// The next cell.
     to: Cell,
     /// The ticks that it takes from now on.
     ticks: u32,
@@ -52,7 +52,7 @@ impl World {
         &self.cells
     }
 
-    /// The cell that each robot is on its way to; it counts as in both until it is there.
+    /// The cell that each robot is moving to; during the move it occupies both.
     pub(crate) fn entering(&self) -> impl Iterator<Item = Option<Cell>> + '_ {
         self.under_way.iter().map(|passage| passage.map(|passage| passage.to))
     }
@@ -82,12 +82,12 @@ impl World {
         self.paces[robot] = ticks.max(1);
     }
 
-    /// Puts a robot into another cell, whatever it was doing.
+    /// Puts a robot into another cell, and ends its move.
     pub(crate) fn place(&mut self, robot: usize, cell: Cell) {
         (self.cells[robot], self.under_way[robot]) = (cell, None);
     }
 
-    /// Has something happen with the next tick.
+    /// Schedules an event for the next tick.
     pub(crate) fn cause(&mut self, effect: EventEffect) {
         self.to_come.push(Event { when: Trigger::Tick(0), effect });
     }
@@ -97,7 +97,7 @@ impl World {
         self.stopped[robot].is_some()
     }
 
-    /// Lets the events of this tick happen; what a robot is told is left to the flight. An obstacle
+    /// Applies the events of this tick; instructions to robots are left to the flight. An obstacle
     /// does not appear on a robot, but when that has gone.
     pub(crate) fn begin(&mut self, tick: u32, progress: Progress) -> Vec<FlightEvent> {
         let mut happened = self.resume(tick);
@@ -116,7 +116,7 @@ impl World {
         happened
     }
 
-    /// Lets the robots go on whose time has come.
+    /// Resumes the robots whose stop has ended.
     fn resume(&mut self, tick: u32) -> Vec<FlightEvent> {
         let waking = |(robot, until): (usize, &mut Option<u32>)| {
             until.take_if(|until| *until <= tick).map(|_| FlightEvent::Resumed { robot })

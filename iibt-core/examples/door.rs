@@ -45,7 +45,7 @@ static ENTER: Tree<Skill, 13, Full> = tree! {
     }
 };
 
-/// The blackboard: what the leaves share.
+/// The blackboard, which the leaves share.
 #[derive(Debug, Default)]
 struct Robot {
     door_open: bool,

@@ -28,7 +28,7 @@ static BUILT: DenseTransition = DenseTransition::new(&[
 static LOCALISER: IdentityNoise = IdentityNoise::new(0.99, PLACES);
 static WAYS: [Policy; 2] = [Policy::of(&[0, 0]), Policy::of(&[1, 1])];
 
-/// What the robot has learned of its drive.
+/// The robot's knowledge of its drive.
 type Drive = TransitionCounts<'static, PLACES, PLACES, 2>;
 
 /// A model borrows its tables: it is put together for one decision, and the drive learns in
@@ -40,7 +40,7 @@ fn with_agent<T>(drive: &Drive, work: impl FnOnce(&mut Agent<PLACES, 1, 2, 1>) -
     work(&mut Agent::new(&model).with_scoring(Scoring::JAX_PYMDP))
 }
 
-/// The way that the robot takes, and how sure it is.
+/// The path that the robot chooses, and its probability.
 fn choose(drive: &Drive) -> Result<(usize, f32), DecisionError> {
     with_agent(drive, |agent| {
         let decision = agent.decide(Candidates::all(&[&WAYS]))?;
@@ -48,8 +48,8 @@ fn choose(drive: &Drive) -> Result<(usize, f32), DecisionError> {
     })
 }
 
-/// One try to drive into the passage, and what the robot makes of it: B learns from the beliefs
-/// before and after.
+/// One attempt to drive into the passage, and the robot's update: B learns from the beliefs before
+/// and after.
 fn drive_once(drive: &mut Drive, arrives: bool) -> bool {
     let seen = if arrives { PASSAGE } else { START };
     let beliefs = with_agent(drive, |agent| {

@@ -46,14 +46,14 @@ static MODALITIES: [Modality; 2] = [
 static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
 static ACTIONS: [Policy; 3] = [Policy::of(&[0]), Policy::of(&[1]), Policy::of(&[2])];
 
-/// What it hears and sees in a tick.
+/// The readings of a tick.
 #[derive(Clone, Copy)]
 struct Percept {
     knock: usize,
     result: usize,
 }
 
-/// It has nobody to tell.
+/// The robot has no teammates.
 #[derive(Clone, Serialize, Deserialize)]
 struct Silence;
 
@@ -65,7 +65,7 @@ impl Message for Silence {
 struct Boxes {
     agent: Agent!(MODEL, 3),
     found: bool,
-    /// What the hand is to do.
+    /// The command to the hand.
     command: Option<usize>,
     /// Why: the terms of each action in the last decision.
     why: [Terms; 3],

@@ -33,7 +33,7 @@ pub struct Actions {
 pub struct ActionError;
 
 impl Actions {
-    /// How many different action codes there are: codes run from 0 to `CODES - 1`.
+    /// The number of action codes, which run from 0 to `CODES - 1`.
     pub const CODES: u8 = 16;
 
     /// The sequence without actions.
@@ -51,7 +51,7 @@ impl Actions {
         Ok(sequence)
     }
 
-    /// A sequence for a table.
+    /// A sequence for a `const` table.
     ///
     /// # Panics
     /// When there are more than [`HORIZON`] actions or a code is out of range; in a `const` or
@@ -74,7 +74,7 @@ impl Actions {
         sequence
     }
 
-    /// How many actions there are.
+    /// The number of actions.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.len as usize
@@ -174,7 +174,7 @@ impl<'de> Deserialize<'de> for Actions {
     }
 }
 
-/// Reads the number of actions and then just the bytes that they take.
+/// Reads the number of actions and then exactly their bytes.
 struct Wire;
 
 impl<'de> Visitor<'de> for Wire {

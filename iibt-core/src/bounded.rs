@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-/// As many of `items` as there is room for; the rest is left out.
+/// A list of the first `items`, as many as fit; the rest is dropped.
 #[inline]
 pub(crate) fn up_to<T, const N: usize>(items: impl IntoIterator<Item = T>) -> Vec<T, N> {
     let mut list = Vec::new();

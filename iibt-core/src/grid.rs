@@ -1,4 +1,4 @@
-//! A bounded grid world: the map, ways over it, and the planners that find several different ones.
+//! A bounded grid world: the map, paths on it, and planners that find several different paths.
 //!
 //! Cells are numbered row by row from the top left, from zero: `cell = width * row + column`, the
 //! paper's p-numbers. Time on a grid runs in steps: a robot makes one [`Move`] per step, a wait
@@ -7,8 +7,10 @@
 //!
 //! | question | answer |
 //! |---|---|
-//! | where can a robot stand | [`Map`], drawn in the source by [`Map::drawn`], sets of cells by [`CellSet`] |
-//! | what is the shortest way | [`Planner::shortest`]; how far is every cell: [`Planner::distances`] |
+//! | where can a robot stand | [`Map`], drawn in the source by [`Map::drawn`] |
+//! | which cells are in a set | [`CellSet`] |
+//! | what is the shortest way | [`Planner::shortest`] |
+//! | how far is every cell | [`Planner::distances`] |
 //! | what other ways are there | [`Planner::alternatives`] |
 //! | how to arrive later | [`Path::with_waits`] |
 //! | how to arrive at step T past moving teammates | [`TimedPlanner::sweep`] |

@@ -1,4 +1,4 @@
-//! Where behavior trees and inference meet: the interactive inference node and the tasks it serves.
+//! The interactive inference node, which runs a task inside a behavior tree.
 //!
 //! [`InferenceNode`] is Algorithm 1 of the paper, generic over a [`Task`].
 //! [`Navigation`](crate::navigation::Navigation) is the task of reaching goals on a grid as a team,

@@ -2,18 +2,23 @@
 //!
 //! | symbol | here | shape |
 //! |---|---|---|
-//! | A = P(o \| s) | [`Likelihood`]: [`DenseLikelihood`], [`IdentityNoise`], [`OutcomeTable`] | outcomes x states |
-//! | B = P(s' \| s, u) | [`Transition`]: [`DenseTransition`], [`NextState`], [`Blocks`] | states x states per action |
+//! | A = P(o \| s) | a [`Likelihood`], such as [`DenseLikelihood`] | outcomes x states |
+//! | B = P(s' \| s, u) | a [`Transition`], such as [`NextState`] | states x states per action |
 //! | C, ln P(o) up to a constant | a slice in each [`Modality`], or a [`Preference`] | outcomes |
 //! | D = P(s) at the start | a slice in each [`Factor`] | states |
 //! | E = P(π) | [`Habits`] | policies |
 //! | q(s) | [`Beliefs`] | states |
 //! | G | [`Terms`] | by policy |
 //! | γ | [`Scoring::precision`], updated by a [`Precision`] | |
-//! | a, counts of A | [`LikelihoodCounts`](learning::LikelihoodCounts), itself a [`Likelihood`] | outcomes x states |
-//! | b, counts of B | [`TransitionCounts`](learning::TransitionCounts), itself a [`Transition`] | states x states per action |
-//! | c, counts of C | [`PreferenceCounts`](learning::PreferenceCounts) | outcomes |
-//! | d, e, counts of D, E | [`DistributionCounts`](learning::DistributionCounts) | states; policies |
+//! | a, counts of A | [`LikelihoodCounts`], itself a [`Likelihood`] | outcomes x states |
+//! | b, counts of B | [`TransitionCounts`], itself a [`Transition`] | states x states per action |
+//! | c, counts of C | [`PreferenceCounts`] | outcomes |
+//! | d, e, counts of D, E | [`DistributionCounts`] | states; policies |
+//!
+//! [`LikelihoodCounts`]: learning::LikelihoodCounts
+//! [`TransitionCounts`]: learning::TransitionCounts
+//! [`PreferenceCounts`]: learning::PreferenceCounts
+//! [`DistributionCounts`]: learning::DistributionCounts
 //!
 //! A [`Model`] never changes after it is built; beliefs, preferences and counts are state. Data
 //! flows model → beliefs → problem → evaluation → choice, and the room knows neither trees nor

@@ -6,15 +6,17 @@
 //! |---|---|
 //! | use behavior trees alone | [`mod@tree`] |
 //! | use active inference alone | [`inference`] |
-//! | have a team go to goals on a grid | [`navigation::Mission`], and `firmware::Controller` around it |
+//! | have a team go to goals on a grid | [`navigation::Mission`], in a `firmware::Controller` |
 //! | bring a task of your own | [`iibt::Task`], which [`iibt::InferenceNode`] runs as Algorithm 1 |
 //!
 //! The modules, each of which knows only those above it:
 //!
 //! | module | what lives there |
 //! |---|---|
-//! | [`math`], [`time`], [`actions`] | logarithms and softmax; ticks that may wrap; sequences of action codes |
-//! | [`grid`], [`mod@tree`], [`inference`] | maps and planners; trees as tables; beliefs, free energies, policies |
+//! | [`math`], [`time`] | logarithms and softmax; ticks that may wrap |
+//! | [`actions`] | sequences of action codes |
+//! | [`grid`], [`mod@tree`] | maps and planners; trees as tables |
+//! | [`inference`] | beliefs, free energies, policies |
 //! | [`team`] | messages of any task, authenticated frames, the roster of teammates |
 //! | [`iibt`] | where trees and inference meet: the node, the task, logic and preferences |
 //! | [`navigation`] | the task of a team on a grid: intentions, agreement on one joint plan |

@@ -1,5 +1,5 @@
-//! Logarithms, exponentials and what is built from them: the only room that calls a transcendental
-//! function.
+//! Logarithms, exponentials and functions built from them: the only module with transcendental
+//! functions.
 //!
 //! Everything is `f32` and returns the same bits on every target: no fused operations, no
 //! reordering by the compiler. Sums of long lists run in four lanes, element `i` in lane `i % 4`,
@@ -167,14 +167,14 @@ pub struct Prediction {
 const LANES: usize = 4;
 
 impl Prediction {
-    /// Nothing predicted yet.
+    /// An empty prediction.
     #[must_use]
     pub const fn new() -> Self {
         Self { entropy: [0.0; LANES], utility: [0.0; LANES] }
     }
 
-    /// Of outcomes whose probabilities `probability` makes from `values`, with the preference for
-    /// each.
+    /// The prediction of outcomes whose probabilities `probability` computes from `values`, with
+    /// the preference for each.
     #[inline]
     #[must_use]
     pub fn of(values: &[f32], preferences: &[f32], probability: impl Fn(f32) -> f32) -> Self {
@@ -239,7 +239,7 @@ pub fn kl(q: &[f32], p: &[f32]) -> f32 {
     q.iter().zip(p).filter(|(q, _)| **q > 0.0).map(|(&q, &p)| q * (ln(q) - ln(p))).sum()
 }
 
-/// Scales non-negative weights so that they sum to one, and returns what they summed to before.
+/// Scales non-negative weights so that they sum to one, and returns their former sum.
 ///
 /// Returns `None`, and changes nothing, when the sum is zero or not finite.
 pub fn normalise(weights: &mut [f32]) -> Option<f32> {

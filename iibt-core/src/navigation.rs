@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! GridPercept ─► belief ─► logic ─► preferences ─► candidates ─► decision ─► agreement ─► command
-//!   frames ─► roster ─► intentions ──────────────┴──────────────┘            └─► intention ─► frame
+//!   frames ─► roster ─► intentions ──────────────┴──────────────┘            └─► intention
 //! ```
 //!
 //! [`Navigation`] is the [`Task`](crate::iibt::Task) that the interactive inference node runs. It

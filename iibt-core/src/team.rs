@@ -1,4 +1,4 @@
-//! What robots tell each other and how it travels.
+//! Messages between robots, and their transport.
 //!
 //! ```text
 //! sender     message + Stamp of the Numbering ─► Envelope ─► encode ─► bytes for the radio

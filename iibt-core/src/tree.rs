@@ -7,8 +7,8 @@
 //!
 //! | set | kinds of nodes | RAM a node |
 //! |---|---|---|
-//! | [`Basic`], the default | sequences and fallbacks, with memory and reactive, inverters, leaves | 4 bytes |
-//! | [`Full`] | every node, [`Status::Skipped`], halts that take several ticks, deadlines | 8 bytes |
+//! | [`Basic`], the default | sequences and fallbacks, also reactive; inverters; leaves | 4 bytes |
+//! | [`Full`] | every node, [`Status::Skipped`], halts over several ticks, deadlines | 8 bytes |
 //! | [`Compat`] | as `Full`, following BehaviorTree.CPP also where it is peculiar | 8 bytes |
 //! | [`compiled`] | the basic kinds as straight-line code | 1 byte for the whole tree |
 //!
@@ -104,19 +104,22 @@
 //! # Differences from BehaviorTree.CPP
 //! | where | there | here |
 //! |---|---|---|
-//! | a halt of the tree | then halts every node again, idle ones too | halts each running action once; [`Compat`]: as there, for actions |
-//! | `Precondition` | not asked again while its child runs | asked at every tick, and halts the child; [`Compat`]: as there |
+//! | a halt of the tree | then halts every node again | halts each running action once |
+//! | `Precondition` | not asked while its child runs | asked at every tick, halts the child |
 //! | `tickOnce` | has no bound | [`Tree::tick_until_idle`] has one |
-//! | a node that is skipped while it was running | remains running until its parent resets it | is idle at once, without a halt |
-//! | a skipped `Repeat`, `RetryUntilSuccessful`, `Timeout`, `Delay` | goes on counting | starts again |
+//! | a node skipped while running | runs until its parent resets it | is idle at once |
+//! | a skipped `Repeat`, `RetryUntilSuccessful` | goes on counting | starts again |
+//! | a skipped `Timeout`, `Delay` | goes on counting | starts again |
 //! | `IfThenElse`, `WhileDoElse` with a skipped condition | an exception | skipped |
-//! | `Timeout` | a thread halts the child when time is up | the tick that next comes to it does; [`Compat`]: the next tick, before anything else |
+//! | `Timeout` | a thread halts the child when time is up | the tick that next visits it does |
 //! | `RecoveryNode` whose recovery is skipped | fails and keeps its count | fails and forgets it |
-//! | `RateController` | keeps its rate until its parent resets it | after a success only below a `PipelineSequence` |
-//! | a node that yields in the last pass of a tree | wakes the tree up again in the next `tickOnce` | is not heard any more |
-//! | thresholds, missing children and parameters | exceptions at run time | [`TreeRule`]s, broken when the table is built |
+//! | `RateController` | keeps its rate until a reset | keeps it below a `PipelineSequence` only |
+//! | a node that yields in the last pass | wakes the tree in the next `tickOnce` | is ignored |
+//! | wrong thresholds, children, parameters | exceptions at run time | build errors: [`TreeRule`] |
 //!
-//! [`Compat`] does as there where the table says so, and in nothing else.
+//! [`Compat`] does as BehaviorTree.CPP in three points: a halt of the tree reaches idle actions too,
+//! a `Precondition` is not asked while its child runs, and a `Timeout` halts its child in the next
+//! tick, before anything else.
 
 mod check;
 pub mod compiled;

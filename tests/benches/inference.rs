@@ -1,8 +1,9 @@
 //! What inference costs: `cargo bench -p tests --bench inference`.
 //!
-//! Instructions as callgrind counts them, which do not depend on the machine's load, and the best of many runs by the clock,
-//! each beside a plain dense implementation in the same run; then how the cost grows. With `--draw FILE.svg` the growth is drawn.
-//! Without valgrind only times are printed.
+//! Instructions as callgrind counts them, which do not depend on the machine's load, and the best
+//! of many runs by the clock, each beside a plain dense implementation in the same run; then how
+//! the cost grows. With `--draw FILE.svg` the growth is drawn. Without valgrind only times are
+//! printed.
 
 use firmware::bench::{Benchmark, t1, t2};
 use iibt_core::inference::{
@@ -82,7 +83,8 @@ fn dense(dense: Dense) -> Box<dyn FnMut()> {
     })
 }
 
-/// Two robots that share an outcome, with `S` states and `candidates` policies of `horizon` steps each.
+/// Two robots that share an outcome, with `S` states and `candidates` policies of `horizon` steps
+/// each.
 fn pair<const S: usize>(candidates: usize, horizon: usize) -> Box<dyn FnMut()> {
     let policies = candidates_of(candidates.isqrt().max(2), horizon);
     let lists = [policies.clone(), policies];
@@ -118,7 +120,8 @@ fn candidates_of(count: usize, horizon: usize) -> Vec<Policy> {
     (0..count).map(|number| Policy::new(&policy(number)).expect("it is short enough")).collect()
 }
 
-/// Calls `work` with a model of `robots` robots of `S` states each, of which the first shares an outcome with every other.
+/// Calls `work` with a model of `robots` robots of `S` states each, of which the first shares an
+/// outcome with every other.
 fn chain<const S: usize, const G: usize>(
     robots: usize,
     mut work: impl FnMut(&Model) + 'static,

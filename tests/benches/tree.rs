@@ -1,8 +1,10 @@
-//! The instructions of a tick of the reference trees on x86-64, as a table, compiled, and written by hand: `cargo bench
-//! -p tests --bench tree`. Counted by callgrind, so a busy machine changes nothing; needs valgrind.
+//! The instructions of a tick of the reference trees on x86-64, as a table, compiled, and written
+//! by hand: `cargo bench -p tests --bench tree`. Counted by callgrind, so a busy machine changes
+//! nothing; needs valgrind.
 //!
-//! T21 is four times "unless a condition holds, if another does, act"; T33 tests two conditions and acts twice. In R21
-//! and R33 the composites are reactive and the last action runs for ever. Each leaf looks at a flag and counts.
+//! T21 is four times "unless a condition holds, if another does, act"; T33 tests two conditions and
+//! acts twice. In R21 and R33 the composites are reactive and the last action runs for ever. Each
+//! leaf looks at a flag and counts.
 
 use iibt_core::time::Instant;
 use iibt_core::tree::{Compiled, Halt, Leaves, Memory, Status, Tree};

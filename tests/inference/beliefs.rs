@@ -1,4 +1,5 @@
-//! State inference: posteriors, surprise, the free energy of approximations, impossible observations.
+//! State inference: posteriors, surprise, the free energy of approximations, impossible
+//! observations.
 
 use super::{Room, assert_distributions, assert_marginals, close, for_seeds, marginals};
 use host_sim::notebook::Sweeps;
@@ -7,8 +8,8 @@ use tests::oracle::chance::Chance;
 use tests::oracle::description::{Description, Hidden, Motion, Observed, Sense, Sensor};
 use tests::oracle::{Marginals, Tables, generator};
 
-/// The observed modalities with the weight of each outcome, in the order in which they are explained: those of one factor
-/// first, then those that couple factors, component by component.
+/// The observed modalities with the weight of each outcome, in the order in which they are
+/// explained: those of one factor first, then those that couple factors, component by component.
 fn in_order(description: &Description, seen: &[Observed]) -> Vec<(usize, Vec<f64>)> {
     let observed: Vec<(usize, Vec<f64>)> = description
         .modalities
@@ -120,7 +121,8 @@ fn coordinate_ascent_never_raises_f_and_never_falls_below_the_surprise() {
                 assert_distributions(&beliefs, model);
                 let slack = 2e-5 * update.free_energy.abs().max(1.0);
                 assert!(update.free_energy <= least + slack, "{update:?} after {least}");
-                // Under a floor the bound is the surprise with that floor; without one the two are the same.
+                // Under a floor the bound is the surprise with that floor; without one the two are
+                // the same.
                 let surprise = floored_surprise(&tables, &exact, &explained, &description);
                 assert!(
                     f64::from(update.free_energy) >= surprise - f64::from(slack),
@@ -266,8 +268,8 @@ fn big(chance: &mut Chance, states: usize) -> Description {
     }
 }
 
-/// Two robots on a grid of 49 cells, each with its own noisy reading, and a result that says whether they stand on
-/// different goals, the same, or none.
+/// Two robots on a grid of 49 cells, each with its own noisy reading, and a result that says
+/// whether they stand on different goals, the same, or none.
 fn two_robots(chance: &mut Chance) -> Description {
     const CELLS: usize = 49;
     let goals = chance.order(CELLS);

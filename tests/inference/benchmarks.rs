@@ -92,8 +92,8 @@ fn t2_agrees_with_jax_pymdp_by_its_conventions() {
     assert_policies(t2(), &beliefs, Scoring::JAX_PYMDP, &peer);
 }
 
-/// Its policies are left out: numpy pymdp's joint gain of T2 has a floor of exp(-16) under every outcome in it, which
-/// the core does not imitate.
+/// Its policies are left out: numpy pymdp's joint gain of T2 has a floor of exp(-16) under every
+/// outcome in it, which the core does not imitate.
 #[test]
 fn t2_has_the_beliefs_of_numpy_pymdp_by_its_conventions() {
     assert_beliefs::<{ t2::S }>(t2(), Sweeps::NUMPY_PYMDP, &peers::numpy_t2());

@@ -150,8 +150,8 @@ fn information_gain_is_never_negative_and_the_joint_gain_lies_between_the_larges
         for (policy, (&joint, &sum)) in joint.iter().zip(&sum).enumerate() {
             let slack = 1e-4 * sum.abs().max(1.0);
             assert!(alone.iter().all(|gains| gains[policy] >= -slack), "{alone:?}");
-            // Every outcome alone tells no more than all together; given the states outcomes are independent, so all
-            // together tell no more than the sum.
+            // Every outcome alone tells no more than all together; given the states outcomes are
+            // independent, so all together tell no more than the sum.
             assert!(alone.iter().all(|gains| gains[policy] <= joint + slack), "{alone:?} {joint}");
             assert!(joint <= sum + slack, "{joint} of {sum}");
         }
@@ -242,7 +242,8 @@ fn novelty_of_moves_and_outcomes_adds_up_over_the_steps_and_lowers_g() {
     assert!((gained - 0.75).abs() < 1e-6, "{gained}");
 }
 
-/// The joint decision against brute force: every joint policy with its habit, those that teammates ruled out left out.
+/// The joint decision against brute force: every joint policy with its habit, those that teammates
+/// ruled out left out.
 #[test]
 fn an_agent_decides_as_brute_force_does_with_habits_and_announcements() {
     for_seeds(16, 6000, |chance| {

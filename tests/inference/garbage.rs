@@ -1,4 +1,5 @@
-//! Nothing that a caller can hand over makes the engine panic, or a belief something else than a distribution.
+//! No argument of a caller makes the engine panic, or turns a belief into anything but a
+//! distribution.
 
 use super::{Room, Trial, assert_distributions, for_seeds};
 use iibt_core::actions::{Action, Actions, HORIZON};
@@ -79,7 +80,7 @@ fn odd_observations_leave_distributions() {
     });
 }
 
-/// An pair of factors that need not exist, worth anything.
+/// A pair of factors that may not exist, with any preference.
 struct Odd([usize; 2], f32);
 
 impl PairPreference for Odd {

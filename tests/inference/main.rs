@@ -1,5 +1,5 @@
-//! Inference over random models of several factors and modalities against references in double precision that do
-//! everything the long way. Every test draws its own models from its own seed.
+//! Inference over random models of several factors and modalities against references in double
+//! precision that do everything the long way. Every test draws its own models from its own seed.
 
 mod beliefs;
 mod benchmarks;

@@ -1,4 +1,5 @@
-//! What does not fit is refused with a message that names the table, its index and the limit, and is no event of the world.
+//! What does not fit is refused with a message that names the table, its index and the limit, and
+//! is no event of the world.
 
 use iibt_core::inference::{
     Agent, Argument, Beliefs, Candidates, DecisionError, Evaluation, Evidence, Factor, Habits, IdentityNoise,

@@ -1,5 +1,5 @@
-//! The README's twenty lines on inference cannot be made wrong by changing a number: the build fails, or a typed error names
-//! what does not fit, or it is another model that is as sound.
+//! The README's twenty lines on inference cannot be made wrong by changing a number: the build
+//! fails, or a typed error names what does not fit, or it is another model that is as sound.
 
 use std::process::Command;
 use tests::package::Package;
@@ -12,7 +12,7 @@ fn code() -> String {
     code.lines().map(|line| line.strip_prefix("# ").unwrap_or(line)).collect::<Vec<_>>().join("\n")
 }
 
-/// What is changed: a piece of the code, what stands there instead, and what comes of it.
+/// The changes: a piece of the code, its replacement, and the expected result.
 const CHANGES: &[(&str, &str, &str)] = &[
     ("new(0.9, 5)", "new(1.9, 5)", "`correct` is no probability"),
     ("new(0.9, 5)", "new(0.9, 4)", "C, the preference, does not have an entry per outcome"),

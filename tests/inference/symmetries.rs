@@ -1,5 +1,5 @@
-//! What must not change the result: the form of a table, the order of states, outcomes and policies, and how many policies
-//! are scored per call.
+//! Changes that must not affect the result: the form of a table, the order of states, outcomes and
+//! policies, and how many policies are scored per call.
 
 use super::decisions::too_long;
 use super::{Room, Trial, for_seeds};
@@ -90,7 +90,8 @@ fn structured_forms_equal_dense_tables() {
     });
 }
 
-/// Moves every entry of a table, row-major with the row first, to where `orders` put its row and columns.
+/// Moves every entry of a table, row-major with the row first, to where `orders` put its row and
+/// columns.
 fn moved(table: &[f32], counts: &[usize], orders: &[&[usize]]) -> Vec<f32> {
     let mut new = vec![0.0; table.len()];
     for (at, &p) in table.iter().enumerate() {

@@ -6,7 +6,8 @@ const README: &str = include_str!("../../README.md");
 /// Holds a figure against its budget in a section of `budgets.toml`, and README against the budget.
 ///
 /// # Panics
-/// When the figure is over its budget or more than 5 % under, or README does not say what the budget is.
+/// When the figure is over its budget or more than 5 % under, or README does not say what the
+/// budget is.
 pub fn assert_within(section: &str, figure: &str, measured: u64) {
     let budgets: toml::Value = toml::from_str(BUDGETS).expect("budgets.toml is TOML");
     let budget =

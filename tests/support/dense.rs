@@ -1,5 +1,5 @@
-//! Active inference as it is written first: dense tables over both factors, every joint policy rolled out by itself, in
-//! double precision. What the benchmarks measure the core against.
+//! Active inference as it is written first: dense tables over both factors, every joint policy
+//! rolled out by itself, in double precision. What the benchmarks measure the core against.
 
 use firmware::bench::Benchmark;
 use iibt_core::actions::Action;

@@ -1,4 +1,4 @@
-//! What an image takes of its chip, read from its ELF file.
+//! The resources that an image takes, read from its ELF file.
 
 use object::elf::{SHF_ALLOC, SHT_NOBITS};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags};

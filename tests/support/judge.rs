@@ -1,4 +1,5 @@
-//! The judge of a flight: counts collisions by rules of its own, from where the robots are and from nothing else.
+//! The judge of a flight: counts collisions by rules of its own, from where the robots are and from
+//! nothing else.
 
 use host_sim::{AnyRobot, Flight};
 use iibt_core::grid::Cell;
@@ -21,7 +22,8 @@ fn occupied<R: AnyRobot + ?Sized>(flight: &Flight<'_, R>) -> Vec<Vec<Cell>> {
     flight.cells().iter().zip(flight.entering()).map(both).collect()
 }
 
-/// The pairs of robots that share a cell or have gone through each other, by the cells before and after a tick.
+/// The pairs of robots that share a cell or have gone through each other, by the cells before and
+/// after a tick.
 fn collisions(before: &[Vec<Cell>], after: &[Vec<Cell>]) -> u32 {
     let mut count = 0;
     for one in 0..after.len() {

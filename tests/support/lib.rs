@@ -1,4 +1,4 @@
-//! What several tests share: references to compare with, and an emulated board.
+//! Support shared by several tests: references to compare with, and an emulated board.
 
 pub mod budgets;
 pub mod dense;

@@ -1,5 +1,6 @@
-//! Inference the long way, in double precision: every table written out over the joint states of all factors, every
-//! combination of states and outcomes visited, no structure used and nothing factored.
+//! Inference the long way, in double precision: every table written out over the joint states of
+//! all factors, every combination of states and outcomes visited, no structure used and nothing
+//! factored.
 
 pub mod chance;
 pub mod decision;
@@ -7,15 +8,16 @@ pub mod description;
 pub mod evaluation;
 pub mod generator;
 
-/// A model with every table written out. A joint state numbers the combinations of all factors' states, the last factor
-/// running fastest.
+/// A model with every table written out. A joint state numbers the combinations of all factors'
+/// states, the last factor running fastest.
 #[derive(Clone, Debug)]
 pub struct Tables {
     /// How many states each factor has.
     pub states: Vec<usize>,
     /// P(o | s): for each modality and joint state a distribution over outcomes.
     pub likelihood: Vec<Vec<Vec<f64>>>,
-    /// P(s' | s, u): for each factor, action and joint state a distribution over the factor's next states.
+    /// P(s' | s, u): for each factor, action and joint state a distribution over the factor's next
+    /// states.
     pub transition: Vec<Vec<Vec<Vec<f64>>>>,
 }
 
@@ -66,8 +68,9 @@ impl Tables {
         marginals
     }
 
-    /// The beliefs after a step, with an action for each factor or `None` for one that stays, as one does on an action
-    /// that it does not have. Columns written in single precision do not sum to one exactly, so beliefs are normalised.
+    /// The beliefs after a step, with an action for each factor or `None` for one that stays, as
+    /// one does on an action that it does not have. Columns written in single precision do not sum
+    /// to one exactly, so beliefs are normalised.
     #[must_use]
     pub fn predict(&self, beliefs: &Marginals, actions: &[Option<u8>]) -> Marginals {
         let joint = self.joint(beliefs);
@@ -84,15 +87,16 @@ impl Tables {
             .collect()
     }
 
-    /// P(e | s) of each joint state, for a weight per outcome of one modality; every probability raised to `floor`.
+    /// P(e | s) of each joint state, for a weight per outcome of one modality; every probability
+    /// raised to `floor`.
     #[must_use]
     pub fn explains(&self, modality: usize, weights: &[f64], floor: f64) -> Vec<f64> {
         let of = |column: &Vec<f64>| column.iter().zip(weights).map(|(p, w)| p * w).sum::<f64>().max(floor);
         self.likelihood[modality].iter().map(of).collect()
     }
 
-    /// The exact posterior and -ln P(e) by Bayes' rule over all joint states; `None` where the evidence, a weight for each
-    /// outcome of each modality that was observed, is impossible.
+    /// The exact posterior and -ln P(e) by Bayes' rule over all joint states; `None` where the
+    /// evidence, a weight for each outcome of each modality that was observed, is impossible.
     #[must_use]
     pub fn update(&self, beliefs: &Marginals, evidence: &[(usize, Vec<f64>)]) -> Option<(Marginals, f64)> {
         let mut joint = self.joint(beliefs);
@@ -105,7 +109,8 @@ impl Tables {
         (total > 0.0).then(|| (self.marginals(&joint), -total.ln()))
     }
 
-    /// F = E_q [ln q(s) - ln p(s) - Σ_m ln max(P(e_m | s), floor)], the free energy of any independent beliefs.
+    /// F = E_q [ln q(s) - ln p(s) - Σ_m ln max(P(e_m | s), floor)], the free energy of any
+    /// independent beliefs.
     #[must_use]
     pub fn free_energy(
         &self,

@@ -15,8 +15,8 @@ pub struct Package {
 }
 
 impl Package {
-    /// Writes a package into `folder`: its manifest, the versions of the workspace, and `sources`, each
-    /// with its path below `src`. Sources of an earlier run are gone.
+    /// Writes a package into `folder`: its manifest, the versions of the workspace, and `sources`,
+    /// each with its path below `src`. Sources of an earlier run are gone.
     ///
     /// # Panics
     /// Where a file cannot be written.

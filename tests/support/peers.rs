@@ -1,5 +1,5 @@
-//! What other engines make of the benchmark models T1 and T2: joint information gain by pymdp 0.0.7.1 (numpy), per-modality
-//! gain by pymdp 1.0.4 (JAX, in double precision).
+//! The results of other engines for the benchmark models T1 and T2: joint information gain by pymdp
+//! 0.0.7.1 (numpy), per-modality gain by pymdp 1.0.4 (JAX, in double precision).
 
 /// An engine's results for one belief update and policy posterior.
 #[derive(Clone, Debug)]
@@ -134,7 +134,8 @@ pub fn jax_t2() -> Peer {
     }
 }
 
-/// A belief over T2's cells that is one number at `place`, nothing on the goals, and another everywhere else.
+/// A belief over T2's cells that is one number at `place`, nothing on the goals, and another
+/// everywhere else.
 fn alike(place: usize, there: f64, elsewhere: f64) -> Vec<f64> {
     let mut belief = vec![elsewhere; 49];
     (belief[24], belief[26], belief[place]) = (0.0, 0.0, there);

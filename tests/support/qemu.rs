@@ -1,6 +1,7 @@
 //! The image of a robot in QEMU: start it, read its log, exchange frames with it.
 //!
-//! Nothing here measures time. Reads wait for the emulator; the [`PATIENCE`] only ends a test that hangs.
+//! Nothing here measures time. Reads wait for the emulator; the [`PATIENCE`] only ends a test that
+//! hangs.
 
 use defmt_decoder::{DecodeError, Table};
 use std::io::{Read, Write};
@@ -15,7 +16,8 @@ use std::time::{Duration, Instant};
 /// How long a robot may take for one answer before the test fails.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Builds the image `name` of the package `firmware` for size, as it is released, and returns the path of its ELF file.
+/// Builds the image `name` of the package `firmware` for size, as it is released, and returns the
+/// path of its ELF file.
 ///
 /// # Panics
 /// When it does not build; the compiler's messages are on the standard error stream.
@@ -93,18 +95,19 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Starts an image. Wait for its first log line before sending: a byte that arrives before the image
-    /// listens is kept, but QEMU looks for it only once a second.
+    /// Starts an image. Wait for its first log line before sending: a byte that arrives before the
+    /// image listens is kept, but QEMU looks for it only once a second.
     ///
     /// # Panics
-    /// When QEMU is missing or does not start the image, or the file is no image with a defmt table.
+    /// When QEMU is missing or does not start the image, or the file is no image with a defmt
+    /// table.
     #[must_use]
     pub fn boot(image: &Path) -> Self {
         Self::boot_with(image, &[])
     }
 
-    /// Starts an image that takes a nanosecond of its own time for each instruction, so that its timers count
-    /// instructions.
+    /// Starts an image that takes a nanosecond of its own time for each instruction, so that its
+    /// timers count instructions.
     ///
     /// # Panics
     /// As [`Robot::boot`].

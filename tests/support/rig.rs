@@ -1,4 +1,5 @@
-//! A robot of section 5.1 on the host whose teammate is the image in the emulator, and frames that nobody sent.
+//! A robot of section 5.1 on the host whose teammate is the image in the emulator, and forged
+//! frames.
 
 use firmware::missions::{CANDIDATES, CELLS, SECTION_5_1, WORDS};
 use host_sim::{AnyRobot, EventEffect, Faults, Flight, KEY, NavigatorFlight};

@@ -83,7 +83,8 @@ const WORDS: [&str; 40] = [
     "name=\"\"",
 ];
 
-/// Puts other words in the place of values; one time in three also cuts and doubles pieces of the text.
+/// Puts other words in the place of values; one time in three also cuts and doubles pieces of the
+/// text.
 fn mutated(random: &mut Random) -> String {
     let mut text: Vec<char> = SEEDS[random.below(SEEDS.len())].chars().collect();
     for _ in 0..random.below(4) {

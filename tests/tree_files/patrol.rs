@@ -1,4 +1,5 @@
-//! The behavior tree `Patrol`, written by `host-sim tree codegen`: change the tree's file, not this one.
+//! The behavior tree `Patrol`, written by `host-sim tree codegen`.
+//! Change the tree's file, not this one.
 
 use iibt_core::tree::{Full, Millis, Node, Status, Times, Tree};
 

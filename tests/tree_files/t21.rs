@@ -1,4 +1,5 @@
-//! The behavior tree `T21`, written by `host-sim tree codegen`: change the tree's file, not this one.
+//! The behavior tree `T21`, written by `host-sim tree codegen`.
+//! Change the tree's file, not this one.
 
 use iibt_core::tree::{Node, Tree};
 

@@ -8,7 +8,7 @@ use iibt_core::grid::Move;
 use iibt_core::time::{Duration, Instant};
 use micromath::F32Ext;
 
-/// Shorter ways than this, in metres, are not driven, and smaller turns, in radians, not made.
+/// The shortest distance that is driven, in metres, and the smallest turn, in radians.
 const NEGLIGIBLE: f32 = 1e-3;
 
 /// The measures of a robot and of the grid that it drives on.
@@ -18,7 +18,7 @@ pub struct Chassis {
     pub cell: f32,
     /// The distance between the two wheels, in metres.
     pub track: f32,
-    /// How fast the rim of a wheel moves at `duty`, in metres per second; more than zero.
+    /// The speed of a wheel's rim at `duty`, in metres per second; more than zero.
     pub speed: f32,
     /// The duty cycle to drive with, in percent, at most 100.
     pub duty: u8,
@@ -50,8 +50,8 @@ pub struct DifferentialDrive<L, R, C> {
     right: R,
     clock: C,
     chassis: Chassis,
-    /// Where the robot is, relative to the centre of the cell that it counts as being in, in
-    /// metres: x to the right, y up the map.
+    /// The position of the robot relative to the centre of its cell, in metres: x to the right, y
+    /// up the map.
     offset: (f32, f32),
     /// The direction it faces, anticlockwise from right, in radians.
     heading: f32,
@@ -154,7 +154,7 @@ impl<L: Motor, R: Motor, C: Clock> DifferentialDrive<L, R, C> {
         self.phase = Phase::Rolling { since: now, until: now.after(self.time_for(distance)) };
     }
 
-    /// Brings the believed position up to the moment at which a way is broken off.
+    /// Updates the estimated position to the moment at which a move is stopped.
     fn break_off(&mut self, now: Instant) {
         match self.phase {
             Phase::Still => {}

@@ -1,4 +1,4 @@
-//! A model with something to decide, and the agent that decides it.
+//! A benchmark: a model with a decision, and the agent that makes it.
 
 use iibt_core::inference::{Agent, Candidates, Evidence, Model, OutOfRange, Scoring};
 
@@ -11,13 +11,13 @@ const CANDIDATES: usize = 4;
 /// Two robots of `S` states each, who choose among 4 x 4 joint policies.
 #[derive(Clone, Copy, Debug)]
 pub struct Benchmark<const S: usize> {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
     /// The generative model.
     pub model: &'static Model<'static>,
-    /// What there is to choose from.
+    /// The candidates.
     pub candidates: &'static Candidates<'static>,
-    /// What was observed.
+    /// The observations.
     pub observed: [Evidence<'static>; 3],
 }
 

@@ -6,7 +6,7 @@ use iibt_core::inference::{
     Beliefs, Candidates, Evaluation, Evidence, MAX_SWEEPS, Model, ObservationError, Problem, Scoring, Update,
 };
 
-/// How many random models a digest has.
+/// The number of random models in a digest.
 pub const MODELS: u64 = 200;
 
 /// The FNV-1a hash of the bits of all beliefs, free energies, terms and posteriors of T1, T2 and
@@ -79,7 +79,7 @@ impl Digest {
         self.add_bits(u32::from(built.is_some()));
     }
 
-    /// What an observation makes of the beliefs, by coordinate ascent and exactly.
+    /// Adds the beliefs after an observation, by coordinate ascent and exactly.
     fn add_beliefs<const S: usize, const G: usize>(
         &mut self,
         beliefs: &mut Beliefs<S, G>,

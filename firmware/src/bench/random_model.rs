@@ -18,7 +18,7 @@ pub type Room = Beliefs<5, 3>;
 /// Room for the evaluation of a random model.
 pub type Trial = Evaluation<5, 3, 4, 2>;
 
-/// How many steps a policy has.
+/// The number of steps of a policy.
 pub const STEPS: usize = 2;
 
 const ACTIONS: usize = 2;
@@ -45,7 +45,7 @@ impl Chance {
         (self.bits() >> 16) as f32 / 65_536.0
     }
 
-    /// A weight: now and then zero, often small.
+    /// A weight: sometimes zero, often small.
     fn weight(&mut self) -> f32 {
         match self.below(4) {
             0 => 0.0,

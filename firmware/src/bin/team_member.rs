@@ -92,7 +92,7 @@ mod image {
         }
     }
 
-    /// How the robot and its link stand.
+    /// Logs the state of the robot and its link.
     fn tell_of(robot: &Robot) -> (Report, LinkReport) {
         (robot.robot().navigation().report(), robot.link_report())
     }

@@ -17,7 +17,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     restart()
 }
 
-/// Where a stack overflow is said to happen; odd, as no program counter is.
+/// The address reported for a stack overflow; odd, unlike every program counter.
 const NO_STACK: u32 = 1;
 
 /// Reports a fault; runs on a fresh stack.

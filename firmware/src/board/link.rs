@@ -35,7 +35,7 @@ impl TeamLink {
         Self(())
     }
 
-    /// How many received bytes were lost since the start, to a full queue or a disturbed line.
+    /// The number of received bytes lost since the start, to a full queue or a disturbed line.
     #[must_use]
     pub fn lost(&self) -> u32 {
         QUEUES.with(|queues| queues.lost).unwrap_or(0)

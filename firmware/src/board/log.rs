@@ -39,7 +39,7 @@ pub(super) fn flush() {
     with_port(drain);
 }
 
-/// How many log frames were dropped since the start because the queue was full.
+/// The number of log frames dropped since the start because the queue was full.
 #[must_use]
 pub fn dropped() -> u32 {
     QUEUE.with(|queue| queue.refused()).unwrap_or(0)

@@ -1,4 +1,4 @@
-//! What the two serial ports have in common.
+//! Shared parts of the two serial ports.
 
 use crate::adapters::FrameQueue;
 use cortex_m::peripheral::NVIC;

@@ -3,7 +3,7 @@
 use core::cell::RefCell;
 use critical_section::Mutex;
 
-/// A value that is reached with the interrupts off; keep what is done to it short.
+/// A value that is accessed with the interrupts off; keep accesses short.
 pub(super) struct Shared<T>(Mutex<RefCell<T>>);
 
 impl<T> Shared<T> {
@@ -11,8 +11,8 @@ impl<T> Shared<T> {
         Self(Mutex::new(RefCell::new(value)))
     }
 
-    /// Does something to the value; `None` when this is called from within such a call, which only
-    /// a fault or a panic does.
+    /// Calls a function with the value; `None` when this is called from within such a call, which
+    /// only a fault or a panic does.
     pub(super) fn with<R>(&self, act: impl FnOnce(&mut T) -> R) -> Option<R> {
         critical_section::with(|section| {
             let mut value = self.0.borrow(section).try_borrow_mut().ok()?;

@@ -14,14 +14,14 @@ use serde::Serialize;
 pub struct LearnedPreferences {
     /// The series of the teams that learn, seed by seed.
     pub learning: Vec<Served>,
-    /// Those of the others.
+    /// The series of the teams that do not learn.
     pub not: Vec<Served>,
 }
 
-/// What is kept of a series.
+/// The figures of one series.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Served {
-    /// The part of the team that was served in each mission.
+    /// The share of the team that was served in each mission.
     pub shares: Vec<f64>,
     /// The ticks that each mission took.
     pub ticks: Vec<f64>,
@@ -45,20 +45,20 @@ impl LearnedPreferences {
         Self { learning: flown(true), not: flown(false) }
     }
 
-    /// The part of the robots that was served in the last third of the missions, over all series.
+    /// The share of robots that was served in the last third of the missions, over all series.
     #[must_use]
     pub fn last_third(series: &[Served]) -> Distribution {
         Distribution::of(series.iter().map(|served| late(&served.shares)))
     }
 
-    /// How much more of the robots were served in the last third by learning.
+    /// The gain of learning: the difference in the share of robots served in the last third.
     #[must_use]
     pub fn gain(&self) -> Difference {
         let pairs = self.learning.iter().zip(&self.not);
         Difference::of(pairs.map(|(learning, not)| late(&learning.shares) - late(&not.shares)))
     }
 
-    /// The part of the robots that was served in each mission, the mean over all series.
+    /// The share of robots that was served in each mission, the mean over all series.
     #[must_use]
     pub fn curve(series: &[Served]) -> Vec<f64> {
         let missions = series.first().map_or(0, |served| served.shares.len());

@@ -30,7 +30,7 @@ pub struct Mixed {
     /// The scores of the teams that know, seed by seed.
     #[serde(skip)]
     pub known: Vec<Score>,
-    /// The same of those that take their robots for equal.
+    /// The scores of the teams that ignore the differences, seed by seed.
     #[serde(skip)]
     pub alike: Vec<Score>,
 }
@@ -55,7 +55,7 @@ impl Unlike {
 }
 
 impl Mixed {
-    /// Flies `seeds` missions in the manner of a scenario with both teams.
+    /// Flies `seeds` missions like those of a scenario, with both teams.
     #[must_use]
     pub fn fly(scenario: &Scenario, unlike: Unlike, seeds: u32) -> Self {
         let scenario = unlike.only(scenario);
@@ -77,7 +77,7 @@ impl Mixed {
         Distribution::of(done.map(|score| f64::from(score.ticks)))
     }
 
-    /// How many missions were accomplished.
+    /// The share of missions that were accomplished.
     #[must_use]
     pub fn accomplished(scores: &[Score]) -> Share {
         Share::of(scores, |score| score.accomplished)

@@ -26,13 +26,13 @@ pub struct Cost {
     pub flight: u64,
 }
 
-/// Why nothing was measured.
+/// The reason why nothing was measured.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NotMeasured {
     /// There is no valgrind on this machine.
     #[error("not measured: valgrind is not installed")]
     NoValgrind,
-    /// The program did not fly under valgrind; what it said last.
+    /// The program did not fly under valgrind; the last line of its output.
     #[error("not measured: under valgrind the flight failed: {0}")]
     Failed(String),
     /// What valgrind left cannot be read.
@@ -96,7 +96,7 @@ impl Cost {
     }
 }
 
-/// A folder for valgrind's files, which goes with this value.
+/// A temporary folder for valgrind's files, removed when it is dropped.
 struct Folder(PathBuf);
 
 impl Folder {

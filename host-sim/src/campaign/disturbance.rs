@@ -13,10 +13,10 @@ use serde::Serialize;
 pub enum Disturbance {
     /// None.
     None,
-    /// Every localiser is wrong in 10 % of all readings; the model of a robot with inference has
-    /// this rate for its own.
+    /// Every localiser is wrong in 10 % of all readings, as the model of a robot with inference
+    /// knows.
     Noise,
-    /// Every move fails with 10 %.
+    /// Every move fails with a probability of 10 %.
     Slips,
     /// The radio loses 30 % of all frames.
     Loss,
@@ -44,10 +44,11 @@ const SLIP: f64 = 0.1;
 /// The probability that a frame is lost under [`Disturbance::Loss`].
 const LOSS: f64 = 0.3;
 
-/// How many obstacles appear under [`Disturbance::Obstacles`].
+/// The number of obstacles that appear under [`Disturbance::Obstacles`].
 const OBSTACLES: usize = 3;
 
-/// The charge in percent to which a battery falls: below what robots leave their team with.
+/// The charge in percent to which a battery falls: below the level at which robots leave their
+/// team.
 const LOW: u8 = 15;
 
 impl Disturbance {
@@ -177,7 +178,7 @@ fn is_needed(scenario: &Scenario, cell: Cell) -> bool {
         || scenario.events.iter().any(visits)
 }
 
-/// How many parts the free cells fall into between which no way leads.
+/// The number of connected components of the free cells.
 fn parts(floor: &Floor) -> usize {
     let mut seen: Vec<bool> = (0..floor.len() as u16).map(|cell| !floor.is_free(Cell(cell))).collect();
     let mut parts = 0;

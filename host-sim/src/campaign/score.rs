@@ -19,14 +19,14 @@ pub struct Score {
     pub accomplished: bool,
     /// Whether they also came there at most [`TOGETHER`] ticks apart.
     pub together: bool,
-    /// After how many ticks the last of them stood where it stayed.
+    /// The ticks until the last robot reached its final cell.
     pub ticks: u32,
     /// The ticks between the first and the last arrival.
     pub spread: u32,
-    /// What the validator found.
+    /// The violations that the validator found.
     pub faults: Violations,
-    /// Moves into an obstacle or the border: they leave no trace but on the robot, so the referee
-    /// counts them.
+    /// Moves into an obstacle or the border, which the referee counts because positions do not show
+    /// them.
     pub bumps: u32,
     /// The frames sent by all robots.
     pub messages: u32,
@@ -60,7 +60,7 @@ impl Score {
         }
     }
 
-    /// Whether robots shared, exchanged or entered what they must not, or ran into something.
+    /// Whether there was a violation or collision of any kind.
     #[must_use]
     pub const fn has_collided(&self) -> bool {
         self.faults.total() + self.bumps > 0
@@ -78,13 +78,13 @@ fn in_place(record: &Record) -> u32 {
 pub struct Summary {
     /// The pilot.
     pub pilot: Pilot,
-    /// How many flights accomplished the mission.
+    /// The share of flights that accomplished the mission.
     pub accomplished: Share,
-    /// How many of them brought the robots there together.
+    /// The share of these that brought the robots there together.
     pub together: Share,
-    /// How many flights had a collision of any kind.
+    /// The share of flights with a collision of any kind.
     pub collided: Share,
-    /// What the validator found, in all flights together.
+    /// The violations that the validator found, in all flights together.
     pub faults: Violations,
     /// The moves into an obstacle or the border, in all flights together.
     pub bumps: u32,
@@ -128,7 +128,7 @@ impl Summary {
     }
 }
 
-/// Two pilots on the same seeds: how much more the first has than the second.
+/// The differences between two pilots on the same seeds, the first minus the second.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// The first and the second.

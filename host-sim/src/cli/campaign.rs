@@ -126,7 +126,7 @@ impl FlyMany {
     }
 }
 
-/// Tells how far it is: a line that is written over on a terminal, else one for every tenth of the
+/// Reports the progress: a line that is overwritten on a terminal, else one for every tenth of the
 /// flights.
 fn tell(done: usize, flights: usize) {
     let mut stderr = io::stderr();

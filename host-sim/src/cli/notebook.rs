@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 /// No model is larger than this.
 const MAX_BYTES: u64 = 64 << 20;
 
-/// How long a run is silent before it tells how far it is.
+/// The time after which a run reports its progress.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 pub(super) const INFER_EXAMPLES: &str = "\

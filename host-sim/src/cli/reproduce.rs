@@ -62,7 +62,7 @@ impl Reproduce {
     }
 }
 
-/// Runs a chapter and says on standard error how far it has come.
+/// Runs a chapter and reports its progress on standard error.
 fn run(chapter: &Chapter, effort: Effort) -> Section {
     let terminal = io::stderr().is_terminal();
     let title = format!("{}: {}", chapter.id, chapter.about);

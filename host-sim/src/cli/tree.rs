@@ -1,4 +1,4 @@
-//! The verbs about behavior trees.
+//! The verbs for behavior trees.
 
 use super::{Failure, UNUSABLE, print, read_up_to};
 use clap::{Args, Subcommand, ValueEnum};
@@ -118,7 +118,7 @@ Exit status:
   0  written
   2  the tree or the records cannot be used, or wrong usage";
 
-/// The verbs about behavior trees.
+/// The verbs for behavior trees.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = TREE_HELP, arg_required_else_help = true)]
 pub(super) struct Tree {

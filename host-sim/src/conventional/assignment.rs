@@ -7,7 +7,7 @@ use iibt_core::team::MAX_TEAM;
 /// The moves from each robot to each goal; `None` where no way leads.
 pub(super) type Moves = [[Option<u16>; MAX_GOALS]; MAX_TEAM];
 
-/// What a robot that has no way to a goal adds to the sum: more than any plan is long.
+/// The cost of a robot without a path to its goal: more than the longest plan.
 const NO_WAY: u32 = 1000;
 
 /// The search for the best assignment.
@@ -24,9 +24,9 @@ struct Search<'m> {
 /// together earlier.
 type AssignmentCost = (u32, u32);
 
-/// The goal of each robot, by its index, so that the sum of the moves is least; of equal ones that
-/// with the shorter longest way, then the first. Robots that are `settled` keep the goal they have.
-/// `None` when there are more robots than goals.
+/// The goal of each robot, by its index, with the least sum of moves; among equals the one with the
+/// shortest longest path, then the first. Robots that are `settled` keep the goal they have. `None`
+/// when there are more robots than goals.
 ///
 /// Cost: at most the number of assignments, pruned where a sum is larger than the least so far.
 pub(super) fn least_sum(

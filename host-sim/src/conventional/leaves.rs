@@ -1,12 +1,12 @@
-//! The trees' leaves, bound by name to what the robot can do.
+//! The leaves of the trees, bound by name to the robot's skills.
 
 use crate::tree::{BoundTree, Diagnostic, LeafNode, library};
 use std::sync::LazyLock;
 
-/// What a leaf of a conventional tree asks or does.
+/// A condition or action of a conventional tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ConventionalLeaf {
-    /// There is charge enough to go on.
+    /// The charge is sufficient to continue.
     BatteryEnough,
     /// Every robot stands on a goal of its own.
     AllArrived,
@@ -16,17 +16,17 @@ pub(super) enum ConventionalLeaf {
     ObstacleExists,
     /// There is a way-point to visit.
     WayPointsExist,
-    /// The first goal is this robot's part of the least sum of ways.
+    /// The first goal is this robot's in the best assignment.
     SmallestSum,
     /// The first goal is nearer than the second.
     FirstGoalNearer,
-    /// The next move may be made, as far as arriving together is concerned.
+    /// The next move does not keep the team from arriving together.
     JointArrival,
     /// Go and charge.
     MoveToCharger,
     /// Construct a policy around the obstacle.
     AroundObstacle,
-    /// Construct a policy by the way-points.
+    /// Construct a policy through the way-points.
     ByWayPoints,
     /// Make the next move to the first or the second goal.
     MoveTo(Choice),
@@ -39,7 +39,7 @@ pub(super) enum Choice {
     Second,
 }
 
-/// Which conventional tree a robot ticks.
+/// The conventional tree of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ConventionalTree {
     /// Figure 5(a): two robots, two goals.

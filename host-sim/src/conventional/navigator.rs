@@ -12,7 +12,7 @@ use iibt_core::navigation::{MAX_GOALS, MAX_KNOWN_HAZARDS, MAX_WAYPOINTS};
 use iibt_core::team::MAX_TEAM;
 use iibt_core::tree::Status;
 
-/// What is given to a robot before it starts.
+/// The orders of a robot before it starts.
 #[derive(Clone, Debug)]
 pub(super) struct Orders<const W: usize> {
     pub(super) robot: usize,
@@ -89,7 +89,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         &self.orders
     }
 
-    /// Takes in a reading of the localiser, and how far the robot has come by it.
+    /// Updates the position by a reading of the localiser, and the progress on the path.
     pub(super) fn locate(&mut self, reading: Option<Cell>) {
         let was_under_way = self.position.here().is_none();
         self.position.read(reading);
@@ -117,7 +117,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         }
     }
 
-    /// Forgets what was announced: it is too long ago for the teammates to count on it.
+    /// Forgets the announced cells, which teammates no longer rely on.
     pub(super) const fn withdraw(&mut self) {
         self.promised = [None; 2];
     }
@@ -143,7 +143,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         }
     }
 
-    /// Does an action for this tick.
+    /// Performs an action for this tick.
     pub(super) fn perform(&mut self, skill: ConventionalLeaf) -> Status {
         self.last = Some(skill);
         match skill {
@@ -222,7 +222,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         false
     }
 
-    /// Whether a teammate that has the right of way wants a goal.
+    /// Whether a teammate with the right of way has claimed a goal.
     fn is_claimed(&self, goal: Cell) -> bool {
         self.team.iter().any(|mate| mate.goal == Some(goal) && mate.robot < self.orders.robot)
     }
@@ -231,7 +231,8 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         self.goal.is_some() && self.is_hindered()
     }
 
-    /// Whether an obstacle, or a teammate that goes first or stands, is on the rest of the path.
+    /// Whether the rest of the path is blocked by an obstacle, a teammate with the right of way, or
+    /// one that stands.
     fn is_hindered(&self) -> bool {
         let rest = self.rest();
         self.is_blocked(&rest) || is_in_the_way(&self.floor, &self.team, self.rank(), &rest)
@@ -288,8 +289,8 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         first <= second && first < u16::MAX
     }
 
-    /// Whether the policy leads to a goal, by the next way-point, past everything that is known,
-    /// and no sooner than the team.
+    /// Whether the policy leads to a goal through the next way-point, around all known obstacles,
+    /// and not before the team.
     fn is_led_to(&self, goal: Cell) -> bool {
         let rest = self.rest();
         let is_due = |&via: &Cell| rest.cells(&self.orders.map).any(|cell| cell == via);
@@ -309,7 +310,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         true
     }
 
-    /// How many moves the slowest teammate still has to make.
+    /// The number of moves that the slowest teammate still has to make.
     fn pace(&self) -> usize {
         self.team.iter().filter_map(Teammate::remaining).max().unwrap_or(0)
     }
@@ -344,8 +345,7 @@ impl<const S: usize, const W: usize> Navigator<S, W> {
         !is_last || self.team.iter().all(ready) || self.team.iter().any(wants_to_pass)
     }
 
-    /// Drives to the charger and stays there, or where it stands if it has none, until it is
-    /// charged.
+    /// Drives to the charger and stays there until charged; without a charger, stays in its cell.
     fn recharge(&mut self) -> Status {
         self.recharging = self.charge < self.orders.charged;
         if !self.recharging {

@@ -7,7 +7,7 @@
 
 use iibt_core::grid::Cell;
 
-/// What a robot knows of its own place.
+/// The position of a robot, as far as it is known.
 #[derive(Clone, Debug)]
 pub(super) struct Position {
     cell: Cell,
@@ -35,7 +35,7 @@ impl Position {
         self.target = Some(target);
     }
 
-    /// Takes in a reading, of which it may have none.
+    /// Updates the position by a reading, which may be missing.
     pub(super) fn read(&mut self, reading: Option<Cell>) {
         let Some(reading) = reading else { return };
         let is_expected = reading == self.target.unwrap_or(self.cell);

@@ -35,7 +35,7 @@ impl<const S: usize, const W: usize> Router<S, W> {
         Self { planner: Planner::new(), timed: TimedPlanner::new() }
     }
 
-    /// Returns a path for a request, or `None` when no way leads there by the map.
+    /// Returns a path for a request, or `None` when the map has none.
     ///
     /// The first path that exists of these: clear of all teammates; clear of all if those with the
     /// right of way wait a little; clear of those with the right of way; clear of those that will
@@ -62,7 +62,7 @@ impl<const S: usize, const W: usize> Router<S, W> {
             .or_else(|| self.shortest(map, request))
     }
 
-    /// A path in space and time past teammates that follow theirs, not earlier than the pace.
+    /// A path in space and time past teammates that follow theirs, with at least `pace` moves.
     fn past(&mut self, map: &Map<W>, others: &[Path], request: RouteRequest) -> Option<Path> {
         let Some(via) = request.via else {
             return self.there(map, others, request.from, request.goal, request.pace);
@@ -88,15 +88,15 @@ impl<const S: usize, const W: usize> Router<S, W> {
     }
 }
 
-/// Whether a path gets in the way of a teammate that has the right of way, or leads through one
-/// that stands.
+/// Whether a path conflicts with a teammate that has the right of way, or leads through one that
+/// stands.
 pub(super) fn is_in_the_way<const W: usize>(map: &Map<W>, team: &[Teammate], own: Rank, path: &Path) -> bool {
     let others = others(map, team, own, |mate| mate.is_standing(own), 0);
     others.iter().any(|other| first_conflict(map, path, other).is_some())
 }
 
-/// The paths to keep clear of: of those with the right of way, after so many waits, and the cells
-/// of those that stand.
+/// The paths to avoid: those of teammates with the right of way, each delayed by a number of waits,
+/// and the cells of teammates that stand.
 fn others<const W: usize>(
     map: &Map<W>,
     team: &[Teammate],
@@ -115,7 +115,7 @@ fn others<const W: usize>(
     paths
 }
 
-/// A path after some waits, as far as they fit.
+/// A path delayed by waits, as many as fit.
 fn later(path: &Path, waits: usize) -> Path {
     let mut later = Path::at(path.start);
     for step in std::iter::repeat_n(Move::Wait, waits).chain(path.moves()) {

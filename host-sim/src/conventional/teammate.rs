@@ -24,7 +24,7 @@ impl Rank {
     }
 }
 
-/// One teammate as it stands now, by what it said last.
+/// The current state of one teammate, by its last message.
 #[derive(Clone, Debug)]
 pub(super) struct Teammate {
     /// Its index.
@@ -37,13 +37,13 @@ pub(super) struct Teammate {
     pub(super) rest: Path,
     /// The goal it has announced.
     pub(super) goal: Option<Cell>,
-    /// What it was doing.
+    /// Its announced stage.
     pub(super) stage: Stage,
-    /// The ticks since it said so, at least one; `None` when it is lost or was never heard.
+    /// The age of the message in ticks, at least one; `None` when it is lost or was never heard.
     pub(super) age: Option<u32>,
-    /// Whether it is lost: it counts as standing where it was.
+    /// Whether it is lost: it then counts as standing in its last cell.
     pub(super) is_lost: bool,
-    /// For how many ticks it has been in the same cell.
+    /// The ticks that it has spent in its cell.
     pub(super) still: u32,
 }
 
@@ -95,16 +95,16 @@ impl Teammate {
         }
     }
 
-    /// How many moves it has to go, if it went on as it said; `None` when it is not on its way to a
-    /// goal, or was not heard for too long to say.
+    /// The number of moves that remain if it has continued as announced; `None` when it is not on
+    /// its way to a goal, or was not heard for too long to say.
     pub(super) fn remaining(&self) -> Option<usize> {
         let age = self.age.filter(|&age| age <= TRUSTED)?;
         let since = if self.stage == Stage::Agreed { age as usize - 1 } else { 0 };
         self.announced().map(|moves| moves.saturating_sub(since))
     }
 
-    /// How many moves it had to go by its own word, the one it was making not counted; `None` when
-    /// it is not on its way to a goal.
+    /// The number of moves that remained by its message, without the one under way; `None` when it
+    /// is not on its way to a goal.
     pub(super) fn announced(&self) -> Option<usize> {
         match self.stage {
             Stage::Agreed | Stage::Announced if self.goal.is_some() => Some(self.rest.len()),
@@ -129,13 +129,12 @@ impl Teammate {
         }
     }
 
-    /// Its rank, as it has announced it.
+    /// Its rank, by its message.
     pub(super) const fn rank(&self) -> Rank {
         Rank::new(self.robot, self.stage)
     }
 
-    /// The cells that it may stand in if it goes no further. One that was lost may have made some
-    /// moves unheard.
+    /// The cells in which it may stop. One that was lost may have made some moves unheard.
     pub(super) fn stands_in<'a, const W: usize>(
         &'a self,
         map: &'a Map<W>,
@@ -144,14 +143,14 @@ impl Teammate {
         self.cells.into_iter().chain(self.rest.cells(map).take(unheard))
     }
 
-    /// Whether it will not go away by itself.
+    /// Whether it will stay in its cell.
     pub(super) fn is_stuck(&self, own: Rank) -> bool {
         let patience = if self.rank() < own { STUCK } else { STANDING };
         let waits = self.still >= patience && self.stage != Stage::Arrived;
         self.is_lost || waits || (self.stage == Stage::Away && self.rest.is_empty())
     }
 
-    /// Whether it stands, for whatever reason.
+    /// Whether it stands, for any reason.
     pub(super) fn is_standing(&self, own: Rank) -> bool {
         self.is_stuck(own) || matches!(self.stage, Stage::Arrived | Stage::Deciding)
     }

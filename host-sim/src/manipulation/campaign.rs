@@ -1,4 +1,4 @@
-//! The same mission with many seeds, and what they say together.
+//! One mission with many seeds, and its statistics.
 
 use super::run::{Detail, RunError, run};
 use super::terms::Terms;
@@ -10,9 +10,9 @@ use std::num::NonZeroUsize;
 /// The seeds `terms.seed`, `terms.seed + 1` and so on, `seeds` in all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CampaignRuns {
-    /// What every run has in common.
+    /// The terms of every run.
     pub terms: Terms,
-    /// How many runs.
+    /// The number of runs.
     pub seeds: u32,
 }
 
@@ -31,7 +31,7 @@ pub struct Findings {
     pub actions: Distribution,
 }
 
-/// One run in short.
+/// The summary of one run.
 #[derive(Clone, Copy, Debug)]
 struct Brief {
     success: bool,

@@ -10,20 +10,20 @@ use serde::Serialize;
 /// A contender.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contender {
-    /// What it is, in words.
+    /// Its description.
     pub name: &'static str,
-    /// Which trees.
+    /// Its trees.
     pub trees: Trees,
-    /// Who fetches when, in inference nodes.
+    /// The order of fetching, in inference nodes.
     pub order: Order,
-    /// What conventional leaves trust.
+    /// The readings that conventional leaves trust.
     pub trust: Trust,
 }
 
 /// One contender at one level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Compared {
-    /// What it is, in words.
+    /// Its description.
     pub contender: &'static str,
     /// The share of grasps that fail, and of readings that are wrong.
     pub level: f64,
@@ -31,7 +31,7 @@ pub struct Compared {
     pub findings: Findings,
 }
 
-/// The shares of failed grasps and wrong readings that contenders are compared at.
+/// The shares of failed grasps and wrong readings at which contenders are compared.
 pub const LEVELS: [f64; 4] = [0.0, 0.1, 0.2, 0.3];
 
 const fn inference(name: &'static str, order: Order) -> Contender {
@@ -42,9 +42,9 @@ const fn conventional(name: &'static str, trees: Trees, trust: Trust) -> Contend
     Contender { name, trees, order: Order::InTurn, trust }
 }
 
-/// Those who take part. A conventional tree that trusts readings has to choose how many in a row
-/// should agree, between fast and safe: the three next to the best are here. One that asks the
-/// inference nodes' own belief shows what is the belief's doing and what the tree's.
+/// The contenders. A conventional tree that trusts readings has to choose how many in a row should
+/// agree, between fast and safe: the three next to the best are here. One that asks the inference
+/// nodes' own belief shows what is the belief's doing and what the tree's.
 pub const CONTENDERS: [Contender; 7] = [
     inference("inference, in turn", Order::InTurn),
     inference("inference, both at once", Order::Together),

@@ -1,5 +1,5 @@
-//! The skills of conventional trees: conditions that look at what is settled, actions that end when
-//! what came of them is.
+//! The skills of conventional trees: conditions on the settled state, and actions that end when
+//! their result is settled.
 
 use super::sense::Sense;
 use super::skill::Skill;
@@ -19,7 +19,7 @@ pub(super) struct Conventional<'t> {
     skills: Skills<'t>,
 }
 
-/// What its leaves share.
+/// The state that its leaves share.
 struct Skills<'t> {
     percept: Percept,
     sense: Sense<'t>,

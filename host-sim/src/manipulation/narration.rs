@@ -1,10 +1,10 @@
-//! A run, told line by line.
+//! The narration of a run, line by line.
 
 use super::record::{RobotTick, Run, Tick};
 use std::fmt::Write;
 
-/// What happened in a run that has its history: a line for everything that a robot begins, chooses
-/// or finds out.
+/// Narrates a run that has its history: a line for everything that a robot begins, chooses or
+/// observes.
 #[must_use]
 pub fn narrate(run: &Run) -> String {
     let mut text = String::new();
@@ -41,7 +41,7 @@ pub fn narrate(run: &Run) -> String {
     text + &outcome(run)
 }
 
-/// A change of what the robot is sure of.
+/// A change of the settled state.
 fn told(robot: &RobotTick, last: Option<&RobotTick>) -> Option<String> {
     const NAMES: [&str; 4] = ["where its object is", "holding its object", "rid of its object", "free"];
     let most = |of: &RobotTick| {

@@ -8,14 +8,14 @@ use iibt_core::iibt::Task as _;
 use iibt_core::iibt::table::Wanted;
 use serde::Serialize;
 
-/// Everything about a run.
+/// The record of one run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Run {
     /// The seed of all chance.
     pub seed: u64,
-    /// Which trees the robots ran.
+    /// The trees of the robots.
     pub trees: Trees,
-    /// What went wrong, as probabilities.
+    /// The probabilities of the disturbances.
     pub disturbances: Disturbances,
     /// Whether, in truth, the bottle is on the plate and robot 2 holds that at goal C, and robot
     /// 1's tree has succeeded.
@@ -36,7 +36,7 @@ pub struct Run {
     pub history: Vec<Tick>,
 }
 
-/// How many actions there were.
+/// The number of actions, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Actions {
     /// Moves.
@@ -50,9 +50,9 @@ pub struct Actions {
 /// A joint policy by which a robot has acted.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Decided {
-    /// When.
+    /// The tick.
     pub tick: u32,
-    /// Which robot, 1 or 2.
+    /// The robot, 1 or 2.
     pub robot: usize,
     /// The number of the policy: 3 is π3.
     pub policy: usize,
@@ -69,20 +69,20 @@ pub struct Tick {
     pub tick: u32,
     /// The robots after it.
     pub robots: [RobotTick; 2],
-    /// Where the bottle is, in truth.
+    /// The true place of the bottle.
     pub bottle: String,
-    /// Where the plate is, in truth.
+    /// The true place of the plate.
     pub plate: String,
 }
 
 /// One robot in one tick.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RobotTick {
-    /// Where it is, in truth.
+    /// Its true place.
     pub place: &'static str,
-    /// What it is, in truth.
+    /// Its true state.
     pub state: &'static str,
-    /// What it read of its place and state, when no action was under way.
+    /// Its readings of place and state, when no action was under way.
     pub reading: Option<[&'static str; 2]>,
     /// The action that it began, and where.
     pub begins: Option<[&'static str; 2]>,
@@ -90,11 +90,11 @@ pub struct RobotTick {
     pub status: &'static str,
     /// The leaf that is running.
     pub leaf: Option<&'static str>,
-    /// What it thinks, if it infers.
+    /// Its beliefs and decision, if it infers.
     pub thought: Option<Thought>,
 }
 
-/// What a robot thinks.
+/// The beliefs and the decision of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Thought {
     /// q(s) over loc, hold, place, free.
@@ -112,7 +112,7 @@ pub struct Thought {
 }
 
 impl Run {
-    /// This as one line of JSON.
+    /// Returns the record as one line of JSON.
     ///
     /// # Errors
     /// None that can occur: every key is text.
@@ -120,7 +120,7 @@ impl Run {
         serde_json::to_string(self)
     }
 
-    /// The sequence of policies by which robots have acted, repetitions left out.
+    /// The sequence of policies by which robots have acted, without repetitions.
     #[must_use]
     pub fn sequence(&self) -> Vec<usize> {
         let mut sequence: Vec<_> = self.decisions.iter().map(|decided| decided.policy).collect();
@@ -146,7 +146,7 @@ impl Thought {
     }
 }
 
-/// How many joint policies there are.
+/// The number of joint policies.
 const POLICIES: usize = IN_TURN[0].operators.len() * IN_TURN[1].operators.len();
 
 impl Decided {

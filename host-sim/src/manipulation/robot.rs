@@ -26,7 +26,7 @@ impl<'t> Inferring<'t> {
         Self::new(Inference { tree, memory, order }, task)
     }
 
-    /// What it thinks after a tick.
+    /// Its beliefs and decision after a tick.
     pub(super) fn thought(&self) -> Thought {
         Thought::of(&self.task, self.node.raised())
     }

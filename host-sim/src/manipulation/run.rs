@@ -20,7 +20,7 @@ use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 use thiserror::Error;
 
-/// How much of a run is kept.
+/// The detail of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
     /// The outcome and the decisions.
@@ -29,7 +29,7 @@ pub enum Detail {
     History,
 }
 
-/// Why there is no such run.
+/// The reason why a run is refused.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum RunError {
     /// A tree cannot be run by these robots.

@@ -1,4 +1,4 @@
-//! What a robot with a conventional tree takes for true of its place and state.
+//! The place and state that a robot with a conventional tree accepts from its readings.
 
 use super::tables::{ELSEWHERE, FREE, PLACE};
 use crate::task::HostTask;
@@ -6,12 +6,12 @@ use iibt_core::iibt::Task as _;
 use iibt_core::iibt::table::{Announcement, Command, Percept, Tables};
 use iibt_core::team::Peers;
 
-/// Readings made reliable in one way or another.
+/// A filter of readings.
 #[derive(Debug)]
 pub(super) enum Sense<'t> {
-    /// What enough equal readings in a row have said.
+    /// The value that enough equal readings in a row have confirmed.
     Debounced(Debounced<u8>, Debounced<u8>),
-    /// What the inference nodes' own belief was last sure of.
+    /// The value that the inference nodes' belief was last sure of.
     Believed(Box<Believed<'t>>),
 }
 
@@ -58,7 +58,7 @@ impl<'t> Sense<'t> {
         }
     }
 
-    /// Nothing is settled until there are readings from after `begun`, if anything, has ended.
+    /// Unsettles place and state, until there are readings after the end of `begun`.
     pub(super) fn unsettle(&mut self, begun: Option<Command>) {
         match self {
             Self::Debounced(place, state) => (place.run, state.run) = (0, 0),

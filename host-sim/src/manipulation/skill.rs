@@ -3,7 +3,7 @@
 use super::tables::{GOAL_A, GOAL_B, GOAL_C, TO_HOLD, TO_PLACE};
 use crate::tree::LeafNode;
 
-/// What a leaf stands for.
+/// The skill of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Skill {
     /// An inference node with an aim.
@@ -12,17 +12,17 @@ pub(super) enum Skill {
     MoveTo(u8),
     IsHolding,
     IsPlaced,
-    /// Whether the teammate says that it is there.
+    /// Whether the teammate announces this place.
     IsTeammateAt(u8),
-    /// Whether the teammate says that it holds its object.
+    /// Whether the teammate announces that it holds its object.
     IsTeammateHolding,
     Pick,
     Place,
     /// Waits for a tick, then fails, so that the tree asks again.
     Wait,
-    /// Reads until the state is settled once more.
+    /// Takes readings until the state is settled again.
     Look,
-    /// Succeeds: what a robot does, it announces in every tick anyway.
+    /// Succeeds: a robot announces its action in every tick.
     Announce,
 }
 

@@ -8,7 +8,7 @@ use iibt_core::iibt::table::{
     Reads, Remedy, Role, Sensor, Tables, TablesError, To, Wish,
 };
 
-/// How many robots there are. Robot 0 handles the bottle, robot 1 the plate.
+/// The number of robots. Robot 0 handles the bottle, robot 1 the plate.
 pub const TEAM: usize = 2;
 
 /// The hidden factor where a robot is.
@@ -73,10 +73,10 @@ const FREED: &[f32] = &[0.0, 0.0, 0.0, 1.0];
 /// distributions.
 pub const SENSOR: f32 = 0.9 / 0.975;
 
-/// How likely an action is taken to succeed, when a robot works out what came of it.
+/// The modelled probability that an action succeeds, in state inference.
 const RELIABILITY: f32 = 0.9;
 
-/// f_L: every precondition that is missing is wanted above all else, l = max(C) + 1. Nothing that a
+/// f_L: a missing precondition is preferred above everything else, l = max(C) + 1. Nothing that a
 /// robot can do makes its teammate free or ready, so it wants to be free itself until then.
 const fn above_all(variable: u8, state: u8, target: Option<u8>) -> Remedy {
     Remedy { missing: Literal { variable, value: true }, state, raise: Raise::AboveAll, target }
@@ -238,7 +238,7 @@ pub const TOGETHER: [Role; TEAM] = [
     role!("R2", GOAL_B, 0, [], PLATE, &[], None, Wish::AsAnnounced),
 ];
 
-/// Who fetches when.
+/// The order of fetching.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Order {
     /// One after the other; both leave for the meeting place together.
@@ -248,12 +248,12 @@ pub enum Order {
     Together,
 }
 
-/// The numbers by which joint policies are judged.
+/// The parameters of the joint decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preset {
-    /// How likely a reading is right; each of the others has an equal share of the rest.
+    /// The probability that a reading is right; each other reading has an equal share of the rest.
     pub sensor: f32,
-    /// How likely an action is taken to bring its state about when policies are compared; else the
+    /// The probability, when policies are compared, that an action brings about its state; else the
     /// robot is free.
     pub success: f32,
     /// γ, the precision.

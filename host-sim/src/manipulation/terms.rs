@@ -1,16 +1,16 @@
-//! What a handling mission is run with.
+//! The terms of a handling mission.
 
 use super::tables::{Order, Preset};
 use serde::Serialize;
 
-/// Which trees the robots run.
+/// The trees of the robots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Trees {
     /// Figure 14: inference nodes.
     #[default]
     Inference,
-    /// Conventional trees as one would write them: reactive, each part asking for what it needs.
+    /// Conventional trees in the usual style: reactive, with each part checking its own conditions.
     Conventional,
     /// A conventional tree for robot 1 with the node counts of table 6.
     Table6,
@@ -18,7 +18,7 @@ pub enum Trees {
     AsDrawn,
 }
 
-/// What the leaves of a conventional tree take for true.
+/// The readings that the leaves of a conventional tree trust.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Trust {
     /// A number of equal readings in a row, at least one.
@@ -33,7 +33,7 @@ impl Trust {
     pub const DEFAULT: Self = Self::Equal(3);
 }
 
-/// What goes wrong, as probabilities.
+/// The probabilities of disturbances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Disturbances {
     /// That a reading, of the place or of the state, is wrong; which wrong one is even.
@@ -49,7 +49,7 @@ pub struct Disturbances {
 }
 
 impl Disturbances {
-    /// Nothing goes wrong.
+    /// No disturbances.
     pub const NONE: Self =
         Self { wrong_readings: 0.0, failed_grasps: 0.0, failed_moves: 0.0, failed_placings: 0.0, loss: 0.0 };
 
@@ -57,20 +57,20 @@ impl Disturbances {
     pub const TENTH: Self = Self { wrong_readings: 0.1, failed_grasps: 0.1, ..Self::NONE };
 }
 
-/// One run.
+/// The terms of one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Terms {
     /// The seed of all chance.
     pub seed: u64,
-    /// Which trees the robots run.
+    /// The trees of the robots.
     pub trees: Trees,
-    /// What goes wrong.
+    /// The disturbances.
     pub disturbances: Disturbances,
     /// The numbers of the inference nodes.
     pub preset: Preset,
-    /// Who fetches when, in the inference nodes.
+    /// The order of fetching, in the inference nodes.
     pub order: Order,
-    /// What conventional leaves trust.
+    /// The readings that conventional leaves trust.
     pub trust: Trust,
     /// The limit of a run in ticks.
     pub max_ticks: u32,

@@ -15,7 +15,7 @@ pub(super) struct Choices {
 }
 
 impl Choices {
-    /// Those of some of a notebook's policies, for a model with this many controls.
+    /// The choices in some of a notebook's policies, for a model with `controls` controls.
     pub(super) fn new(notebook: &Notebook, policies: &[Vec<Vec<u8>>], controls: usize) -> Self {
         let mut choices = Self { sequences: vec![Vec::new(); controls.max(1)], rows: Vec::new() };
         for policy in policies {

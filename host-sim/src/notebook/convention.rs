@@ -3,7 +3,7 @@
 use super::sweeps::Sweeps;
 use iibt_core::inference::{Scoring, Terms};
 
-/// How beliefs and expected free energies are worked out.
+/// The convention for beliefs and expected free energies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Convention {
     /// Exact beliefs; the information gain is the sum of each modality's own
@@ -20,7 +20,7 @@ pub enum Convention {
     AsPrinted,
 }
 
-/// How beliefs follow from observations.
+/// The method of state inference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Beliefs {
     /// Exactly while it fits the core's limit, else by coordinate ascent
@@ -58,7 +58,7 @@ impl Convention {
         }
     }
 
-    /// Where the caller asks for nothing else.
+    /// The method unless the caller asks for another.
     pub(super) const fn beliefs(self) -> Beliefs {
         match self {
             Self::Default | Self::AsPrinted => Beliefs::Exact,

@@ -1,4 +1,4 @@
-//! What is wrong with a model file, and where.
+//! Faults in a model file, with their places.
 
 use crate::input::{FileError, place};
 

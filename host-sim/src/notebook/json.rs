@@ -21,7 +21,7 @@ pub(super) enum JsonValue {
 }
 
 impl JsonValue {
-    /// What it is, in words.
+    /// The kind of value, in words.
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Self::Null => "null",
@@ -43,7 +43,7 @@ impl JsonValue {
         }
     }
 
-    /// The value as a message shows it: numbers themselves, else what it is.
+    /// The value as a message shows it: a number itself, else its kind.
     pub(super) fn shown(&self) -> String {
         match self {
             Self::Number(number) => format!("{number}"),
@@ -65,7 +65,7 @@ pub(super) fn read(text: &[u8]) -> Result<JsonValue, NotebookFault> {
     json5::from_str(utf8).map_err(|error| fault(utf8, &error))
 }
 
-/// What the reader found wrong, and the sign at that place.
+/// The fault that the reader found, with the character at that place.
 fn fault(text: &str, error: &json5::Error) -> NotebookFault {
     let Some(place) = error.position().filter(|_| !is_at_end(error)) else {
         let reason = error.code().map_or_else(|| error.to_string(), |code| code.to_string());

@@ -11,7 +11,7 @@ pub(super) const MAX_POLICIES: usize = 4096;
 /// The most steps that one file has observations for.
 pub(super) const MAX_STEPS: usize = 10_000;
 
-/// A model as a notebook has it, ready to run.
+/// A model from a notebook, ready to run.
 ///
 /// ```
 /// use host_sim::notebook::{Forms, InferenceRun, Notebook};
@@ -43,7 +43,7 @@ pub struct Notebook {
     pub(super) preferences: Vec<Vec<f32>>,
     /// D by factor.
     pub(super) priors: Vec<Vec<f32>>,
-    /// ln E by policy; nothing where all are alike.
+    /// ln E by policy; `None` where all are equal.
     pub(super) habits: Option<Vec<f32>>,
     pub(super) precision: f32,
     /// By policy and step an action for each factor.
@@ -78,27 +78,27 @@ impl Transition {
     }
 }
 
-/// What was observed.
+/// The observations of a file.
 #[derive(Clone, Debug)]
 pub(super) enum Observations {
     /// The file says nothing of observations.
     None,
     /// `obs`: at one time.
     Once(Vec<Observation>),
-    /// `steps`: time after time.
+    /// `steps`: at several times.
     Steps(Vec<Step>),
 }
 
 /// One time step of a record.
 #[derive(Clone, Debug)]
 pub(super) struct Step {
-    /// What was done before the observation, by factor, and nothing for a factor that was left
-    /// alone; without it no time went by.
+    /// The action before the observation, by factor, or `None` for a factor without one; without a
+    /// list no time has passed.
     pub(super) action: Option<Vec<Option<u8>>>,
     pub(super) observation: Vec<Observation>,
 }
 
-/// What was observed of one modality.
+/// The observation of one modality.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Observation {
     Missing,
@@ -108,7 +108,7 @@ pub(super) enum Observation {
 }
 
 impl Notebook {
-    /// What the model is called.
+    /// The model's name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name

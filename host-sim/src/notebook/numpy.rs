@@ -1,4 +1,4 @@
-//! What the floors of numpy pymdp 0.0.7 do to the joint information gain.
+//! The effect of numpy pymdp 0.0.7's floors on the joint information gain.
 //!
 //! Its gain is H[q(o)] + Σ_s q(s) Σ_o p ln(p + e^-16) with p = Π_m A_m(o_m | s), over the
 //! combinations of states with q(s) above e^-16; without both it is the mutual information that the
@@ -115,7 +115,7 @@ impl<'n> Floors<'n> {
         (self.floored, self.exact) = (floored, exact);
     }
 
-    /// What is to be added to the exact joint information gain under these beliefs.
+    /// The correction to the exact joint information gain under these beliefs.
     pub(super) fn correction(&self, beliefs: &[&[f32]]) -> f64 {
         self.gain(beliefs, FLOOR, &self.floored) - self.gain(beliefs, 0.0, &self.exact)
     }

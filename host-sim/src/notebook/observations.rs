@@ -1,4 +1,4 @@
-//! What was observed and done, as a notebook writes it.
+//! Observations and actions, as a notebook writes them.
 
 use super::entries::{Entries, list};
 use super::fault::{NotebookFault, refuse};
@@ -122,7 +122,7 @@ fn soft(
 }
 
 impl Observation {
-    /// The same for the core.
+    /// The observation as the core's evidence.
     pub(super) fn evidence(&self) -> Evidence<'_> {
         match self {
             Self::Missing => Evidence::Missing,

@@ -1,4 +1,4 @@
-//! One observation: which update the beliefs take, and how it went.
+//! One observation: the choice of an update, and its result.
 
 use super::convention;
 use super::sweeps::Sweeps;
@@ -7,21 +7,21 @@ use iibt_core::inference::{Beliefs, Evidence, Model, ObservationError, Update};
 /// The most combinations of states for which parallel sweeps are tried.
 const MAX_COMBINATIONS: usize = 1 << 20;
 
-/// How the beliefs were updated.
+/// The result of an update.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Observed {
-    /// What was used in the end.
+    /// The method that was used.
     pub(super) method: &'static str,
     /// Nothing for an observation that is impossible.
     pub(super) update: Option<Update>,
     /// -ln P(o), where it was worked out exactly.
     pub(super) surprise: Option<f32>,
     pub(super) impossible: Option<ObservationError>,
-    /// Why the method is not the one asked for.
+    /// The reason why the method is not the one asked for.
     pub(super) note: Option<String>,
 }
 
-/// Updates `beliefs` by what was observed.
+/// Updates `beliefs` by an observation.
 pub(super) fn observe<const S: usize, const G: usize>(
     beliefs: &mut Beliefs<S, G>,
     model: &Model,

@@ -23,7 +23,7 @@ pub(super) fn read(
     }
 }
 
-/// How many steps are looked at.
+/// The horizon in steps.
 pub(super) fn horizon(entries: &Entries, policies: &[Vec<Vec<u8>>]) -> Result<usize, NotebookFault> {
     steps(entries.get("horizon"), "horizon", policies.first().map_or(1, Vec::len))
 }

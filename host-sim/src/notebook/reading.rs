@@ -1,4 +1,4 @@
-//! From JSON to a model: which keys there are, what they hold, and whether it fits together.
+//! Reading a model from JSON: the keys, their values, and whether they fit together.
 
 use super::entries::{Entries, list};
 use super::fault::{NotebookFault, refuse};
@@ -29,7 +29,7 @@ const KEYS: [&str; 15] = [
     "steps",
 ];
 
-/// Keys that say something to people; so does every key that begins with `_`.
+/// Keys for human readers, as is every key that begins with `_`.
 const IGNORED: [&str; 2] = ["conventions", "model"];
 
 /// The precision of a file without one.

@@ -5,10 +5,10 @@ use super::tally::Tally;
 use iibt_core::inference::Terms;
 use serde::Serialize;
 
-/// Everything about a run.
+/// The report of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InferenceReport {
-    /// What the model is called.
+    /// The model's name.
     pub name: String,
     /// The conventions it was run with.
     pub convention: &'static str,
@@ -16,7 +16,7 @@ pub struct InferenceReport {
     pub gamma: f32,
     /// The forms of the tables.
     pub structure: StructureReport,
-    /// What was inferred and decided.
+    /// The result.
     #[serde(flatten)]
     pub result: InferenceOutcome,
 }
@@ -45,7 +45,7 @@ impl InferenceOutcome {
     }
 }
 
-/// In which of the core's forms the tables are.
+/// The forms of the tables in the core.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(non_snake_case, reason = "the names of the tables in the field")]
 pub struct StructureReport {
@@ -65,7 +65,7 @@ pub struct StructureReport {
 pub struct StepReport {
     /// How the beliefs were updated.
     pub beliefs: &'static str,
-    /// Why not as the convention has it.
+    /// The reason, if not by the convention's method.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
     /// q(s) by factor.
@@ -91,9 +91,9 @@ pub struct StepReport {
     pub q_pi: Vec<f32>,
     /// The most probable policy, the first of equals.
     pub policy: usize,
-    /// What it does, step by step, an action for each factor.
+    /// Its actions, step by step, one for each factor.
     pub actions: Vec<Vec<u8>>,
-    /// Why it and not the second best; nothing for an only policy.
+    /// The reasons against the second best policy; `None` for a single policy.
     pub why: Option<Why>,
 }
 
@@ -124,7 +124,7 @@ impl From<Terms> for TermsReport {
     }
 }
 
-/// The terms of one policy, and of what.
+/// The terms of one policy, and their parts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PolicyReport {
     /// Over all modalities and steps.
@@ -151,20 +151,20 @@ impl PolicyReport {
     }
 }
 
-/// What put the chosen policy before the second best.
+/// The reasons for the chosen policy against the second best.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Why {
     /// The second best policy.
     pub runner_up: usize,
-    /// By how much its log posterior is lower, in nats.
+    /// The lead of the chosen policy in log posterior, in nats.
     pub lead: f32,
-    /// The modality that spoke most for the choice; nothing when none did.
+    /// The modality that contributed most to the choice; `None` when none did.
     pub modality: Option<usize>,
-    /// By how much each modality's part of G is better, in nats.
+    /// The lead of each modality's part of G, in nats.
     pub by_modality: Vec<f32>,
-    /// By how much G is better beyond that: what the modalities tell jointly, floors, novelty.
+    /// The rest of the lead in G: joint information gain, floors, novelty.
     pub beyond: f32,
-    /// By how much ln E is better.
+    /// The lead in ln E.
     pub habit: f32,
     /// The same in words.
     pub text: String,
@@ -180,7 +180,7 @@ pub(super) struct Ranking<'a> {
 }
 
 impl Ranking<'_> {
-    /// Why `chosen` is better than the best of the others.
+    /// The reasons why `chosen` is better than the best of the others.
     pub(super) fn why(&self, chosen: usize) -> Option<Why> {
         let others = self.scores.iter().enumerate().filter(|(policy, _)| *policy != chosen);
         let (runner_up, second) =

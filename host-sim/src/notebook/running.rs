@@ -17,18 +17,18 @@ use iibt_core::inference::{
 };
 use iibt_core::math;
 
-/// How a model is run.
+/// The options of a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct InferenceRun {
     /// The conventions.
     pub convention: Convention,
-    /// How beliefs are updated, in place of the convention's way.
+    /// The method of state inference, in place of the convention's.
     pub beliefs: Option<convention::Beliefs>,
     /// Whether structure is looked for.
     pub forms: Forms,
 }
 
-/// How far a run is.
+/// The progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InferenceProgress {
     /// The observations that are done.
@@ -242,7 +242,7 @@ impl Runner<'_> {
     }
 }
 
-/// What is known about every policy.
+/// The figures of every policy.
 struct DecidedStep {
     terms: Vec<Terms>,
     tallies: Vec<Tally>,

@@ -25,7 +25,7 @@ impl Notebook {
         self.write(forms).map_err(|fault| fault.in_file(&self.file))
     }
 
-    /// The same model under another name.
+    /// Renames the model.
     #[must_use]
     pub fn named(mut self, name: &str) -> Self {
         name.clone_into(&mut self.name);
@@ -92,7 +92,7 @@ fn policy_bytes(choices: &Choices) -> usize {
     sequences * (BYTES + 1) + rows
 }
 
-/// About what the agent takes on the robot.
+/// The approximate RAM of the agent on the robot.
 fn agent_bytes(room: &Room) -> usize {
     let (terms, beliefs) = (size_of::<Terms>(), 4 * room.states() * room.groups());
     let candidates = room.rows() * (beliefs + room.groups() * (terms + 8));

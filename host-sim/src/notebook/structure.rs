@@ -1,4 +1,4 @@
-//! The structure in full tables: which of the core's forms each one has.
+//! The structure of full tables: the smallest of the core's forms for each.
 
 use super::model;
 use super::tensor::{Tensor, alike};
@@ -65,7 +65,7 @@ impl LikelihoodForm {
         }
     }
 
-    /// What it is, in words.
+    /// Its name.
     pub(super) fn name(&self) -> &'static str {
         match self {
             Self::IdentityNoise { .. } => "identity with noise",
@@ -84,7 +84,7 @@ impl TransitionForm {
         }
     }
 
-    /// What it is, in words.
+    /// Its name.
     pub(super) fn name(&self) -> &'static str {
         match self {
             Self::NextState { slip: 0.0, .. } => "next state",

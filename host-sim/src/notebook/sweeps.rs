@@ -10,15 +10,15 @@ use iibt_core::math;
 /// [`Beliefs::update`]. Nothing is impossible to it, because every probability has a floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweeps {
-    /// How many at the most.
+    /// The most sweeps.
     pub most: u8,
     /// They end when the free energy has changed by less than this, in nats.
     pub tolerance: f32,
-    /// Where the floor is.
+    /// The floor.
     pub floor: ProbabilityFloor,
 }
 
-/// Where a floor keeps the logarithms finite.
+/// The floor that keeps logarithms finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProbabilityFloor {
     /// Under the product of all modalities' likelihoods: ln(Π A + 1e-16). Costs a visit of every
@@ -41,8 +41,7 @@ impl ProbabilityFloor {
 /// The floor of numpy pymdp.
 const FLOOR: f32 = 1e-16;
 
-/// What counts as no change for sweeps without a tolerance, when they say whether they came to
-/// rest.
+/// The change below which sweeps without a tolerance count as converged.
 const AT_REST: f32 = 1e-3;
 
 /// The beliefs about each factor.
@@ -102,7 +101,7 @@ impl Sweeps {
     }
 }
 
-/// What was observed, and how its logarithm is taken.
+/// The observation, and the way its logarithm is taken.
 struct SweptEvidence<'a, 'm, 'e> {
     model: &'a Model<'m>,
     evidence: &'a [Evidence<'e>],

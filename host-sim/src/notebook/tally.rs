@@ -11,7 +11,7 @@ pub(super) struct Tally {
     pub(super) by_modality: Vec<Terms>,
     /// Summed over modalities.
     pub(super) by_step: Vec<Terms>,
-    /// What numpy's floors add to the joint information gain.
+    /// The addition of numpy's floors to the joint information gain.
     pub(super) floors: f64,
 }
 
@@ -38,7 +38,7 @@ impl Tally {
     }
 }
 
-/// What numpy's floors add to the joint information gain of a policy.
+/// The addition of numpy's floors to the joint information gain of a policy.
 fn correction<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     policy: usize,

@@ -3,10 +3,10 @@
 use super::fault::{NotebookFault, refuse};
 use super::json::JsonValue;
 
-/// How far a column may be from summing to one; it is then scaled.
+/// The tolerance for the sum of a column, which is then scaled to one.
 const TOLERANCE: f64 = 1e-4;
 
-/// How far two numbers may be apart, in proportion, and still be the same number.
+/// The relative difference up to which two numbers count as the same.
 const SAME: f64 = 1e-6;
 
 /// A table; the last axis runs fastest.

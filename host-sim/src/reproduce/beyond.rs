@@ -1,4 +1,4 @@
-//! Beyond the paper: teams of unlike robots, and preferences learned online, which it names as
+//! Beyond the paper: heterogeneous teams, and preferences learned online, both named there as
 //! future work.
 
 use super::figure::{DataSeries, Estimate, Figure, IntervalRow, Intervals, Lines, Panel};
@@ -9,12 +9,12 @@ use crate::campaign::Score;
 use crate::library::built_in;
 use crate::statistics::Difference;
 
-/// The missions that are drawn, and the series that are flown.
+/// The number of missions and of series.
 const SEEDS: u64 = 300;
 
 const SERVED: &str = "part of the robots that was served";
 
-/// What both come to.
+/// Computes the section.
 pub(super) fn measure(run: &Reproduction<'_>) -> Section {
     let mut section = Section::new("beyond", "Beyond the paper: unlike robots, learned preferences");
     section.say(
@@ -42,7 +42,7 @@ pub(super) fn measure(run: &Reproduction<'_>) -> Section {
     section
 }
 
-/// A gain that is claimed where enough is flown to tell, and measured otherwise.
+/// A gain: claimed where enough flights are flown to tell, and measured otherwise.
 fn gain(what: String, difference: &Difference, unit: &str, claimed: bool) -> Item {
     let [low, high] = difference.interval.map(number);
     let ours = format!("{}{unit} ({low} to {high})", number(difference.mean));

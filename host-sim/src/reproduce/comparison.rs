@@ -1,5 +1,4 @@
-//! The comparison that the paper does not have: inference trees and conventional ones on the same
-//! missions.
+//! A comparison that the paper lacks: inference trees and conventional ones on the same missions.
 
 use super::Reproduction;
 use super::figure::{Estimate, Figure, IntervalRow, Intervals, Panel};
@@ -17,7 +16,7 @@ const PILOTS: [Pilot; 2] = [Pilot::Inference, Pilot::Conventional];
 
 const MISSIONS: [&str; 2] = ["two-goals", "factory"];
 
-/// What the comparison comes to.
+/// Computes the section.
 pub(super) fn compare(run: &Reproduction<'_>) -> Section {
     let mut section = Section::new("comparison", "Inference and conventional trees on the same missions");
     section.say(
@@ -96,8 +95,8 @@ fn ticks(summary: &Summary) -> String {
     with_interval(ticks.mean, ticks.interval)
 }
 
-/// Who is better beyond chance in what, by the differences of inference and conventional tree on
-/// the same seeds.
+/// The pilot that is significantly better, by the differences between inference and conventional
+/// tree on the same seeds.
 fn winner(comparison: &Comparison) -> String {
     let success = who(&comparison.accomplished, true);
     if comparison.ticks.pairs == 0 {
@@ -119,7 +118,7 @@ fn who(difference: &Difference, more_is_better: bool) -> &'static str {
     }
 }
 
-/// What a tick costs, counted by valgrind where there is one.
+/// The cost of a tick, counted by valgrind where it is installed.
 fn instructions(mission: &str, pilot: Pilot) -> Item {
     let what = format!("{mission}, {}: instructions a tick, ordinary; mean; at most", pilot.name());
     let program = env::current_exe().map_err(|error| error.to_string());

@@ -8,7 +8,7 @@ use serde::Serialize;
 /// A figure and what it shows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figure {
-    /// What a reader is to see in it.
+    /// The caption.
     pub caption: String,
     /// The pictures, side by side.
     pub panels: Vec<Panel>,
@@ -30,7 +30,7 @@ pub enum Panel {
     Tree(TreePicture),
 }
 
-/// A map with what stands on it.
+/// A map with goals, obstacles and paths.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Grid {
     /// The picture's title.
@@ -39,15 +39,15 @@ pub struct Grid {
     pub width: u16,
     /// Rows.
     pub height: u16,
-    /// Where robots are wanted.
+    /// The goals.
     pub goals: Vec<Cell>,
-    /// Cells that are blocked.
+    /// The blocked cells.
     pub blocked: Vec<Cell>,
-    /// Where robots charge.
+    /// The chargers.
     pub chargers: Vec<Cell>,
-    /// What is to be visited on the way.
+    /// The way-points.
     pub way_points: Vec<Cell>,
-    /// Where robots meet that should not.
+    /// The cells where robots collide.
     pub conflicts: Vec<Cell>,
     /// The paths, a robot each.
     pub paths: Vec<Track>,
@@ -67,24 +67,24 @@ pub struct Track {
 pub struct Bars {
     /// The picture's title.
     pub title: String,
-    /// What each group is about.
+    /// The label of each group.
     pub labels: Vec<String>,
     /// The bars, one of each series in every group.
     pub series: Vec<DataSeries>,
-    /// How long a bar is.
+    /// The scale of the bars.
     pub scale: Scale,
 }
 
 /// One value for each group or place; `None` where there is none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DataSeries {
-    /// Whose values.
+    /// The name of the series.
     pub name: String,
     /// The values.
     pub values: Vec<Option<f64>>,
 }
 
-/// How values become lengths.
+/// The scale from values to lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Scale {
@@ -99,11 +99,11 @@ pub enum Scale {
 pub struct Lines {
     /// The picture's title.
     pub title: String,
-    /// What runs to the right.
+    /// The label of the horizontal axis.
     pub x: String,
-    /// What runs upwards.
+    /// The label of the vertical axis.
     pub y: String,
-    /// The value on the right axis of each place.
+    /// The position of each value on the horizontal axis.
     pub at: Vec<f64>,
     /// The curves.
     pub series: Vec<DataSeries>,
@@ -114,7 +114,7 @@ pub struct Lines {
 pub struct Intervals {
     /// The picture's title.
     pub title: String,
-    /// What is measured, and its unit.
+    /// The quantity and its unit.
     pub unit: String,
     /// Where the axis ends; `None` for the largest value.
     pub most: Option<f64>,
@@ -125,7 +125,7 @@ pub struct Intervals {
 /// The values of one line, one for each who is compared.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IntervalRow {
-    /// Under which conditions.
+    /// The conditions.
     pub label: String,
     /// Who, and how they did; `None` where there is no value.
     pub values: Vec<(String, Option<Estimate>)>,
@@ -190,11 +190,11 @@ pub struct TreeNode {
     pub level: usize,
     /// What kind of node it is.
     pub kind: TreeNodeKind,
-    /// What it is called.
+    /// Its name.
     pub name: String,
 }
 
-/// What is told apart in a picture of a tree.
+/// The kinds of nodes in a picture of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TreeNodeKind {
@@ -204,11 +204,11 @@ pub enum TreeNodeKind {
     Fallback,
     /// Any other node with children.
     Control,
-    /// Asks.
+    /// A condition.
     Condition,
-    /// Acts.
+    /// An action.
     Action,
-    /// Infers what to do.
+    /// An inference node.
     Inference,
 }
 
@@ -228,7 +228,7 @@ impl DataSeries {
     }
 }
 
-/// Where the robots of a flight really went, from cell to cell.
+/// The true paths of the robots of a flight.
 #[must_use]
 pub(crate) fn tracks(record: &Record) -> Vec<Track> {
     let track = |(index, robot): (usize, &RobotRecord)| {

@@ -1,41 +1,41 @@
-//! What the report says: sections with items that are judged, and figures.
+//! The content of the report: sections with judged items, and figures.
 
 use super::figure::Figure;
 use serde::Serialize;
 
-/// A part of the paper, and what became of it.
+/// A section of the report, on a part of the paper.
 #[derive(Clone, Debug, Serialize)]
 pub struct Section {
     /// Its name for `--only`.
     pub id: &'static str,
     /// Its title.
     pub title: &'static str,
-    /// What a reader should know before the numbers, a paragraph each.
+    /// The introduction, a paragraph each.
     pub text: Vec<String>,
-    /// What is compared.
+    /// The comparison.
     pub items: Vec<Item>,
-    /// What is shown.
+    /// The figures.
     pub figures: Vec<Figure>,
 }
 
 /// One line of the comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Item {
-    /// What is compared.
+    /// The comparison.
     pub what: String,
-    /// What the paper says, or what is claimed where it says nothing.
+    /// The paper's value, or the claim where it has none.
     pub paper: Option<String>,
-    /// What came out.
+    /// Our value.
     pub ours: Option<String>,
-    /// How far it may be from the paper.
+    /// The tolerance.
     pub tolerance: Option<String>,
-    /// How it compares.
+    /// The verdict.
     pub verdict: Verdict,
     /// A reason, where the verdict needs one.
     pub note: Option<String>,
 }
 
-/// How an item compares.
+/// The verdict on an item.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -45,7 +45,7 @@ pub enum Verdict {
     Holds,
     /// Short of the paper or of what is claimed.
     Misses,
-    /// Otherwise than in the paper, for the reason given.
+    /// Different from the paper, for the reason given.
     Differs,
     /// The paper does not say enough to compare.
     Unknown,
@@ -53,7 +53,7 @@ pub enum Verdict {
     Measured,
 }
 
-/// How far a number may be from the paper's.
+/// The tolerance of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerance {
     /// In parts of the paper's number.
@@ -80,7 +80,7 @@ impl Item {
         Self { what: what.into(), paper: None, ours: None, tolerance: None, verdict, note: None }
     }
 
-    /// A number that the paper prints, compared with the same number to all its digits.
+    /// Compares a number with the one that the paper prints, to all its digits.
     #[must_use]
     pub fn published(
         what: impl Into<String>,
@@ -98,13 +98,13 @@ impl Item {
         }
     }
 
-    /// A number of the paper's.
+    /// Compares a number with the paper's, within a tolerance.
     #[must_use]
     pub fn close(what: impl Into<String>, paper: f64, ours: f64, tolerance: Tolerance) -> Self {
         Self::published(what, &number(paper), paper, ours, tolerance)
     }
 
-    /// Something that is the same as in the paper or not.
+    /// Adds an item that must equal the paper's.
     #[must_use]
     pub fn same(what: impl Into<String>, paper: impl ToString, ours: impl ToString) -> Self {
         let (paper, ours) = (paper.to_string(), ours.to_string());
@@ -112,20 +112,20 @@ impl Item {
         Self { paper: Some(paper), ours: Some(ours), ..Self::new(what, verdict) }
     }
 
-    /// Something that is claimed where the paper has nothing to compare with.
+    /// Adds a claim where the paper has nothing to compare with.
     #[must_use]
     pub fn claim(what: impl Into<String>, claimed: &str, ours: impl Into<String>, holds: bool) -> Self {
         let verdict = if holds { Verdict::Holds } else { Verdict::Misses };
         Self { tolerance: Some(claimed.to_owned()), ours: Some(ours.into()), ..Self::new(what, verdict) }
     }
 
-    /// A measurement.
+    /// Adds a measurement.
     #[must_use]
     pub fn measured(what: impl Into<String>, ours: impl Into<String>) -> Self {
         Self { ours: Some(ours.into()), ..Self::new(what, Verdict::Measured) }
     }
 
-    /// Something that is not as in the paper, for a reason.
+    /// Adds an item that differs from the paper for a reason.
     #[must_use]
     pub fn differs(
         what: impl Into<String>,
@@ -141,7 +141,7 @@ impl Item {
         }
     }
 
-    /// Something that the paper does not tell enough of.
+    /// Adds an item for which the paper gives too little.
     #[must_use]
     pub fn unknown(what: impl Into<String>, paper: impl ToString, reason: impl Into<String>) -> Self {
         Self {
@@ -151,7 +151,7 @@ impl Item {
         }
     }
 
-    /// The same with a remark.
+    /// Adds a remark to the last item.
     #[must_use]
     pub fn because(self, note: impl Into<String>) -> Self {
         Self { note: Some(note.into()), ..self }
@@ -197,7 +197,7 @@ pub(super) fn with_interval(value: f64, [low, high]: [f64; 2]) -> String {
     format!("{} ({} to {})", number(value), number(low), number(high))
 }
 
-/// A number as people read it: four digits that count, small ones with an exponent.
+/// Formats a number with four significant digits, small ones with an exponent.
 #[must_use]
 pub fn number(value: f64) -> String {
     let size = value.abs();

@@ -10,7 +10,7 @@ use crate::{Pilot, Scenario, library};
 /// The seeds of each mission, with each radio.
 const SEEDS: u64 = 100;
 
-/// The radios, and what they are called.
+/// The radios and their names.
 const RADIOS: [Disturbance; 2] = [Disturbance::None, Disturbance::Loss];
 const NAMES: [&str; 2] = ["a perfect radio", "three frames in ten lost"];
 

@@ -9,7 +9,7 @@ use crate::{Conditions, FlightEvent, Outcome, Record, fly, library};
 use iibt_core::grid::{Cell, Path};
 use iibt_core::math;
 
-/// How near the recovered probabilities ours are to be.
+/// The tolerance for the recovered probabilities.
 const TOLERANCE: Tolerance = Tolerance::Relative(0.005);
 
 /// A probability as the paper prints it, with all its digits as they were recovered.
@@ -84,7 +84,7 @@ pub fn detour() -> PaperDecision {
     PaperDecision::new([&first, &second], &[24, 26], 7).around(Cell(30))
 }
 
-/// What section 5.1 comes to.
+/// Computes section 5.1.
 pub(super) fn choose(_: &Reproduction<'_>) -> Section {
     let mut section = Section::new("5.1", "Two robots, two goals, nobody is told which");
     section.say(
@@ -106,7 +106,7 @@ pub(super) fn choose(_: &Reproduction<'_>) -> Section {
     section
 }
 
-/// What section 5.2 comes to.
+/// Computes section 5.2.
 pub(super) fn detour_around(_: &Reproduction<'_>) -> Section {
     let mut section = Section::new("5.2", "An obstacle on the way");
     section.say(
@@ -145,7 +145,7 @@ fn probabilities(decision: &PaperDecision, published: &Judged, printed: &[Publis
     printed.iter().enumerate().map(item).collect()
 }
 
-/// Which pair is chosen in both modes, and what the default mode makes of arriving together.
+/// The pair chosen in each mode, and whether the robots arrive together in the default mode.
 fn choices(decision: &PaperDecision, [published, ours]: [&Judged; 2], paper: &str) -> [Item; 3] {
     let [by_paper, by_default] = [published, ours].map(|judged| math::argmax(&judged.posterior));
     let together = decision.simultaneous();
@@ -162,7 +162,8 @@ fn choices(decision: &PaperDecision, [published, ours]: [&Judged; 2], paper: &st
     ]
 }
 
-/// Whether both robots of a flight came to the pair that one of them would choose by itself.
+/// The item on whether both robots of a flight agreed on the pair that one of them would choose
+/// alone.
 fn settled(record: &Record, decision: &PaperDecision, ours: &Judged) -> Item {
     let best = math::argmax(&ours.posterior);
     let expected = decision.pair(best).map(|(_, path)| path);
@@ -174,7 +175,7 @@ fn settled(record: &Record, decision: &PaperDecision, ours: &Judged) -> Item {
     Item::claim(what, &format!("{}, arriving together", decision.name(best)), routes.join(" with "), holds)
 }
 
-/// What became of a flight in which the obstacle appeared on the way.
+/// The item on a flight in which the obstacle appeared on the way.
 fn replanned(record: &Record) -> [Item; 3] {
     let appeared = record
         .events

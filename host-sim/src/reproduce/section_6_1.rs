@@ -6,7 +6,7 @@ mod shift;
 use super::Reproduction;
 use super::report::Section;
 
-/// What section 6.1 comes to.
+/// Computes section 6.1.
 pub(super) fn mission(run: &Reproduction<'_>) -> Section {
     let mut section = Section::new("6.1", "Three robots: obstacles, way-points, batteries");
     section.say(

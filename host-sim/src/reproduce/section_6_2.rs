@@ -10,7 +10,7 @@ use crate::manipulation::{
 };
 use crate::text::counted;
 
-/// The policies whose probabilities the paper prints, and those.
+/// The policies whose probabilities the paper prints, with these probabilities.
 const REPORTED: [(usize, f64); 4] = [(3, 0.255), (7, 0.205), (12, 0.255), (13, 0.205)];
 
 /// The policies that inference nodes act on, in order: R1 moves and picks, R2 moves and picks, R1
@@ -23,7 +23,7 @@ const SEEDS: u64 = 1000;
 /// The seeds of each contender at each level.
 const SEEDS_COMPARED: u64 = 500;
 
-/// What section 6.2 comes to.
+/// Computes section 6.2.
 pub(super) fn manipulate(run: &Reproduction<'_>) -> Section {
     let mut section = Section::new("6.2", "Two robots bring a bottle and a plate together");
     section.say(
@@ -66,7 +66,7 @@ fn probabilities(preset: &str, mission: &Mission, tolerance: Tolerance) -> Vec<I
     REPORTED.into_iter().map(item).collect()
 }
 
-/// What is claimed of a mission in which nothing goes wrong.
+/// The claims about a mission without disturbances.
 fn mission(mission: &Mission) -> [Item; 4] {
     let sequence = mission.sequence().iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
     let robots = mission.history.iter().flat_map(|tick| &tick.robots).filter(|robot| robot.begins.is_some());

@@ -44,7 +44,7 @@ fn row(section: &Section, item: &Item) -> [String; 6] {
     ]
 }
 
-/// How many items came out how.
+/// The number of items of each verdict.
 #[must_use]
 pub fn tally(sections: &[Section]) -> String {
     let verdicts = [

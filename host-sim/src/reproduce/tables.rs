@@ -10,13 +10,13 @@ use crate::{Conditions, Pilot, Scenario, Trigger, fly};
 
 /// A tree of the paper and the numbers that the paper prints for it.
 struct Counted {
-    /// What it is in the paper.
+    /// Its name in the paper.
     what: &'static str,
     /// Our tree.
     tree: &'static str,
     /// The paper's sequences, fallbacks, conditions, actions, nodes and levels.
     paper: [usize; 6],
-    /// Where our count is not the paper's: why.
+    /// The reason, where our count differs from the paper's.
     reasons: &'static [(usize, &'static str)],
 }
 
@@ -73,7 +73,7 @@ const TREES: [Counted; 7] = [
     Counted { what: "table 7, inference", tree: "figure-14-right", paper: [1, 0, 0, 2, 3, 2], reasons: &[] },
 ];
 
-/// Pairs that are drawn side by side.
+/// The pairs that are drawn side by side.
 const PAIRS: [(&str, [(&str, &str); 2]); 5] = [
     ("Figure 5", [("conventional", "figure-5-classical"), ("inference", "figure-5-inference")]),
     ("Figure 8 and table 3", [("conventional", "figure-8-classical"), ("inference", "figure-8-inference")]),
@@ -91,7 +91,7 @@ const PAIRS: [(&str, [(&str, &str); 2]); 5] = [
     ),
 ];
 
-/// What the tables come to.
+/// Computes the section.
 pub(super) fn count(_: &Reproduction<'_>) -> Section {
     let mut section = Section::new("tables", "Tables 3, 6 and 7: how large the trees are");
     section.say("Counted from the trees that fly the missions, by code; a level more for every parent, the root being the first.");

@@ -1,4 +1,4 @@
-//! From a file as written to a sound scenario, or the first thing that is wrong with it.
+//! Checking a scenario file: a sound scenario, or the first error.
 
 use super::drawing::Drawing;
 use super::file::ScenarioFile;
@@ -81,7 +81,7 @@ impl Drawing {
     }
 }
 
-/// With which probability each goal serves: one says so at the most once.
+/// The probability with which each goal serves, stated at most once per goal.
 fn services(file: &ScenarioFile, goals: &[Cell]) -> Read<Vec<f64>> {
     let mut serves = vec![None; goals.len()];
     for service in &file.services {

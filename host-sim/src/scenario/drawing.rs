@@ -8,7 +8,7 @@ use iibt_core::team::MAX_TEAM;
 use std::ops::Range;
 use toml::Spanned;
 
-/// What a map shows.
+/// The content of a drawn map.
 pub(super) struct Drawing {
     pub map: Floor,
     /// Where each robot is drawn, by its number less one.

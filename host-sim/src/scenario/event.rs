@@ -1,4 +1,4 @@
-//! What happens on the way: the trigger and the effect of an event.
+//! Events: their triggers and effects.
 
 use super::check::named;
 use super::drawing::Drawing;
@@ -83,7 +83,7 @@ impl Drawing {
         }
     }
 
-    /// A free cell to which a way leads a robot by the drawn map.
+    /// A free cell that a robot can reach on the drawn map.
     pub(super) fn within_reach(&self, what: &str, number: &WholeNumber, robot: &RobotSpec) -> Read<Cell> {
         let cell = self.free(what, number)?;
         if reach::is_near(&self.map, robot, cell) {
@@ -94,7 +94,7 @@ impl Drawing {
     }
 }
 
-/// Whom an event concerns: the robot that is named, else the one that sets it off.
+/// The robot that an event concerns: the one that is named, else the one that triggers it.
 fn whose(written: &file::EventEntry, when: Trigger, robots: &[RobotSpec]) -> Read<usize> {
     match (&written.who, when) {
         (Some(who), _) => named(who, robots),

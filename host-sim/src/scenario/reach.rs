@@ -1,4 +1,4 @@
-//! Reachability: by the drawn map, every robot has a way to a goal of its own.
+//! Reachability: every robot has a path to a goal of its own on the drawn map.
 //!
 //! The assignment uses augmenting paths (Kuhn 1955): a robot takes a goal that is free, or one that
 //! another robot can exchange for a different goal.

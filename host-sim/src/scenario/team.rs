@@ -16,7 +16,7 @@ const LONGEST_NAME: usize = 12;
 const SLOWEST: u32 = MAX_PACE as u32;
 
 impl Drawing {
-    /// How many robots there are.
+    /// The number of robots.
     pub(super) fn team_size(&self, file: &ScenarioFile) -> Read<usize> {
         if let Some(extra) = file.robots.get(MAX_TEAM) {
             let reason = format!("{} robots, but a team has at most {MAX_TEAM}", file.robots.len());

@@ -5,7 +5,7 @@ use anstyle::{AnsiColor, Style};
 use iibt_core::grid::Cell;
 use iibt_core::navigation::Report;
 
-/// How things are coloured, if at all.
+/// The colours of a picture, if any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Palette {
     /// Characters only.
@@ -25,7 +25,7 @@ const ROBOTS: [AnsiColor; 8] = [
     AnsiColor::BrightYellow,
 ];
 
-/// What the signs are; narrower than the narrowest terminal that is drawn on.
+/// The legend; narrower than the narrowest terminal that is drawn on.
 const LEGEND: &str = "  1 robot   G goal   ## wall   XX new obstacle   * way ahead";
 
 const WALL: Style = AnsiColor::BrightBlack.on_default();

@@ -12,7 +12,7 @@ const PAUSE: Duration = Duration::from_millis(90);
 /// The number of latest events shown below the picture.
 const EVENTS: usize = 4;
 
-/// Draws every tick over the one before, at a pace people can follow.
+/// Draws every tick over the last one, slowly enough to follow.
 #[derive(Debug)]
 pub struct Screen<W> {
     out: W,

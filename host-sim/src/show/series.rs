@@ -4,7 +4,7 @@ use super::summary::ending;
 use crate::series::{Series, SeriesMission};
 use crate::text::counted;
 
-/// A line for every mission: who stood where, who was served, and how it ended; with `brief`, one
+/// A line for every mission: the robots' goals, who was served, and the outcome; with `brief`, one
 /// line for all.
 #[must_use]
 pub fn series_lines(series: &Series, brief: bool) -> String {

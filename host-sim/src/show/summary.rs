@@ -40,7 +40,7 @@ pub fn summary(record: &Record, columns: Option<u16>) -> String {
     format!("{}\n\n{LEGEND}\n{events}{}{lacking}", table.trim_fmt(), outcome_line(record))
 }
 
-/// What happened to a robot besides its plans, in a line; `None` when nothing did.
+/// The events of a robot besides its plans, in a line; `None` when nothing did.
 fn events(robot: &RobotRecord) -> Option<String> {
     let visited = (!robot.visited.is_empty()).then(|| format!("visited {}", route(&robot.visited)));
     let charged = (robot.charged > 0).then(|| format!("charged {}", counted(robot.charged, "time")));
@@ -81,7 +81,7 @@ pub fn outcome_line(record: &Record) -> String {
     format!("{name}: {}; {}, {lost} (seed {})", ending(record), collisions(record), record.seed)
 }
 
-/// How a flight ended, without its name.
+/// The outcome of a flight, without its name.
 pub(super) fn ending(record: &Record) -> String {
     let (team, arrival, flown) = (team(record), record.last_arrival(), counted(record.ticks + 1, "tick"));
     match (record.outcome, record.spread()) {

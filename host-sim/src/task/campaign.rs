@@ -16,9 +16,9 @@ pub const LEVELS: [f64; 4] = [0.0, 0.1, 0.2, 0.3];
 pub struct Level {
     /// The share of readings that are wrong and of actions that fail.
     pub level: f64,
-    /// How often the task was accomplished, in truth.
+    /// The share of flights that truly accomplished the task.
     pub success: Share,
-    /// How often the robots believed so and were wrong.
+    /// The share of flights in which the robots wrongly believed so.
     pub mistaken: Share,
     /// The ticks of the flights that succeeded.
     pub ticks: Distribution,

@@ -21,13 +21,13 @@ pub(crate) trait Worker<'t>: Robot<Station, Message = Announcement> {
 /// An operator that a robot began.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Operated {
-    /// When.
+    /// The tick.
     pub tick: u32,
-    /// Which robot, from zero.
+    /// The robot, from zero.
     pub robot: usize,
     /// The number of the operator.
     pub operator: u8,
-    /// Where it leads, if that is a target.
+    /// Its target, if it has one.
     pub target: Option<u8>,
     /// The joint policy by which it was chosen and that policy's posterior probability; `None` for
     /// a plain leaf.
@@ -43,7 +43,7 @@ pub struct Flown {
     pub believed: bool,
     /// The ticks it took.
     pub ticks: u32,
-    /// Everything that was begun, in order.
+    /// The operators that were begun, in order.
     pub operated: Vec<Operated>,
     /// The frames of all robots.
     pub frames: Traffic,
@@ -111,7 +111,7 @@ impl<'t, R: Worker<'t>> TaskFlight<'t, R> {
         }
     }
 
-    /// What a robot sensed and began in this tick.
+    /// The percept and the command of a robot in this tick.
     pub(crate) fn parts(&self, robot: usize) -> &Station {
         self.testbed.parts(robot)
     }

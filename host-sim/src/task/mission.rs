@@ -1,4 +1,4 @@
-//! A task file flown: each robot's tree is a sequence of its aims, an inference node each.
+//! Flights of a task file: each robot's tree is a sequence of its aims, an inference node each.
 
 use super::HostTask;
 use super::flight::{Flown, TaskFlight};
@@ -10,7 +10,7 @@ use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 use thiserror::Error;
 
-/// What goes wrong, in place of what the file says.
+/// Disturbances in place of those of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Trouble {
     /// The probability that a reading is wrong, of every sensor.
@@ -21,7 +21,7 @@ pub struct Trouble {
     pub loss: Option<f64>,
 }
 
-/// Why a task is not flown.
+/// The reason why a task cannot be flown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error(transparent)]
 pub enum TaskError {
@@ -32,7 +32,7 @@ pub enum TaskError {
 }
 
 impl TableMission<'_> {
-    /// Flies it until all robots have reached their last aim, or the limit.
+    /// Flies the task until all robots have reached their last aim, or to the limit.
     ///
     /// # Errors
     /// [`TaskError`] when the simulator has no room for it.
@@ -59,7 +59,7 @@ impl TableMission<'_> {
         Ok(flight.fly(self.limit, done, &mut |_| ()))
     }
 
-    /// A flight, told line by line.
+    /// Narrates a flight line by line.
     #[must_use]
     pub fn narrate(&self, flown: &Flown) -> String {
         let mut text = String::new();

@@ -1,4 +1,4 @@
-//! From a task file as written to tables and truth, or the first thing that is wrong with it.
+//! Reading a task file: its tables and truth, or the first error.
 
 use super::file::{self, File};
 use super::names::{
@@ -18,18 +18,18 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::Spanned;
 
-/// A task that is flown: its tables, and what is true of the world beyond them.
+/// A task to fly: its tables, and the true world.
 #[derive(Clone, Debug)]
 pub struct TableMission<'a> {
-    /// What it is called: the file.
+    /// Its name: that of the file.
     pub name: String,
-    /// What it is about, in one line.
+    /// Its title, in one line.
     pub title: String,
     /// The tables.
     pub tables: Tables<'a>,
     /// The truth.
     pub truth: Truth,
-    /// The ticks after which it counts as not accomplished.
+    /// The limit in ticks, after which it counts as not accomplished.
     pub limit: u32,
     /// The radio between the robots.
     pub radio: Radio,
@@ -253,7 +253,7 @@ impl<'a> Reader<'a, '_> {
         })
     }
 
-    /// A row for each robot by its name; nothing for the own one, which is not read.
+    /// A row for each robot by its name; empty for the robot itself, whose row is not read.
     fn wishes(
         &self,
         wishes: &BTreeMap<String, BTreeMap<String, RealNumber>>,
@@ -334,7 +334,7 @@ impl<'a> Reader<'a, '_> {
         Ok(truth)
     }
 
-    /// A fault of the tables, where its row is written.
+    /// The fault of tables that do not fit, at the row in the file.
     fn misfit(&self, error: TablesError) -> Fault {
         let robot = error.role.and_then(|role| self.file.robots.get(usize::from(role)));
         let Some(robot) = robot else { return Fault::new(0..0, error.to_string()) };
@@ -363,7 +363,7 @@ impl<'a> Reader<'a, '_> {
         self.arena.alloc_str(text.get_ref())
     }
 
-    /// A slice of what each row becomes.
+    /// Reads every row into a slice of the arena.
     fn each<R, T: Copy>(&self, rows: &[R], of: impl Fn(&R) -> Read<T>) -> Read<&'a [T]> {
         let rows: Vec<T> = rows.iter().map(of).collect::<Result<_, _>>()?;
         Ok(self.arena.alloc_slice_copy(&rows))

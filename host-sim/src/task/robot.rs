@@ -12,7 +12,7 @@ use iibt_core::tree::Status;
 /// The ticks for which a precondition may stay unmet before the node fails.
 const TIMEOUT: Duration = Duration(50);
 
-/// What a robot's tree works with in a tick.
+/// The context of a tree in a tick.
 pub(crate) struct Turn<'k, 't> {
     pub(crate) task: &'k mut HostTask<'t>,
     pub(crate) node: &'k mut InferenceNode<HostTask<'t>>,
@@ -27,7 +27,7 @@ impl Turn<'_, '_> {
     }
 }
 
-/// A tree, whatever its form.
+/// A tree in any form.
 pub(crate) trait Ticked {
     /// Ticks it once.
     fn tick(&mut self, turn: Turn<'_, '_>, now: Instant) -> Status;

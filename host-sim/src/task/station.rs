@@ -6,14 +6,14 @@ use iibt_core::time::Instant;
 /// A robot's sensors and its actuators, as the world fills and reads them.
 #[derive(Debug, Default)]
 pub(crate) struct Station {
-    /// What is sensed in this tick.
+    /// The percept of this tick.
     pub(crate) percept: Percept,
-    /// What is to be begun.
+    /// The command to begin.
     pub(crate) command: Option<Command>,
 }
 
 impl Station {
-    /// What is sensed in a tick; a robot at work reads nothing.
+    /// The percept of a tick; a robot at work reads nothing.
     pub(super) fn sense(&mut self, tick: u32, busy: bool, readings: [Option<u8>; MAX_SENSORS]) {
         let readings = if busy { [None; MAX_SENSORS] } else { readings };
         *self = Self { percept: Percept { at: Instant(tick), readings, busy }, command: None };

@@ -4,7 +4,7 @@
 use crate::random::{Random, Stream};
 use iibt_core::iibt::table::{Accuracy, Command, MAX_SENSORS, Reads, Role, Tables};
 
-/// What is true of the world beyond the tables, by robot, and then by factor or operator.
+/// The true world, as far as the tables leave it open: by robot, then by factor or operator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
     /// The state of each factor at the start; `None` is drawn from its prior.
@@ -15,7 +15,7 @@ pub struct Truth {
     pub fails: Vec<Vec<f64>>,
     /// The probability that a reading is wrong, in place of the sensors' tables.
     pub wrong: Option<f64>,
-    /// What makes the task accomplished.
+    /// The goals of the task.
     pub goals: Vec<Goal>,
 }
 
@@ -31,7 +31,7 @@ pub struct Goal {
 }
 
 impl Truth {
-    /// A world that is as its tables say: every operator takes a tick.
+    /// The world as the tables have it: every operator takes a tick.
     #[must_use]
     pub fn of(tables: &Tables<'_>) -> Self {
         let roles = || tables.roles().iter();
@@ -54,7 +54,7 @@ pub(crate) struct TaskWorld<'t> {
     tables: &'t Tables<'t>,
     truth: &'t Truth,
     states: Vec<Vec<usize>>,
-    /// What each robot is doing, and for how many ticks more.
+    /// Each robot's command and the ticks that remain.
     doing: Vec<Option<(Command, u32)>>,
     readings: Vec<Random>,
     failures: Vec<Random>,
@@ -88,12 +88,12 @@ impl<'t> TaskWorld<'t> {
         }
     }
 
-    /// A robot's factor, in truth.
+    /// The true state of a robot's factor.
     pub(crate) fn state(&self, robot: usize, factor: usize) -> usize {
         self.states[robot][factor]
     }
 
-    /// The semantic state of a robot, in truth.
+    /// The true semantic state of a robot.
     pub(crate) fn semantic(&self, robot: usize) -> usize {
         let role = self.role(robot);
         role.states.of(role.factors, |factor| self.state(robot, factor))
@@ -109,8 +109,8 @@ impl<'t> TaskWorld<'t> {
         self.truth.goals.iter().all(reached)
     }
 
-    /// What a robot's sensors read. Drawn in every tick, so that the luck of a tick does not depend
-    /// on what was done before it.
+    /// The readings of a robot's sensors. Drawn in every tick, so that the luck of a tick does not
+    /// depend on what was done before it.
     pub(crate) fn read(&mut self, robot: usize) -> [Option<u8>; MAX_SENSORS] {
         let mut readings = [None; MAX_SENSORS];
         let role = self.role(robot);
@@ -147,7 +147,7 @@ impl<'t> TaskWorld<'t> {
         self.doing[robot].get_or_insert((command, ticks));
     }
 
-    /// Lets a tick pass.
+    /// Advances the world by a tick.
     pub(crate) fn pass(&mut self) {
         for robot in 0..self.tables.robots() {
             let Some((command, left)) = self.doing[robot] else { continue };
@@ -158,7 +158,7 @@ impl<'t> TaskWorld<'t> {
         }
     }
 
-    /// Changes what an operator changes when it succeeds.
+    /// Applies the effects of an operator that succeeds.
     fn carry_out(&mut self, robot: usize, command: Command) {
         let number = usize::from(command.operator);
         if self.failures[robot].bernoulli(self.truth.fails[robot][number]) {

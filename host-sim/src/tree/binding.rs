@@ -1,5 +1,4 @@
-//! A tree from a file that runs in a program: each leaf bound by its name to one of the program's
-//! own.
+//! Trees from files in a program: each leaf is bound by its name to one of the program's own.
 
 use super::diagnostic::{Diagnostic, Place};
 use super::instance::{Instance, Node};

@@ -7,7 +7,7 @@ use super::script::{Scalar, Variables};
 use super::value::{ValueType, integer, pointer, real};
 use std::collections::BTreeMap;
 
-/// The values of a tree's entries; those that SubTrees are given are there from the start.
+/// The values of a tree's entries; those given to SubTrees exist from the start.
 pub(super) struct Blackboard<'i> {
     scopes: &'i Scopes,
     values: BTreeMap<Entry, Scalar>,

@@ -1,5 +1,5 @@
-//! What is wrong with a tree file: all that BehaviorTree.CPP complains about when it loads the
-//! file, and what it finds only when the tree runs.
+//! Checks of a tree file: everything that BehaviorTree.CPP rejects when it loads the file, and what
+//! it finds only when the tree runs.
 
 use super::diagnostic::{Diagnostic, Remarks, Severity};
 use super::document::Document;

@@ -12,12 +12,12 @@ use leaves::Variants;
 use std::fmt::Write;
 
 impl Instance {
-    /// Rust source of this tree: an enum of its leaves, their ports, and the table, which the compiler
-    /// checks again.
+    /// Rust source of this tree: an enum of its leaves, their ports, and the table, which the
+    /// compiler checks again.
     ///
     /// # Errors
-    /// The first node that firmware cannot have: one that the engine lacks, scripts that run after a node, and
-    /// nodes that no tick can reach.
+    /// The first node that firmware cannot have: one that the engine lacks, scripts that run after
+    /// a node, and nodes that no tick can reach.
     pub fn codegen(&self) -> Result<String, Diagnostic> {
         let lowered = self.lower(Rules::Ours)?;
         self.fit_for_firmware(&lowered)?;
@@ -98,7 +98,8 @@ fn header(instance: &Instance, lowered: &Lowered, is_basic: bool) -> String {
     let used: Vec<_> = used.into_iter().filter(|(_, is_used)| *is_used).map(|(name, _)| name).collect();
     let name = instance.main.replace('`', "'");
     format!(
-        "//! The behavior tree `{name}`, written by `host-sim tree codegen`: change the tree's file, not this one.\n\n\
+        "//! The behavior tree `{name}`, written by `host-sim tree codegen`.\n\
+         //! Change the tree's file, not this one.\n\n\
          use iibt_core::tree::{{{}}};\n\n",
         used.join(", ")
     )

@@ -1,4 +1,4 @@
-//! How many nodes a tree has, of which kinds and on which levels.
+//! The number of nodes of a tree, by kind and by level.
 
 use super::instance::Instance;
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! What is wrong with a tree file, and where.
+//! Remarks about a tree file, with their places.
 
 use std::fmt;
 use std::sync::Arc;

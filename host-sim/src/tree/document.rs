@@ -37,7 +37,7 @@ pub(super) struct Definition {
     pub root: Option<Element>,
 }
 
-/// What a reader of files may be given besides the files.
+/// Declarations besides those in the files.
 #[derive(Clone, Debug, Default)]
 pub struct Extras<'e> {
     /// Leaves that need no declaration.

@@ -1,4 +1,4 @@
-//! A document as XML again: compact form, with models, as Groot2 wants it.
+//! Export of a document as XML: compact form, with models, as Groot2 expects it.
 
 use super::document::{Definition, Document};
 use super::model::{Class, Model, Port};
@@ -8,8 +8,9 @@ use std::fmt::Write;
 impl Document {
     /// The trees of a document, those it includes among them, as one file.
     ///
-    /// All nodes are written in the compact form, whichever they were read in; each kind of node that is
-    /// not built in has its model, and so have the trees that declare ports. Comments are not kept.
+    /// All nodes are written in the compact form, whichever they were read in; each kind of node
+    /// that is not built in has its model, and so have the trees that declare ports. Comments are
+    /// not kept.
     #[must_use]
     pub fn export(&self) -> String {
         let mut text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<root BTCPP_format=\"4\"".to_owned();

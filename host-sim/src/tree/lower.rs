@@ -1,4 +1,4 @@
-//! From a tree to the engine's table.
+//! Lowering of a tree to the engine's table.
 
 use super::diagnostic::{Diagnostic, Place, Severity};
 use super::instance::{Guard, Instance, Node};
@@ -19,11 +19,11 @@ pub(super) struct Lowered {
     pub outer: Vec<usize>,
     /// For each node of the tree, its own row.
     pub inner: Vec<usize>,
-    /// What the table leaves to the program.
+    /// The calls that the table leaves to the program.
     pub hooks: Vec<Hook>,
 }
 
-/// Something that the table leaves to the program.
+/// A call that the table leaves to the program.
 #[derive(Clone, Debug)]
 pub(super) struct Hook {
     /// The node of the tree.
@@ -53,7 +53,7 @@ pub(super) enum HookTask {
     Skip,
 }
 
-/// Which rules the table is for.
+/// The rules that the table follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rules {
     Ours,
@@ -110,8 +110,8 @@ impl Lowered {
     }
 }
 
-/// Why `run` and `codegen` refuse a tree that BehaviorTree.CPP loads, and nodes that no tick
-/// reaches.
+/// The reasons why `run` and `codegen` refuse a tree that BehaviorTree.CPP loads, and the nodes
+/// that no tick reaches.
 pub(super) fn remarks(instance: &Instance) -> Vec<Diagnostic> {
     let lowered = match instance.lower(Rules::Ours) {
         Ok(lowered) => lowered,

@@ -71,13 +71,13 @@ impl Direction {
 pub struct Port {
     /// The name, which is that of the attribute.
     pub name: String,
-    /// Which way it carries values.
+    /// Its direction.
     pub direction: Direction,
-    /// What it holds.
+    /// The type of its value.
     pub kind: ValueType,
-    /// What an input holds when the attribute is missing.
+    /// The default value of an input whose attribute is missing.
     pub default: Option<String>,
-    /// What it is for.
+    /// Its description.
     pub description: String,
 }
 
@@ -86,7 +86,7 @@ pub struct Port {
 pub struct Model {
     /// The tag of its nodes.
     pub id: String,
-    /// What it is to its parent and children.
+    /// Its class.
     pub class: Class,
     /// Its ports.
     pub ports: Vec<Port>,
@@ -266,7 +266,7 @@ pub(super) fn is_port(name: &str) -> bool {
         && forbidden(name).is_none()
 }
 
-/// Says why a name cannot be that of a port.
+/// Returns why a name cannot be that of a port.
 pub(super) fn port_name(name: &str) -> Result<(), String> {
     let reserved = ["name", "ID", "_autoremap"];
     if name.is_empty() {
@@ -282,7 +282,7 @@ pub(super) fn port_name(name: &str) -> Result<(), String> {
     }
 }
 
-/// Says why a name cannot be that of a tree or a kind of node.
+/// Returns why a name cannot be that of a tree or a kind of node.
 pub(super) fn model_name(name: &str) -> Result<(), String> {
     if name.is_empty() {
         Err("the ID is empty".into())

@@ -1,18 +1,18 @@
-//! What the ports of the built-in nodes say, as far as it is known before the tree runs.
+//! Parameters of built-in nodes, as far as they are known before the tree runs.
 
 use super::diagnostic::{Diagnostic, Place};
 use super::instance::{Instance, Node};
 use super::script::Script;
 use super::value::{integer, pointer, real, truth};
 
-/// What is known of a port's value.
+/// A port's value before the tree runs.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Given<'i> {
-    /// Nothing was given.
+    /// No value.
     Missing,
-    /// This text, for good.
+    /// A constant.
     Text(&'i str, &'i Place),
-    /// An entry of the blackboard, which is known when the tree runs.
+    /// An entry of the blackboard, known only when the tree runs.
     Entry(&'i str, &'i Place),
 }
 

@@ -1,4 +1,4 @@
-//! The leaves of a dry run: they play scripts of statuses, and answer for the scripts of the file.
+//! The leaves of a dry run, which play scripts of statuses and run the scripts of the file.
 
 use super::blackboard::Blackboard;
 use super::diagnostic::Diagnostic;
@@ -10,7 +10,7 @@ use super::timers::Timers;
 use iibt_core::time::Instant;
 use iibt_core::tree::{Halt, Leaves, Status, StatusChange};
 
-/// What plays all leaves, and what it noted.
+/// The player of all leaves, and its notes.
 pub(super) struct Player<'i> {
     pub instance: &'i Instance,
     pub lowered: &'i Lowered,
@@ -19,7 +19,7 @@ pub(super) struct Player<'i> {
     parts: Vec<(Statuses, usize)>,
     /// For each row, whether it is running.
     running: Vec<bool>,
-    /// What the leaves were told since it was last taken.
+    /// The calls of leaves since they were last taken.
     pub events: Vec<String>,
     pub transitions: Vec<StatusChange>,
     pub timers: Timers,

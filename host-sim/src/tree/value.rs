@@ -1,6 +1,6 @@
 //! The values of ports: their types, and how text is read as one.
 
-/// What a port holds.
+/// The type of a port's value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ValueType {
     /// A whole number of 32 bits with a sign.
@@ -21,11 +21,11 @@ pub enum ValueType {
     Own(String),
 }
 
-/// How a literal suits the type of a port.
+/// The fit of a literal to the type of a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fit {
     Whole,
-    /// The beginning is read and the rest is dropped without a word.
+    /// The beginning is read and the rest is silently dropped.
     Beginning,
     None,
 }

@@ -263,7 +263,7 @@ impl<'t> XmlReader<'t> {
         name
     }
 
-    /// The place of what is read next.
+    /// The place of the next character.
     fn place(&mut self) -> Place {
         let passed = self.text.get(self.counted..self.at).unwrap_or_default();
         for (offset, _) in passed.match_indices('\n') {

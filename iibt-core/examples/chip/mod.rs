@@ -1,4 +1,4 @@
-//! What lets the examples build for a chip as well, where nothing is printed.
+//! Support for building the examples for a chip, where nothing is printed.
 
 /// Prints a line on the PC.
 macro_rules! show {

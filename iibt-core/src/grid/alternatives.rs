@@ -1,4 +1,4 @@
-//! Several different ways to one goal, for a robot to choose among.
+//! Several different paths to one goal, among which a robot chooses.
 //!
 //! The penalty method known from road networks (see Bader et al., Alternative Route Graphs in Road
 //! Networks, 2011): the cells of every way found become dearer by one, and the next search finds
@@ -8,12 +8,12 @@
 use super::{Cell, CellSet, Map, Path, PlanError, Planner};
 use heapless::Vec;
 
-/// How different alternatives are, and how long at most.
+/// The variety of alternatives: how different, and how long at most.
 #[doc(alias = "k shortest paths")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Variety {
-    /// How many more moves than the shortest path an alternative may have.
+    /// The most moves that an alternative has beyond the shortest path.
     pub slack: u8,
     /// The least share of an alternative's interior cells, in per cent, that are new against each
     /// of the other paths. The interior is all of a path but its start and its goal. Above 100

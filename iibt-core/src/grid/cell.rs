@@ -16,8 +16,7 @@ impl Cell {
     }
 }
 
-/// What a robot on a grid can do in one step; the codes are the action codes of its transition
-/// model.
+/// A move of a robot on a grid in one step; the codes are the action codes of its transition model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]

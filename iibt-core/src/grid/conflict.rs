@@ -9,7 +9,7 @@
 use super::{Cell, Map, Path};
 use core::fmt;
 
-/// How two robots get in each other's way.
+/// The kind of a conflict between two robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ConflictKind {
@@ -22,13 +22,13 @@ pub enum ConflictKind {
     Follow,
 }
 
-/// The first step at which two robots get in each other's way.
+/// The first step at which two robots are in conflict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Conflict {
-    /// What happens.
+    /// The kind.
     pub kind: ConflictKind,
-    /// The step at whose end it has happened, 0 to [`HORIZON`](crate::actions::HORIZON); the start
+    /// The step at whose end it has occurred, 0 to [`HORIZON`](crate::actions::HORIZON); the start
     /// is step 0.
     pub step: u8,
     /// The cell that both want; of a swap, the cell that the first robot enters.

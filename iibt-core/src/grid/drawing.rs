@@ -5,13 +5,13 @@
 use super::{Cell, Map, MapError};
 use core::fmt;
 
-/// Why a drawing is no map. Lines and columns count from one.
+/// The reason why a drawing is not a map. Lines and columns count from one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DrawingError {
     /// The drawing is empty or has more cells than the map's type holds.
     Size(MapError),
-    /// Something else than `.`, `#`, `@` or `T` stands here.
+    /// A character other than `.`, `#`, `@` or `T`.
     Unknown {
         /// The line of the drawing.
         line: u32,

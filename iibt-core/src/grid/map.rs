@@ -35,7 +35,7 @@ pub struct Map<const W: usize> {
     blocked: CellSet<W>,
 }
 
-/// Why there is no such map.
+/// The reason why a map is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MapError {
@@ -63,7 +63,7 @@ impl<const W: usize> Map<W> {
         }
     }
 
-    /// This map with some more cells blocked; cells outside change nothing.
+    /// The map with more cells blocked; cells outside are ignored.
     ///
     /// This is how a planner is told to stay clear of cells for one call.
     #[must_use]
@@ -92,7 +92,7 @@ impl<const W: usize> Map<W> {
         self.width.get() as usize * self.height.get() as usize
     }
 
-    /// Never: a map has at least one cell.
+    /// Always false: a map has at least one cell.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         false
@@ -165,7 +165,7 @@ impl<const W: usize> Map<W> {
         None
     }
 
-    /// The moves between two cells if nothing stood in the way: columns plus rows apart.
+    /// The Manhattan distance of two cells: columns plus rows apart.
     #[must_use]
     pub fn manhattan(&self, a: Cell, b: Cell) -> u16 {
         let columns = (a.0 % self.width).abs_diff(b.0 % self.width);

@@ -34,7 +34,7 @@ impl<const S: usize> OpenList<S> {
         self.place.fill(ABSENT);
     }
 
-    /// Enters a cell, or moves it forward to a lower priority. Cells from `S` on are not entered.
+    /// Adds a cell, or moves it forward to a lower priority. Cells from `S` on are not entered.
     pub(super) fn put(&mut self, cell: Cell, priority: u16) {
         let at = match self.place.get(cell.index()) {
             None => return,
@@ -47,7 +47,7 @@ impl<const S: usize> OpenList<S> {
         self.rise(at, Entry { priority, cell });
     }
 
-    /// Takes out the first cell if its priority is at most `limit`.
+    /// Removes the first cell if its priority is at most `limit`.
     pub(super) fn pop(&mut self, limit: u16) -> Option<Cell> {
         let first = self.entry(0);
         let shorter = self.len.checked_sub(1).filter(|_| first.priority <= limit)?;

@@ -1,4 +1,4 @@
-//! Ways over a map: a start and the moves from there.
+//! Paths on a map: a start and the moves from there.
 
 use super::{Cell, CellSet, Map, Move};
 use crate::actions::{ActionError, Actions};
@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Path {
-    /// Where it begins.
+    /// The start cell.
     pub start: Cell,
     /// The moves, as [`Move`] codes.
     pub actions: Actions,
@@ -66,7 +66,7 @@ impl Path {
         self.actions.push(step.code())
     }
 
-    /// How many moves there are, waits included.
+    /// The number of moves, waits included.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.actions.len()
@@ -115,7 +115,7 @@ impl Path {
         self.cell_at(map, self.len())
     }
 
-    /// What is left of the path after `done` moves; nothing but the last cell past the end.
+    /// The rest of the path after `done` moves; past the end only the last cell.
     #[must_use]
     pub fn rest<const W: usize>(&self, map: &Map<W>, done: usize) -> Self {
         let mut rest = Self::at(self.cell_at(map, done));

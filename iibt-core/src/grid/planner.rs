@@ -1,4 +1,4 @@
-//! Shortest ways and distances, in an arena of fixed size.
+//! Shortest paths and distances, in an arena of fixed size.
 //!
 //! The search is A* (Hart, Nilsson, Raphael 1968) from the goal back to the start, with the
 //! Manhattan distance as the estimate, which is consistent on a grid of unit moves. All that ties
@@ -31,12 +31,12 @@ use core::fmt;
 pub struct Planner<const S: usize> {
     /// The cost of the cheapest way found to the goal, or [`UNREACHED`].
     cost: [u16; S],
-    /// What entering a cell costs more than one; zero but during a search for alternatives.
+    /// The extra cost of entering a cell; zero except during a search for alternatives.
     penalty: [u8; S],
     open: OpenList<S>,
 }
 
-/// Why there is no path.
+/// The reason why there is no path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PlanError {
@@ -64,7 +64,7 @@ pub struct Distances<'a> {
 
 const UNREACHED: u16 = u16::MAX;
 
-/// The most that entering a cell costs more than one. Large enough to make any detour within a
+/// The largest penalty of a cell. Large enough to make any detour within a
 /// [`Variety`](super::Variety) the cheaper way, small enough for sums of 16 bits over a whole
 /// horizon.
 const MOST_PENALTY: u8 = 63;
@@ -153,7 +153,7 @@ impl<const S: usize> Planner<S> {
         self.read_off(map, from, to)
     }
 
-    /// Makes every cell of a set dearer by one.
+    /// Raises the penalty of every cell of a set by one.
     pub(super) fn penalise<const W: usize>(&mut self, cells: &CellSet<W>) {
         for cell in cells.iter() {
             if let Some(penalty) = self.penalty.get_mut(cell.index()) {
@@ -162,7 +162,7 @@ impl<const S: usize> Planner<S> {
         }
     }
 
-    /// Takes all penalties back.
+    /// Clears all penalties.
     pub(super) fn forgive(&mut self) {
         self.penalty.fill(0);
     }
@@ -198,7 +198,7 @@ impl<const S: usize> Planner<S> {
         }
     }
 
-    /// Walks down the costs that the search left, by the lowest move code.
+    /// Reads the path off the costs that the search left, by the lowest move code.
     fn read_off<const W: usize>(&self, map: &Map<W>, from: Cell, to: Cell) -> Result<Path, PlanError> {
         if self.cost(from) == UNREACHED {
             return Err(PlanError::NoWay);

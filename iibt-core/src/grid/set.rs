@@ -56,7 +56,7 @@ impl<const W: usize> CellSet<W> {
         changes
     }
 
-    /// How many cells there are.
+    /// The number of cells.
     #[must_use]
     pub fn len(&self) -> usize {
         self.words.iter().map(|word| word.count_ones() as usize).sum()

@@ -1,16 +1,16 @@
-//! Paths made longer by waits, so that teammates with ways of different lengths arrive together.
+//! Paths with added waits, so that teammates with paths of different lengths arrive together.
 
 use super::{Move, Path};
 use crate::actions::HORIZON;
 
-/// Where on a path a robot waits.
+/// The place on a path where a robot waits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WaitPlace {
     /// One cell before the end: directly before the last move that is not itself a wait.
     #[default]
     BeforeLastMove,
-    /// Where the path starts.
+    /// At the start of the path.
     AtStart,
     /// Directly before the move with this index; at the end of the path for an index past the last
     /// move.

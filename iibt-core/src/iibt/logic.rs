@@ -1,4 +1,4 @@
-//! Logic variables: what a task holds to be true, and the preconditions of its policies.
+//! Logic variables of a task, and the preconditions of its policies.
 
 /// A set of up to 16 logic variables that are true; the others are false.
 #[doc(alias = "predicates")]
@@ -8,17 +8,17 @@
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Logic(u16);
 
-/// One variable with the value that is wanted of it.
+/// One variable and the value it must have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Literal {
     /// The variable, 0 to 15.
     pub variable: u8,
-    /// Whether it is to be true.
+    /// Whether it must be true.
     pub value: bool,
 }
 
-/// A conjunction of literals: what must be true and what must be false.
+/// A conjunction of literals: the variables that must be true and those that must be false.
 ///
 /// ```
 /// use iibt_core::iibt::{Condition, Literal, Logic};
@@ -48,7 +48,7 @@ pub struct Condition {
 }
 
 impl Logic {
-    /// Nothing is true.
+    /// The empty set: no variable is true.
     pub const NONE: Self = Self(0);
 
     /// The set with these variables true; a variable beyond 15 is left out.
@@ -81,7 +81,7 @@ impl Logic {
 }
 
 impl Condition {
-    /// Always met.
+    /// The condition that always holds.
     pub const ALWAYS: Self = Self { all: Logic::NONE, none: Logic::NONE };
 
     /// The first literal that `logic` does not satisfy, by the number of its variable.

@@ -5,7 +5,7 @@ use crate::team::Peers;
 use crate::time::{Duration, Instant};
 use crate::tree::Status;
 
-/// The interactive inference node of a task, with what it remembers between ticks.
+/// The interactive inference node of a task, with its memory between ticks.
 ///
 /// It owns what Algorithm 1 owns: the preference with its temporary part, the roll-back, the
 /// precondition loop with its timeout, waiting, and the connection to the teammates. [`Task`] has
@@ -21,7 +21,7 @@ pub struct InferenceNode<T: Task> {
     unmet_since: Option<Instant>,
 }
 
-/// What the precondition loop ends with.
+/// The result of the precondition loop.
 struct Decided<T: Task> {
     candidates: T::Candidates,
     /// The choice whose precondition holds, if there is one.
@@ -76,13 +76,13 @@ impl<T: Task> InferenceNode<T> {
         Status::Running // 40-41
     }
 
-    /// Stops an unfinished precondition loop, takes back what it raised, and has the task wait.
+    /// Stops an unfinished precondition loop, rolls back its raises, and lets the task wait.
     pub fn halt(&mut self, task: &mut T) {
         self.forget();
         task.wait();
     }
 
-    /// C with what an unfinished precondition loop has raised; `None` while nothing is raised.
+    /// C with the raises of an unfinished precondition loop; `None` while nothing is raised.
     #[must_use]
     pub const fn raised(&self) -> Option<&T::Preference> {
         self.preference.as_ref()

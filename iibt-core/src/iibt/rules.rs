@@ -1,12 +1,12 @@
-//! f_L: which preference would make an unmet precondition true (the paper's tables 2 and 5).
+//! f_L: the preference that would make an unmet precondition true (the paper's tables 2 and 5).
 
 use super::Literal;
 
-/// How strongly the missing evidence is wanted, or the disturbing evidence avoided.
+/// The size of a raise: how strongly evidence is preferred or avoided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Raise {
-    /// One more than anything wanted so far: l = max(C) + 1.
+    /// One more than the largest preference so far: l = max(C) + 1.
     AboveAll,
     /// A fixed value, negative for what is to be avoided.
     By(f32),
@@ -29,7 +29,7 @@ impl Raise {
 pub struct Rule {
     /// The unmet literal.
     pub missing: Literal,
-    /// What happens to the preference for its evidence.
+    /// The raise of the preference for its evidence.
     pub raise: Raise,
 }
 
@@ -39,7 +39,8 @@ pub struct Rule {
 /// use iibt_core::iibt::Literal;
 /// use iibt_core::iibt::rules::{Raise, Rule, raise_for};
 ///
-/// let (open, clear) = (Literal { variable: 0, value: true }, Literal { variable: 1, value: false });
+/// let (open, clear) =
+///     (Literal { variable: 0, value: true }, Literal { variable: 1, value: false });
 /// let rules = [
 ///     Rule { missing: open, raise: Raise::AboveAll },
 ///     Rule { missing: clear, raise: Raise::By(-1.0) },

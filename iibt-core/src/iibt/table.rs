@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Percept ─► q(factors) ─► facts ─► preferences ─► operators of all robots ─► posterior ─► Command
-//!   peers ─► announced ──────┴──────────┘ ▲ remedies                               └─► Announcement
+//!   peers ─► announced ──────┴──────────┘ ▲ remedies                              └─► Announcement
 //! ```
 //!
 //! [`Tables`] have a [`Role`] for each robot, and [`TableTask`] is the [`Task`](super::Task) that
@@ -10,7 +10,7 @@
 //!
 //! | the paper | table | what it says |
 //! |---|---|---|
-//! | s | [`HiddenFactor`], [`Labels`] | what is hidden, and the semantic states that it amounts to |
+//! | s | [`HiddenFactor`], [`Labels`] | what is hidden, and the semantic states that follow |
 //! | A | [`Sensor`] | what is read of them, and how well |
 //! | U, B, table 5 | [`Operator`] | actions: preconditions, postconditions, effects, success |
 //! | E | [`Operator::habit`] | which actions are likely beforehand |
@@ -80,7 +80,11 @@
 //!             requires: &[IS_NEAR],
 //!             forbids: &[IS_OPEN],
 //!             brings: Postcondition::State(2, 0.7),
-//!             effects: &[Effect { given: &[Given::own(0, NEAR)], factor: 1, to: To::State(OPEN) }],
+//!             effects: &[Effect {
+//!                 given: &[Given::own(0, NEAR)],
+//!                 factor: 1,
+//!                 to: To::State(OPEN),
+//!             }],
 //!             success: 0.7,
 //!             ..Operator::IDLE
 //!         },

@@ -1,4 +1,4 @@
-//! What the interactive inference node asks of a task.
+//! The contract between the interactive inference node and a task.
 
 use super::Literal;
 use crate::team::{Message, Peers};
@@ -61,7 +61,12 @@ use crate::team::{Message, Peers};
 ///     fn candidates(&mut self, _: &[f32; 2], _: Peers<'_, Silence>) -> [Action; 2] {
 ///         [Action::Plug, Action::Light]
 ///     }
-///     fn infer(&mut self, actions: &[Action; 2], worth: &[f32; 2], _: Peers<'_, Silence>) -> Option<Action> {
+///     fn infer(
+///         &mut self,
+///         actions: &[Action; 2],
+///         worth: &[f32; 2],
+///         _: Peers<'_, Silence>,
+///     ) -> Option<Action> {
 ///         let best = if worth[0] > worth[1] { 0 } else { 1 };
 ///         Some(actions[best])
 ///     }
@@ -89,15 +94,15 @@ use crate::team::{Message, Peers};
 #[doc(alias = "planner")]
 #[doc(alias = "domain")]
 pub trait Task {
-    /// What the robot senses in a tick.
+    /// The readings of the robot in a tick.
     type Percept;
-    /// What robots with this task tell each other.
+    /// The messages between robots with this task.
     type Message: Message;
-    /// C, the preferences as they are at a moment, temporary raises included.
+    /// C, the current preferences, temporary raises included.
     type Preference;
-    /// What there is to choose from.
+    /// The candidates of a decision.
     type Candidates;
-    /// What can be chosen.
+    /// A policy that can be chosen.
     type Policy: Copy;
 
     /// 5-6: takes a percept and the teammates' messages into the belief and the logic variables.

@@ -1,4 +1,4 @@
-//! The front door: a model, what is believed of it, and the memory to decide in, in one value.
+//! The agent: a model, the beliefs about it, and the memory of a decision in one value.
 
 mod decision;
 mod room;
@@ -17,8 +17,8 @@ use super::model::Model;
 use super::problem::Problem;
 use crate::actions::Action;
 
-/// An active-inference agent: a [`Model`], the beliefs about its hidden states, and the memory to
-/// decide in.
+/// An active-inference agent: a [`Model`], the beliefs about its hidden states, and the memory of a
+/// decision.
 ///
 /// Its sizes follow from the model and from what there is to choose from, so write it with
 /// [`agent!`](crate::agent) where the model is a `static`, and name its type with
@@ -27,15 +27,18 @@ use crate::actions::Action;
 ///
 /// | call | symbol | |
 /// |---|---|---|
-/// | [`observe`](Self::observe) | q(s) ∝ P(o \| s) q(s) | state inference; the variational free energy F |
-/// | [`decide`](Self::decide) | q(π) = softmax(ln E - γ G) | policy inference; the expected free energy G |
+/// | [`observe`](Self::observe) | q(s) ∝ P(o \| s) q(s) | state inference; free energy F |
+/// | [`decide`](Self::decide) | q(π) = softmax(ln E - γ G) | policy inference; free energy G |
 /// | [`act`](Self::act) | q(s') = Σ B_u q(s) | what the action does to the belief |
 ///
 /// ```
 /// use iibt_core::agent;
-/// use iibt_core::inference::{Candidates, Evidence, Factor, IdentityNoise, Modality, Model, NextState, Policy};
+/// use iibt_core::inference::{
+///     Candidates, Evidence, Factor, IdentityNoise, Modality, Model, NextState, Policy,
+/// };
 ///
-/// // A door that is open or shut, a sensor that is right nine times in ten, and the actions wait, push.
+/// // A door that is open or shut, a sensor that is right nine times in ten, and the actions wait,
+/// // push.
 /// static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 2);
 /// static PUSH: NextState = NextState::with_slip(&[0, 1, 0, 0], 2, 0.2);
 /// static FACTORS: [Factor; 1] = [Factor::new(&PUSH, PUSH.shape(), &[0.5, 0.5])];
@@ -57,11 +60,14 @@ use crate::actions::Action;
 ///
 /// ```
 /// # use iibt_core::agent;
-/// # use iibt_core::inference::{Candidates, Evidence, Factor, IdentityNoise, Modality, Model, NextState, Policy};
+/// # use iibt_core::inference::{
+/// #     Candidates, Evidence, Factor, IdentityNoise, Modality, Model, NextState, Policy,
+/// # };
 /// # static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 2);
 /// # static PUSH: NextState = NextState::with_slip(&[0, 1, 0, 0], 2, 0.2);
 /// # static FACTORS: [Factor; 1] = [Factor::new(&PUSH, PUSH.shape(), &[0.5, 0.5])];
-/// # static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[2.0, 0.0])];
+/// # static MODALITIES: [Modality; 1] =
+/// #     [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[2.0, 0.0])];
 /// # static DOOR: Model = Model::new(&FACTORS, &MODALITIES);
 /// let mut agent = agent!(DOOR, 2);
 /// let error = agent.observe(&[Evidence::Outcome(2)]).unwrap_err();
@@ -85,7 +91,7 @@ pub struct Agent<'m, const S: usize, const G: usize, const R: usize, const P: us
 }
 
 impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'m, S, G, R, P> {
-    /// An agent that believes D and has decided nothing.
+    /// An agent with the beliefs D and no decision yet.
     ///
     /// # Panics
     /// When the model has more states or groups of factors than there is room for; in a `const` or
@@ -118,16 +124,15 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         }
     }
 
-    /// The same agent, with policies scored in another way.
+    /// Sets the scoring of policies.
     #[must_use]
     pub const fn with_scoring(mut self, scoring: Scoring) -> Self {
         self.scoring = scoring;
         self
     }
 
-    /// The same agent, looking this many steps ahead, 64 at the most, instead of as many as the
-    /// longest policy has: a robot stays after a shorter policy, and a longer one is judged by its
-    /// first steps.
+    /// Sets the horizon in steps, 64 at the most, in place of the length of the longest policy: a
+    /// robot stays after a shorter policy, and a longer one is judged by its first steps.
     #[must_use]
     pub const fn with_horizon(mut self, steps: usize) -> Self {
         self.horizon = Some(if steps > u16::MAX as usize { u16::MAX } else { steps as u16 });
@@ -146,7 +151,7 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         &self.beliefs
     }
 
-    /// The beliefs about all factors, to be changed.
+    /// The beliefs about all factors, mutably.
     pub const fn beliefs_mut(&mut self) -> &mut Beliefs<S, G> {
         &mut self.beliefs
     }
@@ -179,8 +184,8 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         self.beliefs.update(self.model, evidence)
     }
 
-    /// Updates the beliefs by what was done: an action for each control, or `None` for one that
-    /// stays.
+    /// Updates the beliefs by the actions that were taken: an action for each control, or `None`
+    /// for one that stays.
     ///
     /// # Errors
     /// As [`Beliefs::predict`]. The beliefs are left as they were.
@@ -188,13 +193,13 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         self.beliefs.predict(self.model, actions)
     }
 
-    /// Forgets everything: the beliefs are D again.
+    /// Resets the beliefs to D.
     pub fn reset(&mut self) {
         // There is room: that was asked when the agent was made.
         let _ = self.model.write_prior(self.beliefs.as_flat_mut());
     }
 
-    /// Chooses among joint policies, exactly: every one is weighed, with the model's own
+    /// Chooses among joint policies exactly: all of them are evaluated with the model's own
     /// preferences.
     ///
     /// # Errors
@@ -240,8 +245,8 @@ impl<'m, const S: usize, const G: usize, const R: usize, const P: usize> Agent<'
         self.evaluation.terms()
     }
 
-    /// The probability that a control has an action sequence, whatever the others do, by the last
-    /// decision, which was among `candidates`. Costs a visit of all joint policies.
+    /// The marginal posterior probability of a control's action sequence in the last decision,
+    /// which was among `candidates`. Costs a visit of all joint policies.
     ///
     /// # Errors
     /// [`OutOfRange`] when there is no such control or sequence, or the last decision had another

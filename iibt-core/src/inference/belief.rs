@@ -1,5 +1,4 @@
-//! q(s), what a robot believes about the hidden factors, and how actions and observations change
-//! it.
+//! q(s), the belief about the hidden factors, and its updates by actions and observations.
 
 use super::error::{Argument, ObservationError, OutOfRange, at_most, below, exactly};
 use super::estimation::{self, Method, Update, Work};
@@ -15,7 +14,9 @@ use crate::math;
 /// finite, not negative, summing to one.
 ///
 /// ```
-/// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, NextState};
+/// use iibt_core::inference::{
+///     Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, NextState,
+/// };
 ///
 /// static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 3);
 /// static MOVES: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
@@ -42,10 +43,10 @@ use crate::math;
 pub struct Beliefs<const S: usize, const G: usize>([[f32; S]; G]);
 
 impl<const S: usize, const G: usize> Beliefs<S, G> {
-    /// How many states there is room for.
+    /// The number of states that fit.
     pub const CAPACITY: usize = S * G;
 
-    /// No belief: room to work in.
+    /// An empty belief, as working memory.
     pub(crate) const EMPTY: Self = Self([[0.0; S]; G]);
 
     /// D, the belief before the first observation.
@@ -131,9 +132,9 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         Ok(())
     }
 
-    /// The beliefs after one step, in which `actions` holds an action for each of the model's
-    /// controls, or `None` for a robot that stays, as one left out does: q(s') = Σ_s B_u(s', s)
-    /// q(s). Uncontrolled factors change by themselves.
+    /// Predicts the beliefs after one step, in which `actions` holds an action for each of the
+    /// model's controls, or `None` for a robot that stays, as one left out does: q(s') = Σ_s
+    /// B_u(s', s) q(s). Uncontrolled factors change by themselves.
     ///
     /// # Errors
     /// [`OutOfRange`] for more actions than controls, and for an action that a control does not
@@ -174,8 +175,8 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         }
     }
 
-    /// The beliefs after an observation, with `evidence` for each modality; one left out at the end
-    /// of the list is missing.
+    /// Updates the beliefs by an observation, with `evidence` for each modality; one left out at
+    /// the end of the list is missing.
     ///
     /// Factors that no observed modality couples are updated by Bayes' rule. Factors that one
     /// couples are updated together: exactly, without storing their product, where that takes no
@@ -190,8 +191,8 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         self.infer(model, evidence, Method::Exact)
     }
 
-    /// The beliefs after an observation through one modality, by its messages to the factors that
-    /// it depends on: exactly, at any cost. Returns the surprise -ln P(o), in nats.
+    /// Updates the beliefs by an observation through one modality, by its messages to the factors
+    /// that it depends on: exactly, at any cost. Returns the surprise -ln P(o), in nats.
     ///
     /// Less code than [`update`](Self::update), which it equals where a model's modalities have no
     /// coupled factors in common.
@@ -215,7 +216,7 @@ impl<const S: usize, const G: usize> Beliefs<S, G> {
         Ok(surprise)
     }
 
-    /// The same as [`update`](Self::update), coupled factors always by coordinate ascent, in at
+    /// Updates as [`update`](Self::update), but coupled factors always by coordinate ascent, in at
     /// most `sweeps` sweeps: a bound on time that is held to 1..=[`MAX_SWEEPS`](super::MAX_SWEEPS).
     /// More sweeps never end at a higher free energy.
     ///

@@ -1,4 +1,4 @@
-//! The joint policies that a decision is made among.
+//! The joint policies among which a decision is made.
 
 use super::error::{Argument, OutOfRange, at_most, below, exactly};
 use super::model::{MAX_FACTORS, Model};
@@ -31,9 +31,9 @@ pub struct Candidates<'a> {
     /// For each control the action sequences that may be chosen for it, 65,535 at the most. An
     /// empty list, or none at all, stands for a control that stays.
     pub sequences: &'a [&'a [Policy]],
-    /// Which combinations of them are considered.
+    /// The combinations of them that are considered.
     pub combinations: Combinations<'a>,
-    /// ln E, what is thought of them beforehand.
+    /// ln E, their log prior.
     pub habits: Habits<'a>,
     /// For each control the number of the sequence that is fixed, as a teammate has announced it;
     /// the list may be shorter. A joint policy with another sequence is ruled out: its posterior is
@@ -41,7 +41,7 @@ pub struct Candidates<'a> {
     pub announced: &'a [Option<u16>],
 }
 
-/// Which combinations of action sequences are joint policies.
+/// The combinations of action sequences that are joint policies.
 #[derive(Clone, Copy, Debug)]
 pub enum Combinations<'a> {
     /// All of them, the last control's sequences running fastest.
@@ -55,7 +55,7 @@ pub enum Combinations<'a> {
 #[doc(alias = "policy prior")]
 #[derive(Clone, Copy, Debug)]
 pub enum Habits<'a> {
-    /// All are alike.
+    /// A flat prior.
     Flat,
     /// One for each joint policy.
     Joint(&'a [f32]),
@@ -81,32 +81,31 @@ impl JointPolicy {
 }
 
 impl<'a> Candidates<'a> {
-    /// All combinations of these sequences, all alike.
+    /// All combinations of these sequences, with a flat prior.
     #[must_use]
     pub const fn all(sequences: &'a [&'a [Policy]]) -> Self {
         Self { sequences, combinations: Combinations::All, habits: Habits::Flat, announced: &[] }
     }
 
-    /// The listed combinations of these sequences, all alike.
+    /// The listed combinations of these sequences, with a flat prior.
     #[must_use]
     pub const fn listed(sequences: &'a [&'a [Policy]], rows: &'a [u16]) -> Self {
         Self { combinations: Combinations::Listed(rows), ..Self::all(sequences) }
     }
 
-    /// The same candidates with habits, ln E.
+    /// Sets the habits, ln E.
     #[must_use]
     pub const fn with_habits(self, habits: Habits<'a>) -> Self {
         Self { habits, ..self }
     }
 
-    /// The same candidates with the sequences that teammates have announced, a number or `None` for
-    /// each control.
+    /// Sets the sequences that teammates have announced, a number or `None` for each control.
     #[must_use]
     pub const fn with_announced(self, announced: &'a [Option<u16>]) -> Self {
         Self { announced, ..self }
     }
 
-    /// How many joint policies there are.
+    /// The number of joint policies.
     #[must_use]
     pub const fn len(&self) -> usize {
         match self.combinations {
@@ -137,7 +136,7 @@ impl<'a> Candidates<'a> {
         self.sequences.iter().flat_map(|list| list.iter()).map(Policy::len).max().unwrap_or(0)
     }
 
-    /// How many sequences a control has to choose from; one, to stay, where none is given.
+    /// The number of sequences of a control; one, to stay, where none is given.
     pub(super) const fn choices(&self, control: usize) -> usize {
         if control < self.sequences.len() && !self.sequences[control].is_empty() {
             self.sequences[control].len()
@@ -245,7 +244,7 @@ impl<'a> Candidates<'a> {
     }
 }
 
-/// What has to hold of candidates before any of them is weighed.
+/// Checks of candidates before any of them is evaluated.
 impl Candidates<'_> {
     /// The most sequences of one control.
     const MOST: usize = u16::MAX as usize;

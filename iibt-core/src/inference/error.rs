@@ -1,4 +1,4 @@
-//! What a caller gets wrong, apart from what happens in the world.
+//! Errors of use, apart from events of the world.
 
 use core::fmt::{Display, Formatter, Result as Formatted};
 use thiserror::Error;
@@ -7,7 +7,9 @@ use thiserror::Error;
 /// they were.
 ///
 /// ```
-/// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Impossible, Modality, Model, NextState};
+/// use iibt_core::inference::{
+///     Beliefs, Evidence, Factor, IdentityNoise, Impossible, Modality, Model, NextState,
+/// };
 ///
 /// # static STAY: NextState = NextState::new(&[0, 1], 2);
 /// static SURE: IdentityNoise = IdentityNoise::new(1.0, 2);
@@ -42,14 +44,14 @@ pub struct Impossible {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OutOfRange {
-    /// What does not fit.
+    /// The argument that does not fit.
     pub what: Argument,
     /// The number of the modality, factor, control or group that it belongs to; zero where it
     /// belongs to none.
     pub index: usize,
-    /// What was given.
+    /// The value that was given.
     pub value: usize,
-    /// What there is, or what there is room for.
+    /// The limit: the number that exists or that fits.
     pub limit: usize,
 }
 
@@ -170,8 +172,8 @@ impl Display for OutOfRange {
 }
 
 impl Argument {
-    /// What an [`OutOfRange`] says, with `%i` for its index, `%v` for its value and `%l` for its
-    /// limit.
+    /// The message of an [`OutOfRange`], with `%i` for its index, `%v` for its value and `%l` for
+    /// its limit.
     const fn message(self) -> &'static str {
         match self {
             Self::States => "the model has %v states, but the beliefs have room for %l",
@@ -209,7 +211,7 @@ impl Argument {
 
 impl core::error::Error for OutOfRange {}
 
-/// Why an observation changed no belief.
+/// The reason why an observation changed no belief.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ObservationError {
@@ -221,7 +223,7 @@ pub enum ObservationError {
     OutOfRange(#[from] OutOfRange),
 }
 
-/// Why nothing was decided.
+/// The reason why no policy was chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DecisionError {

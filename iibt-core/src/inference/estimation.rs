@@ -1,4 +1,4 @@
-//! State inference: what an observation says about the hidden factors.
+//! State inference: beliefs about the hidden factors from observations.
 
 mod ascent;
 mod couplings;
@@ -17,7 +17,7 @@ pub const EXACT_LIMIT: usize = 4096;
 /// The most sweeps of coordinate ascent.
 pub const MAX_SWEEPS: u8 = 32;
 
-/// How factors that are coupled by what was observed are inferred.
+/// The method for factors that an observation couples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Method {
     /// Exactly while it fits the limit, else by coordinate ascent.
@@ -26,10 +26,12 @@ pub(super) enum Method {
     CoordinateAscent(u8),
 }
 
-/// How an update went.
+/// The result of an update.
 ///
 /// ```
-/// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, NextState};
+/// use iibt_core::inference::{
+///     Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, NextState,
+/// };
 ///
 /// # static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 2);
 /// # static STAY: NextState = NextState::new(&[0, 1], 2);
@@ -61,8 +63,8 @@ pub struct Update {
     pub sweeps: u8,
 }
 
-/// The beliefs that are being updated, and as much room again to work in, twice; exact inference
-/// does without `prior`.
+/// The beliefs that are being updated, with working memory of twice their size; exact inference
+/// needs no `prior`.
 pub(super) struct Work<'b> {
     pub(super) posterior: &'b mut [f32],
     pub(super) prior: &'b mut [f32],

@@ -1,4 +1,4 @@
-//! The expected free energy of joint policies, evaluated factored and as far as there is time.
+//! The expected free energy of joint policies, factored and in batches.
 //!
 //! G of a joint policy is the sum of each group's own part and of parts that couple groups. Each
 //! group's candidates are rolled out once, all in step; only the coupled modalities are looked at
@@ -39,13 +39,15 @@ type Batch = Range<usize>;
 ///
 /// ```
 /// use iibt_core::inference::{
-///     Beliefs, Candidates, Evaluation, Factor, IdentityNoise, Modality, Model, NextState, Policy, Problem, Scoring,
+///     Beliefs, Candidates, Evaluation, Factor, IdentityNoise, Modality, Model, NextState, Policy,
+///     Problem, Scoring,
 /// };
 ///
 /// # static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 3);
 /// # static MOVES: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
 /// # static FACTORS: [Factor; 1] = [Factor::new(&MOVES, MOVES.shape(), &[0.0, 1.0, 0.0])];
-/// # static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 2.0])];
+/// # static MODALITIES: [Modality; 1] =
+/// #     [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 2.0])];
 /// # static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
 /// // Left and right in a corridor of three cells, from the middle, with the goal on the right.
 /// static POLICIES: [Policy; 2] = [Policy::of(&[0]), Policy::of(&[1])];
@@ -82,7 +84,7 @@ pub struct Evaluation<const S: usize, const G: usize, const R: usize, const P: u
 }
 
 impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<S, G, R, P> {
-    /// How many joint policies there is room for.
+    /// The number of joint policies that fit.
     pub const CAPACITY: usize = R * P;
 
     /// An evaluation not yet begun; usable in a `static`.
@@ -102,7 +104,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         }
     }
 
-    /// Forgets all results and begins with `problem`, which is checked as a whole.
+    /// Discards all results and begins with `problem`, which is checked as a whole.
     ///
     /// # Errors
     /// [`OutOfRange`] when the problem does not fit its model, or has more joint policies than the
@@ -162,7 +164,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         Ok(())
     }
 
-    /// How many joint policies are scored.
+    /// The number of joint policies scored so far.
     #[must_use]
     pub const fn done(&self) -> usize {
         self.done as usize
@@ -237,7 +239,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         batch
     }
 
-    /// Rolls out what was gathered, all in step.
+    /// Rolls out the gathered candidates, all in step.
     #[inline(never)]
     fn roll_out(&mut self, problem: &Problem<'_, S, G>, batch: &Batch) {
         self.rows = [*problem.beliefs; R];
@@ -289,7 +291,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         }
     }
 
-    /// Adds what every modality is expected to bring after a step.
+    /// Adds the expected terms of every modality after a step.
     #[inline(never)]
     fn observe(
         &mut self,
@@ -463,7 +465,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         }
     }
 
-    /// Adds up the terms of what was rolled out, and works out its log posterior.
+    /// Sums the terms of the rolled-out candidates, and computes their log posterior.
     #[inline(never)]
     fn score(&mut self, problem: &Problem<'_, S, G>, batch: &Batch) {
         let scores = self.scores.as_flattened_mut().get_mut(batch.clone()).unwrap_or_default();
@@ -483,7 +485,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
     }
 }
 
-/// Gives what a joint policy does to a group a row; `None` when there is no room.
+/// Assigns a row to a joint policy's actions on a group; `None` when there is no room.
 // Apart, and few times called: the loop around it is short enough for registers then.
 #[inline(never)]
 fn admit<const S: usize, const G: usize, const R: usize>(

@@ -1,4 +1,4 @@
-//! What was observed through one modality.
+//! The evidence of one modality.
 
 use super::error::{Argument, OutOfRange, below, exactly};
 
@@ -17,7 +17,7 @@ use super::error::{Argument, OutOfRange, below, exactly};
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Evidence<'a> {
-    /// Nothing was observed: the modality says nothing about the states.
+    /// No observation of this modality.
     #[default]
     Missing,
     /// This outcome was observed.
@@ -41,7 +41,7 @@ impl Evidence<'_> {
         matches!(self, Self::Missing)
     }
 
-    /// How well the states explain the observation, from the probability of each outcome: P(e | s).
+    /// The likelihood of the observation, from the probability of each outcome: P(e | s).
     #[inline]
     pub(super) fn probability(&self, outcomes: usize, probability: impl Fn(usize) -> f32) -> f32 {
         match self {

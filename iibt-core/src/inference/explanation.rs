@@ -1,4 +1,4 @@
-//! Why a policy: its terms by step and modality, and what set it apart from another.
+//! Explanations of a choice: the terms of a policy by step and modality, and its lead over another.
 
 use super::belief::Beliefs;
 use super::error::{Argument, OutOfRange, below};
@@ -12,15 +12,15 @@ use super::problem::Problem;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Contribution {
-    /// After how many steps; one is the first.
+    /// The step, from one.
     pub step: usize,
-    /// What brings it.
+    /// Its source.
     pub source: Source,
-    /// What it is, in nats.
+    /// Its terms, in nats.
     pub terms: Terms,
 }
 
-/// What brings a contribution.
+/// The source of a contribution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Source {
@@ -30,7 +30,7 @@ pub enum Source {
     Jointly,
     /// A preference for a pair of factors, by its number.
     PairPreference(usize),
-    /// The moves: what they will tell about B, while that is being learned.
+    /// The moves: the information that they give about B while it is learned.
     Motion,
 }
 
@@ -47,13 +47,15 @@ pub enum Source {
 /// ```
 /// use iibt_core::inference::explanation::trace;
 /// use iibt_core::inference::{
-///     Beliefs, Candidates, Factor, IdentityNoise, Modality, Model, NextState, Policy, Problem, Scoring, Terms,
+///     Beliefs, Candidates, Factor, IdentityNoise, Modality, Model, NextState, Policy, Problem,
+///     Scoring, Terms,
 /// };
 ///
 /// # static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 3);
 /// # static MOVES: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
 /// # static FACTORS: [Factor; 1] = [Factor::new(&MOVES, MOVES.shape(), &[0.0, 1.0, 0.0])];
-/// # static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 2.0])];
+/// # static MODALITIES: [Modality; 1] =
+/// #     [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 2.0])];
 /// # static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
 /// static POLICIES: [Policy; 1] = [Policy::of(&[1, 0])]; // right, and back
 /// static CANDIDATES: Candidates = Candidates::all(&[&POLICIES]);
@@ -107,7 +109,7 @@ fn visit_pairs<const S: usize, const G: usize>(
     }
 }
 
-/// Moves every group in scope by one step; returns how much that will tell about B.
+/// Moves every group in scope by one step; returns the novelty of the moves.
 fn advance<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     beliefs: &mut Beliefs<S, G>,
@@ -158,18 +160,21 @@ fn observe<const S: usize, const G: usize>(
     }
 }
 
-/// What set the chosen joint policy apart from another: the source of the largest part of the lead.
+/// The explanation of a choice against another joint policy: the source of the largest part of the
+/// lead.
 ///
 /// ```
 /// use iibt_core::inference::explanation::{Explanation, Source};
 /// use iibt_core::inference::{
-///     Beliefs, Candidates, Factor, IdentityNoise, Modality, Model, NextState, Policy, Problem, Scoring,
+///     Beliefs, Candidates, Factor, IdentityNoise, Modality, Model, NextState, Policy, Problem,
+///     Scoring,
 /// };
 ///
 /// # static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 3);
 /// # static MOVES: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
 /// # static FACTORS: [Factor; 1] = [Factor::new(&MOVES, MOVES.shape(), &[0.0, 1.0, 0.0])];
-/// # static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 2.0])];
+/// # static MODALITIES: [Modality; 1] =
+/// #     [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 2.0])];
 /// # static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
 /// # static POLICIES: [Policy; 2] = [Policy::of(&[0]), Policy::of(&[1])];
 /// # static CANDIDATES: Candidates = Candidates::all(&[&POLICIES]);
@@ -189,10 +194,9 @@ pub struct Explanation {
     pub chosen: Terms,
     /// The terms of the other.
     pub other: Terms,
-    /// What decided, and how much of -G it put the chosen policy ahead, in nats.
+    /// The deciding source, and its part of the lead in -G, in nats.
     pub decided_by: (Source, f32),
-    /// By how much the chosen policy leads in -G, in nats; less than nothing where its prior
-    /// decided.
+    /// The lead of the chosen policy in -G, in nats; negative where its prior decided.
     pub lead: f32,
 }
 
@@ -221,7 +225,7 @@ impl Explanation {
     }
 }
 
-/// How much of -G each source puts one policy ahead of another.
+/// The lead in -G that each source gives one policy over another.
 struct Leads {
     modalities: [f32; MAX_MODALITIES],
     jointly: f32,

@@ -2,7 +2,7 @@
 
 use crate::math::Prediction;
 
-/// What a policy is expected to bring, in nats, summed over modalities and steps.
+/// The terms of a policy's expected free energy, in nats, summed over modalities and steps.
 ///
 /// Without novelty, G = risk + ambiguity = -(utility + information gain), because the entropy of
 /// the predicted outcomes is information gain plus ambiguity.
@@ -25,19 +25,19 @@ use crate::math::Prediction;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Terms {
-    /// E_q(o) ln P(o): how much the predicted outcomes are liked.
+    /// E_q(o) ln P(o): the expected preference for the predicted outcomes.
     pub utility: f32,
-    /// I(o; s) = H[q(o)] - ambiguity: how much the outcomes will tell about the states.
+    /// I(o; s) = H[q(o)] - ambiguity: the information that the outcomes give about the states.
     pub information_gain: f32,
-    /// Σ_s q(s) H[P(o | s)]: how noisy the outcomes will be even when the state is known.
+    /// Σ_s q(s) H[P(o | s)]: the expected noise of the outcomes given the states.
     pub ambiguity: f32,
-    /// How much the outcomes and moves will tell about the model's own tables, while those are
-    /// being learned.
+    /// The information that outcomes and moves give about the model's own tables, while those are
+    /// learned.
     pub novelty: f32,
 }
 
 impl Terms {
-    /// Nothing yet.
+    /// All terms zero.
     pub const ZERO: Self = Self { utility: 0.0, information_gain: 0.0, ambiguity: 0.0, novelty: 0.0 };
 
     /// The terms of one modality at one step, from its predicted outcomes and its ambiguity.
@@ -58,7 +58,7 @@ impl Terms {
         self.information_gain + self.ambiguity
     }
 
-    /// KL[q(o) || P(o)]: how far the predicted outcomes are from the preferred ones.
+    /// KL[q(o) || P(o)]: the divergence of the predicted outcomes from the preferred ones.
     #[must_use]
     pub fn risk(&self) -> f32 {
         -self.utility - self.information_gain - self.ambiguity
@@ -89,7 +89,7 @@ impl core::ops::AddAssign for Terms {
     }
 }
 
-/// How the information gain of several modalities is put together.
+/// The combination of the information gains of several modalities.
 ///
 /// ```
 /// use iibt_core::inference::{Gain, Scoring};
@@ -109,7 +109,7 @@ pub enum Gain {
     Joint,
 }
 
-/// When a preference counts along a policy.
+/// The steps of a policy at which preferences count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PreferenceTiming {
@@ -122,12 +122,13 @@ pub enum PreferenceTiming {
     EveryStep,
 }
 
-/// How policies are scored.
+/// The scoring of policies.
 ///
 /// ```
 /// use iibt_core::inference::{PreferenceTiming, Scoring};
 ///
-/// // As in JAX pymdp, with a precision of 4, and no policy whose posterior is a thousandth of the best one's.
+/// // As in JAX pymdp, with a precision of 4, and no policy whose posterior is a thousandth of the
+/// // best one's.
 /// let scoring = Scoring { precision: 4.0, window: 6.9, ..Scoring::JAX_PYMDP };
 /// assert_eq!(scoring.timing, PreferenceTiming::EveryStep);
 /// // ln E - F - γ G
@@ -143,7 +144,7 @@ pub struct Scoring {
     pub precision: f32,
     /// Joint or per-modality information gain.
     pub gain: Gain,
-    /// When preferences count.
+    /// The steps at which preferences count.
     pub timing: PreferenceTiming,
     /// Occam's window, in nats: policies whose log posterior is more than this below the best are
     /// pruned. Infinity keeps them all.
@@ -151,7 +152,7 @@ pub struct Scoring {
 }
 
 impl Scoring {
-    /// What is right: arrived robots stay, goals count on arrival, standard G with per-modality
+    /// The default: arrived robots stay, goals count on arrival, and standard G with per-modality
     /// gain.
     pub const DEFAULT: Self = Self {
         precision: 16.0,
@@ -160,8 +161,8 @@ impl Scoring {
         window: f32::INFINITY,
     };
 
-    /// The field's: every preference counts at every step, and the gain is the sum of each
-    /// modality's own, as in JAX pymdp, cpp-AIF and tira.
+    /// The field's usual scoring: every preference counts at every step, and the gain is the sum of
+    /// each modality's own, as in JAX pymdp, cpp-AIF and tira.
     pub const JAX_PYMDP: Self = Self { timing: PreferenceTiming::EveryStep, ..Self::DEFAULT };
 
     /// The same with the joint gain, as in numpy pymdp, SPM and ActiveInference.jl.

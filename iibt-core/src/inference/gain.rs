@@ -1,4 +1,5 @@
-//! The joint information gain: what all modalities together are expected to tell about all states.
+//! The joint information gain: the expected information of all modalities together about all
+//! states.
 
 use super::belief::Beliefs;
 use super::evidence::Evidence;

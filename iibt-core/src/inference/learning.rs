@@ -1,13 +1,20 @@
-//! Learning: the model's tables as Dirichlet counts of what was experienced, in fixed memory.
+//! Learning: the model's tables as Dirichlet counts of experience, in fixed memory.
 //!
 //! | counts | of | learned from | used as |
 //! |---|---|---|---|
-//! | [`LikelihoodCounts`] | A | an observation and the beliefs it was made under | a [`Likelihood`](super::Likelihood) |
-//! | [`TransitionCounts`] | B | an action and the beliefs before and after it | a [`Transition`](super::Transition) |
-//! | [`SlipCounts`] | B of moves that may fail | whether a move was made | the slips of a [`NextState`](super::NextState) |
-//! | [`PreferenceCounts`] | C | outcomes, and how well each turned out | a list for a [`Modality`](super::Modality) |
-//! | [`DistributionCounts`] | D | beliefs about where things began | the prior of a [`Factor`](super::Factor) |
-//! | the same | E | what was chosen | [`Habits::Joint`](super::Habits::Joint) |
+//! | [`LikelihoodCounts`] | A | an observation and the beliefs at that time | a [`Likelihood`] |
+//! | [`TransitionCounts`] | B | an action and the beliefs before and after it | a [`Transition`] |
+//! | [`SlipCounts`] | B of moves that may fail | if a move was made | slips of a [`NextState`] |
+//! | [`PreferenceCounts`] | C | outcomes and how good each was | a list for a [`Modality`] |
+//! | [`DistributionCounts`] | D | beliefs about where things began | the prior of a [`Factor`] |
+//! | the same | E | what was chosen | [`Habits::Joint`] |
+//!
+//! [`Likelihood`]: super::Likelihood
+//! [`Transition`]: super::Transition
+//! [`NextState`]: super::NextState
+//! [`Modality`]: super::Modality
+//! [`Factor`]: super::Factor
+//! [`Habits::Joint`]: super::Habits::Joint
 //!
 //! Every experience changes the counts `a` with prior counts `a0` by
 //!
@@ -54,7 +61,7 @@ use super::Evidence;
 use super::Shape;
 use crate::math;
 
-/// How fast counts follow experience.
+/// The rates of learning and forgetting.
 ///
 /// ```
 /// use iibt_core::inference::learning::Rates;
@@ -107,8 +114,8 @@ const fn held(x: f32, most: f32) -> f32 {
     x.max(0.0).min(most)
 }
 
-/// A distribution over the outcomes that an observation speaks for; `None` for one that is missing
-/// or makes no sense.
+/// A distribution over the outcomes that an observation supports; `None` for one that is missing or
+/// makes no sense.
 fn observed<const O: usize>(evidence: Evidence) -> Option<[f32; O]> {
     let mut weights = [0.0; O];
     match evidence {

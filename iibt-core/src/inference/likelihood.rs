@@ -4,7 +4,10 @@
 //! |---|---|---|
 //! | [`DenseLikelihood`] | any table | outcomes x states |
 //! | [`IdentityNoise`] | the state itself, read with even errors | 3 |
-//! | [`OutcomeTable`] | an outcome that labels of the states determine, with or without noise | a byte per state and per combination of labels, and a column per kind |
+//! | [`OutcomeTable`] | an outcome that labels of the states determine | its labels and columns |
+//!
+//! An [`OutcomeTable`] stores a byte per state, a byte per combination of labels, and a column per
+//! kind of combination.
 //!
 //! Anything else is a type of the user's with one method, [`Likelihood::probability`].
 
@@ -24,8 +27,8 @@ use crate::math::{self, Prediction};
 /// JAX pymdp.
 pub const FLOOR: f32 = 2.220_446e-16;
 
-/// P(o | s): how likely each outcome of a modality is in each combination of states of the factors
-/// it depends on.
+/// P(o | s): the probability of each outcome of a modality in each combination of states of the
+/// factors it depends on.
 ///
 /// Only [`probability`](Self::probability) must be given. The other methods have defaults that work
 /// for any form and cost a visit of the whole table; a form with structure replaces them. `shape`
@@ -33,7 +36,9 @@ pub const FLOOR: f32 = 2.220_446e-16;
 /// it.
 ///
 /// ```
-/// use iibt_core::inference::{Factor, Likelihood, Modality, Model, NextState, Shape, Beliefs, Evidence};
+/// use iibt_core::inference::{
+///     Beliefs, Evidence, Factor, Likelihood, Modality, Model, NextState, Shape,
+/// };
 ///
 /// /// A button that reads pressed more surely the harder it is pressed.
 /// struct Button;
@@ -65,9 +70,9 @@ pub trait Likelihood: Sync {
     /// P(o = `outcome` | `states`); zero outside the table.
     fn probability(&self, outcome: usize, states: &[usize]) -> f32;
 
-    /// What is to be expected of the outcomes under independent beliefs, where q(o) = Σ_s A(o, s)
-    /// q(s): the utility, not yet normalised, Σ_o q(o) C(o), the information gain H[q(o)] -
-    /// ambiguity, the ambiguity and the novelty.
+    /// The expected terms of the outcomes under independent beliefs, where q(o) = Σ_s A(o, s) q(s):
+    /// the utility, not yet normalised, Σ_o q(o) C(o), the information gain H[q(o)] - ambiguity,
+    /// the ambiguity and the novelty.
     ///
     /// With weights in place of distributions it is linear in each, except for the entropy in the
     /// gain, which is that of the weights: -Σ w ln w.
@@ -89,9 +94,9 @@ pub trait Likelihood: Sync {
         Terms { novelty: self.novelty(shape, beliefs), ..Terms::of(&prediction, ambiguity) }
     }
 
-    /// The same for every pair of a belief in `firsts` and one in `seconds`, of a likelihood with
-    /// two conditions, into `pairs`, row by row: what a form with structure can do with less than
-    /// that many calls.
+    /// Computes the same for every pair of a belief in `firsts` and one in `seconds`, of a
+    /// likelihood with two conditions, into `pairs`, row by row: what a form with structure can do
+    /// with less than that many calls.
     fn expect_pairs(
         &self,
         shape: &Shape,
@@ -130,8 +135,8 @@ pub trait Likelihood: Sync {
         });
     }
 
-    /// The steps that one [`message`](Self::message) takes, by which exact inference is chosen or
-    /// not.
+    /// The number of steps of one [`message`](Self::message), which decides whether exact inference
+    /// is used.
     fn effort(&self, shape: &Shape) -> usize {
         shape.columns().unwrap_or(usize::MAX)
     }
@@ -164,7 +169,7 @@ fn add(sums: &mut [f32], at: Option<&usize>, term: f32) {
     }
 }
 
-/// Why a table is no likelihood or transition.
+/// The reason why a table is refused.
 ///
 /// ```
 /// use iibt_core::inference::{TableError, likelihood, NextState};

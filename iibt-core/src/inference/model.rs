@@ -1,4 +1,5 @@
-//! The generative model: hidden factors, how they change, and what can be observed of them.
+//! The generative model: hidden factors, their transitions, and the modalities through which they
+//! are observed.
 
 mod error;
 mod factor;
@@ -33,13 +34,17 @@ pub const MAX_MODALITIES: usize = 40;
 /// the compiler.
 ///
 /// ```
-/// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, NextState};
+/// use iibt_core::inference::{
+///     Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, NextState,
+/// };
 ///
-/// // A corridor of three cells, a sensor that is right nine times in ten, two moves, a goal on the right.
+/// // A corridor of three cells, a sensor that is right nine times in ten, two moves, a goal on the
+/// // right.
 /// static MOTION: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
 /// static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 3);
 /// static FACTORS: [Factor; 1] = [Factor::new(&MOTION, MOTION.shape(), &[0.8, 0.1, 0.1])];
-/// static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 1.0])];
+/// static MODALITIES: [Modality; 1] =
+///     [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 1.0])];
 /// static CORRIDOR: Model = Model::new(&FACTORS, &MODALITIES);
 ///
 /// let mut beliefs = Beliefs::<3, 1>::prior(&CORRIDOR);
@@ -99,7 +104,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The same for parts that are only known at run time.
+    /// Builds a model from parts that are only known at run time.
     ///
     /// # Errors
     /// The first [`ModelError`] found.
@@ -172,19 +177,19 @@ impl<'a> Model<'a> {
         self.modalities
     }
 
-    /// How many states all factors have together: the size of [`Beliefs`](super::Beliefs).
+    /// The number of states of all factors together: the size of [`Beliefs`](super::Beliefs).
     #[must_use]
     pub const fn states(&self) -> usize {
         if self.factors.len() <= MAX_FACTORS { self.offsets[self.factors.len()] as usize } else { 0 }
     }
 
-    /// How many action sequences a joint policy has.
+    /// The number of action sequences in a joint policy.
     #[must_use]
     pub const fn controls(&self) -> usize {
         self.controls as usize
     }
 
-    /// How many groups of factors there are that move independently of each other.
+    /// The number of groups of factors that move independently of each other.
     #[must_use]
     pub const fn groups(&self) -> usize {
         self.group_count as usize
@@ -263,7 +268,7 @@ impl<'a> Model<'a> {
         up_to(factors.map(|factor| self.part(flat, factor)))
     }
 
-    /// How many actions a control has: as many as each of the factors that it moves knows.
+    /// The number of actions of a control: that of each factor that it moves.
     #[must_use]
     pub fn actions(&self, control: usize) -> usize {
         let factors = self.factors.iter().enumerate();

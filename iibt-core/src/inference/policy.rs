@@ -3,7 +3,7 @@
 use crate::actions::{Action, Actions, HORIZON};
 use crate::math;
 
-/// A policy: what to do, step by step.
+/// A policy: a sequence of actions, one per step.
 pub type Policy = Actions;
 
 /// Every policy of `steps` steps of the actions 0 to `actions` - 1, the last step's action running
@@ -82,7 +82,7 @@ pub fn sample(posterior: &[f32], u: f32) -> usize {
     last
 }
 
-/// What was chosen, and how sure the choice is.
+/// A chosen policy and its probability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Choice {
@@ -90,7 +90,7 @@ pub struct Choice {
     pub policy: usize,
     /// The posterior probability of the chosen joint policy.
     pub joint: f32,
-    /// The posterior probability of the robot's own policy, whatever the teammates do.
+    /// The marginal posterior probability of the robot's own policy.
     pub marginal: f32,
 }
 

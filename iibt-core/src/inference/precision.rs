@@ -1,4 +1,5 @@
-//! γ, how much the expected free energy counts in a choice, from how well it foretold the choice.
+//! γ, the weight of the expected free energy in a choice, updated by how well it predicted the
+//! choice.
 
 use crate::math;
 
@@ -50,8 +51,7 @@ impl Precision {
         Self { prior: beta, beta, ..new }
     }
 
-    /// The same with γ held between two numbers, themselves between 1e-6 and 1e6; a NaN or an empty
-    /// range changes nothing.
+    /// Limits γ to a range between 1e-6 and 1e6; a NaN or an empty range changes nothing.
     #[must_use]
     pub const fn within(self, least: f32, most: f32) -> Self {
         if least.is_nan() || most.is_nan() || least > most {

@@ -1,4 +1,4 @@
-//! C, what a robot would like to observe.
+//! C, the preferences of a robot over observations.
 
 use super::error::{Argument, OutOfRange};
 
@@ -48,7 +48,7 @@ impl<const O: usize> Preference<O> {
         Self { base, raised: [0.0; O] }
     }
 
-    /// A preference worked out per outcome; a value that is not finite counts as zero.
+    /// A preference computed for each outcome; a value that is not finite counts as zero.
     #[must_use]
     pub fn from_fn(mut value: impl FnMut(usize) -> f32) -> Self {
         let finite = |outcome| Some(value(outcome)).filter(|value| value.is_finite()).unwrap_or(0.0);
@@ -88,12 +88,12 @@ impl<const O: usize> Preference<O> {
         self.raised.iter().any(|&raised| raised != 0.0)
     }
 
-    /// Takes every temporary preference away: C := C - L, exactly.
+    /// Removes every temporary preference: C := C - L, exactly.
     pub fn roll_back(&mut self) {
         self.raised = [0.0; O];
     }
 
-    /// C as it is now, temporary raises included.
+    /// The current C, temporary raises included.
     #[must_use]
     pub fn values(&self) -> [f32; O] {
         core::array::from_fn(|outcome| self.get(outcome).unwrap_or(0.0))

@@ -1,4 +1,4 @@
-//! What is to be decided: a model, beliefs, candidates, and how they are scored.
+//! A decision problem: a model, beliefs, candidates and scoring.
 
 use super::belief::Beliefs;
 use super::candidates::Candidates;
@@ -8,20 +8,22 @@ use super::model::{Modality, Model};
 use super::policy::Policy;
 use crate::actions::{Action, HORIZON};
 
-/// A decision to be made.
+/// A decision problem.
 ///
 /// [`Evaluation::begin`](super::Evaluation::begin) checks it as a whole: what does not fit is an
 /// [`OutOfRange`] error, and nothing is left out or cut off.
 ///
 /// ```
 /// use iibt_core::inference::{
-///     Beliefs, Candidates, Evaluation, Factor, IdentityNoise, Modality, Model, NextState, Policy, Problem, Scoring,
+///     Beliefs, Candidates, Evaluation, Factor, IdentityNoise, Modality, Model, NextState, Policy,
+///     Problem, Scoring,
 /// };
 ///
 /// # static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 3);
 /// # static MOVES: NextState = NextState::new(&[0, 0, 1, 1, 2, 2], 3);
 /// # static FACTORS: [Factor; 1] = [Factor::new(&MOVES, MOVES.shape(), &[0.0, 1.0, 0.0])];
-/// # static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 2.0])];
+/// # static MODALITIES: [Modality; 1] =
+/// #     [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[0.0, 0.0, 2.0])];
 /// # static MODEL: Model = Model::new(&FACTORS, &MODALITIES);
 /// # static POLICIES: [Policy; 2] = [Policy::of(&[0]), Policy::of(&[1])];
 /// # static CANDIDATES: Candidates = Candidates::all(&[&POLICIES]);
@@ -36,7 +38,8 @@ use crate::actions::{Action, HORIZON};
 /// assert_eq!(evaluation.best(), Some(0));
 ///
 /// // A preference is missing.
-/// let error = evaluation.evaluate(&Problem { preferences: &[&[2.0, 0.0]], ..problem }).unwrap_err();
+/// let error =
+///     evaluation.evaluate(&Problem { preferences: &[&[2.0, 0.0]], ..problem }).unwrap_err();
 /// assert_eq!(error.to_string(), "modality 0 has 3 outcomes, but 2 preferences are given");
 /// # Ok::<(), iibt_core::inference::OutOfRange>(())
 /// ```
@@ -44,15 +47,15 @@ use crate::actions::{Action, HORIZON};
 pub struct Problem<'a, const S: usize, const G: usize> {
     /// The generative model.
     pub model: &'a Model<'a>,
-    /// What is believed now.
+    /// The current beliefs.
     pub beliefs: &'a Beliefs<S, G>,
     /// The joint policies to choose from.
     pub candidates: Candidates<'a>,
-    /// How they are scored.
+    /// Their scoring.
     pub scoring: Scoring,
-    /// How many steps are looked at, [`HORIZON`] at the most: after a shorter sequence a robot
-    /// stays. It is the length of the longest sequence unless it is set to something else; set to
-    /// less, it has longer sequences judged by their first steps.
+    /// The horizon in steps, [`HORIZON`] at the most: after a shorter sequence a robot stays. It is
+    /// the length of the longest sequence unless it is set to something else; set to less, it has
+    /// longer sequences judged by their first steps.
     pub horizon: usize,
     /// C as it is now for each modality, in place of the model's; a modality without an entry, or
     /// with an empty one, keeps the model's.
@@ -61,7 +64,7 @@ pub struct Problem<'a, const S: usize, const G: usize> {
     /// [`PreferenceTiming::OnArrival`]; a modality without an entry, or with an empty one, has all
     /// of it count.
     pub negative_preferences: &'a [&'a [f32]],
-    /// What is liked or disliked about two factors' moves beyond any outcome.
+    /// Preferences for the moves of two factors, beyond any outcome.
     pub pair_preferences: &'a [&'a dyn PairPreference],
     /// Only modalities that depend on nothing but these groups are looked at, and only these groups
     /// move; a bit for each.
@@ -98,10 +101,10 @@ pub trait PairPreference: Sync {
     /// The two factors.
     fn factors(&self) -> [usize; 2];
 
-    /// What the moves from these beliefs by these actions are worth; no action is to stay.
+    /// The preference for moves from these beliefs by these actions; `None` is to stay.
     fn departing(&self, beliefs: [&[f32]; 2], actions: [Option<Action>; 2]) -> f32;
 
-    /// What it is worth to have arrived at these beliefs.
+    /// The preference for having arrived at these beliefs.
     fn arrived(&self, beliefs: [&[f32]; 2]) -> f32;
 }
 
@@ -146,8 +149,8 @@ impl<'a, const S: usize, const G: usize> Problem<'a, S, G> {
             .filter(|(_, _, groups)| groups & !self.scope == 0)
     }
 
-    /// After how many steps an action sequence arrives; one without actions never does, and is
-    /// judged at the horizon.
+    /// The step at which an action sequence arrives; one without actions never does, and is judged
+    /// at the horizon.
     pub(super) fn arrival(&self, actions: &Policy) -> usize {
         if actions.is_empty() { self.horizon } else { actions.len().min(self.horizon) }
     }

@@ -3,7 +3,7 @@
 /// The most hidden factors that one table is conditioned on.
 pub const MAX_CONDITIONS: usize = 8;
 
-/// How many values a table gives probabilities for, and how many states each of its conditions has.
+/// The shape of a table: the number of its values, and of the states of each of its conditions.
 ///
 /// For a likelihood the values are outcomes and the conditions are hidden factors; for a transition
 /// the values are next states, and the first condition is the factor's own state.
@@ -49,13 +49,13 @@ impl Shape {
         Some(shape)
     }
 
-    /// How many values there are.
+    /// The number of values.
     #[must_use]
     pub const fn values(&self) -> usize {
         self.values as usize
     }
 
-    /// How many conditions there are.
+    /// The number of conditions.
     #[must_use]
     pub const fn conditions(&self) -> usize {
         self.conditions as usize
@@ -68,8 +68,8 @@ impl Shape {
         if known { self.states[condition] as usize } else { 1 }
     }
 
-    /// How many columns the table has: the product of the conditions' states, or `None` where that
-    /// is no `usize`.
+    /// The number of columns: the product of the conditions' states, or `None` where that is no
+    /// `usize`.
     #[must_use]
     pub const fn columns(&self) -> Option<usize> {
         let mut product: usize = 1;

@@ -3,7 +3,7 @@
 use super::Shape;
 use super::likelihood::TableError;
 
-/// How far a column may be from summing to one.
+/// The tolerance for the sum of a column.
 const TOLERANCE: f32 = 1e-4;
 
 /// Whether every column is a distribution.

@@ -3,8 +3,8 @@
 //! | form | what it is | numbers it stores |
 //! |---|---|---|
 //! | [`DenseTransition`] | any table, coupled to other factors or not | actions x states x states |
-//! | [`NextState`] | one next state per action and state, reached always, with a slip, or with a slip per action | two bytes per action and state |
-//! | [`Blocks`] | a weighted sum of blocks, one per factor: the coupling blocks of the paper's section 4 | its blocks |
+//! | [`NextState`] | a next state per action and state, with or without slips | two bytes each |
+//! | [`Blocks`] | a weighted sum of blocks, one per factor: the paper's section 4 | its blocks |
 
 mod blocks;
 mod dense;
@@ -17,8 +17,8 @@ pub use next_state::NextState;
 use super::shape::{Shape, mass};
 use crate::actions::{Action, Actions};
 
-/// P(s' | s, u): how each action changes a hidden factor, given its own state and, where motion is
-/// coupled, the states of other factors.
+/// P(s' | s, u): the change of a hidden factor by each action, given its own state and, where
+/// motion is coupled, the states of other factors.
 ///
 /// Only [`probability`](Self::probability) must be given. `shape` is the factor's shape: as many
 /// values as states, and the factor's own state as the first condition.
@@ -66,7 +66,7 @@ pub trait Transition: Sync {
         stay_without_mass(beliefs, to);
     }
 
-    /// How many actions there are: codes run from zero. A policy with another one is an error. All
+    /// The number of actions, whose codes run from zero. A policy with another one is an error. All
     /// codes are known to a form that does not say.
     fn actions(&self) -> u8 {
         Actions::CODES
@@ -79,7 +79,7 @@ pub trait Transition: Sync {
     }
 }
 
-/// Takes a prediction without mass, by an action that the model does not have, for none.
+/// Lets a factor stay where an action that the model does not have leaves no mass.
 fn stay_without_mass(beliefs: &[&[f32]], to: &mut [f32]) {
     if to.iter().all(|mass| *mass == 0.0) {
         stay(beliefs, to);

@@ -1,4 +1,4 @@
-//! Frame authentication: who may speak in the team.
+//! Authentication of frames with a key of the team.
 //!
 //! A keyed 64-bit tag costs less than a table-free CRC on a Cortex-M4 and detects what a CRC
 //! detects, so there is no unauthenticated frame.
@@ -21,8 +21,8 @@ pub type Tag = [u8; TAG_BYTES];
 #[doc(alias = "message authentication code")]
 #[doc(alias = "HMAC")]
 pub trait FrameAuth {
-    /// The tag of the signed bytes of a frame by `sender` in a context, which is authenticated
-    /// without being sent.
+    /// The tag of the signed bytes of a frame by `sender`, which also covers the context that is
+    /// not sent.
     fn tag(&self, sender: RobotId, context: Context, signed: &[u8]) -> Tag;
 
     /// Whether `tag` is the tag of the signed bytes, in a time that does not depend on where two

@@ -1,4 +1,4 @@
-//! What robots must have in common to understand each other.
+//! The context that robots must share to accept each other's frames.
 
 use super::Message;
 
@@ -55,10 +55,10 @@ impl Context {
     }
 }
 
-/// The layout of what surrounds a message; it changes with [`VERSION`](super::VERSION).
+/// The layout of the envelope; it changes with [`VERSION`](super::VERSION).
 const ENVELOPE: &str = "sender u8; epoch u32; sequence u32; ";
 
-/// The 64-bit hash FNV-1a, for descriptions and missions; it keeps nothing secret.
+/// The 64-bit hash FNV-1a, for descriptions and missions; it is not cryptographic.
 #[derive(Clone, Copy, Debug)]
 pub struct Fnv1a(u64);
 

@@ -1,13 +1,13 @@
-//! What became of everything a roster was given.
+//! Counts of the frames that a roster received.
 
 use super::{DecodeError, Heard, Refused};
 
-/// How many frames were accepted, and how many refused for each reason. Every count stops at the
+/// The number of frames accepted, and of frames refused for each reason. Every count stops at the
 /// largest number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {
-    /// Taken into the roster.
+    /// Frames accepted into the roster.
     pub accepted: u32,
     /// [`DecodeError::TooLong`].
     pub too_long: u32,
@@ -52,7 +52,7 @@ impl Counters {
         outdated: 0,
     };
 
-    /// How many were refused, for whatever reason.
+    /// The number of refused frames, for all reasons together.
     #[must_use]
     pub fn refused(&self) -> u32 {
         let decoding =

@@ -1,4 +1,4 @@
-//! Cuts a byte stream into frames.
+//! The deframer, which cuts a byte stream into frames.
 
 use super::MAX_FRAME;
 
@@ -53,7 +53,8 @@ impl Deframer {
         None
     }
 
-    /// How often something too long for a frame was dropped; stops at the largest number.
+    /// The number of dropped stretches that were too long for a frame; saturates at the largest
+    /// number.
     #[must_use]
     pub const fn dropped(&self) -> u32 {
         self.dropped

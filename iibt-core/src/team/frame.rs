@@ -1,7 +1,7 @@
 //! The frame: one message as bytes for a radio or a serial line.
 //!
 //! ```text
-//! 0x00 | COBS( version 1 B | sender 1 B | epoch 1-5 B | sequence 1-5 B | message | tag 8 B ) | 0x00
+//! 0x00 | COBS(version 1 B | sender 1 B | epoch 1-5 B | sequence 1-5 B | message | tag 8 B) | 0x00
 //! ```
 //!
 //! Numbers of more than a byte are varints, as in the postcard format that the message is in. The
@@ -33,7 +33,7 @@ pub const MAX_MESSAGE: usize = MAX_PLAIN - MAX_HEADER - TAG_BYTES;
 // A block of 254 bytes without a zero has two COBS forms; shorter frames have one.
 const _: () = assert!(cobs::max_encoding_length(MAX_PLAIN) + 2 == MAX_FRAME && MAX_FRAME < 255);
 
-/// A message with its sender and its place in the order of everything the sender has said.
+/// A message with its sender and its stamp in the sender's order.
 #[doc(alias = "packet")]
 #[doc(alias = "header")]
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +47,7 @@ pub struct Envelope<M> {
     pub message: M,
 }
 
-/// Version aside, what every frame begins with.
+/// The head of a frame after the version.
 #[derive(Serialize, Deserialize)]
 struct Header {
     sender: RobotId,
@@ -55,7 +55,7 @@ struct Header {
     sequence: u32,
 }
 
-/// Why a message was not encoded.
+/// The reason why a message was not encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum EncodeError {
@@ -69,13 +69,13 @@ pub enum EncodeError {
     MessageTooLong,
 }
 
-/// Why bytes are no frame, in the order of the checks.
+/// The reason why bytes are not a frame, in the order of the checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DecodeError {
     /// More bytes than the longest frame has.
     TooLong,
-    /// Not the COBS form of anything, or a delimiter inside.
+    /// Not a COBS encoding, or a delimiter inside.
     Cobs,
     /// Too few bytes for a version and a tag.
     TooShort,
@@ -102,7 +102,8 @@ pub enum DecodeError {
 ///
 /// ```
 /// use iibt_core::team::{
-///     Context, DecodeError, Envelope, Key, MAX_FRAME, Message, RobotId, SipHash64, Stamp, decode, encode,
+///     Context, DecodeError, Envelope, Key, MAX_FRAME, Message, RobotId, SipHash64, Stamp, decode,
+///     encode,
 /// };
 /// use serde::{Deserialize, Serialize};
 ///

@@ -1,20 +1,20 @@
-//! Freshness: how long what a teammate said can be relied on.
+//! Freshness: how long a teammate's message can be relied on.
 //!
 //! Age has two limits: past the first, wait for the peer; past the second, do without it.
 
 use crate::time::Duration;
 use core::num::NonZero;
 
-/// How far a teammate's last message can be relied on.
+/// The freshness of a teammate's last message.
 #[doc(alias = "liveness")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Freshness {
     /// Heard at most `fresh_for` ago.
     Fresh,
-    /// Heard at most `lost_after` ago: wait for it.
+    /// Heard at most `lost_after` ago: wait for a newer message.
     Stale,
-    /// Heard longer ago: do without it.
+    /// Heard longer ago: continue without the teammate.
     Lost,
     /// Not heard since this robot started.
     Unheard,
@@ -43,7 +43,7 @@ pub struct Limits {
     lost_after: Duration,
 }
 
-/// Why there are no such limits.
+/// The reason why limits are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitsError {
@@ -61,7 +61,7 @@ impl Limits {
     /// the frames lost, that happens once in 15,000 times.
     pub const FRESH_BEACONS: u32 = 8;
 
-    /// Limits of one's own: fresh up to and including `fresh_for`, lost after `lost_after`.
+    /// Limits with two ages: fresh up to and including `fresh_for`, lost after `lost_after`.
     ///
     /// # Errors
     /// [`LimitsError`] when `lost_after` is shorter than `fresh_for` or longer than
@@ -105,7 +105,7 @@ impl Limits {
         self.lost_after
     }
 
-    /// What a message of this age is: never [`Freshness::Unheard`].
+    /// The freshness of a message of this age: never [`Freshness::Unheard`].
     #[must_use]
     pub const fn freshness(&self, age: Duration) -> Freshness {
         if age.0 > self.lost_after.0 {

@@ -1,4 +1,4 @@
-//! What a task tells its teammates.
+//! Messages from a task to its teammates.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -43,7 +43,7 @@ pub trait Message: Clone + Serialize + DeserializeOwned {
     /// build.
     const MAX_BYTES: usize;
 
-    /// Checks that every value is in its range, for what the types alone do not say.
+    /// Checks that every value is in its range, where the types alone do not ensure it.
     ///
     /// Neither sender nor receiver lets a message pass that fails this check.
     ///

@@ -3,7 +3,7 @@
 use super::{Freshness, Message, Peer, RobotId, Roster};
 use crate::time::{Duration, Instant};
 
-/// What each teammate said last, and how far that can be relied on now.
+/// The last message of each teammate, and its freshness now.
 ///
 /// ```
 /// use iibt_core::team::{Envelope, Freshness, Limits, Member, Message, RobotId, Roster, Stamp};
@@ -61,7 +61,7 @@ impl<'a, M: Message> Peers<'a, M> {
         self.now
     }
 
-    /// The robot whose teammates these are.
+    /// The robot itself.
     #[must_use]
     pub const fn own(self) -> RobotId {
         self.roster.own()
@@ -73,12 +73,12 @@ impl<'a, M: Message> Peers<'a, M> {
         self.roster.team()
     }
 
-    /// The teammates that have been heard, in the order of the robots, however long ago that was.
+    /// The teammates that have ever been heard, in the order of the robots.
     pub fn iter(self) -> impl Iterator<Item = &'a Peer<M>> + Clone {
         self.roster.peers()
     }
 
-    /// A teammate, if it has been heard, however long ago that was.
+    /// A teammate, if it has ever been heard.
     #[must_use]
     pub fn get(self, robot: RobotId) -> Option<&'a Peer<M>> {
         self.roster.peer(robot)
@@ -90,8 +90,8 @@ impl<'a, M: Message> Peers<'a, M> {
         self.iter().filter(move |peer| peer.freshness(limits, now) == Freshness::Fresh)
     }
 
-    /// How far a robot's last message can be relied on; [`Freshness::Unheard`] also for this robot
-    /// itself and for robots outside the team.
+    /// The freshness of a robot's last message; [`Freshness::Unheard`] also for this robot itself
+    /// and for robots outside the team.
     #[must_use]
     pub fn freshness(self, robot: RobotId) -> Freshness {
         let limits = self.roster.limits();
@@ -107,7 +107,7 @@ impl<'a, M: Message> Peers<'a, M> {
         Some(if peer.is_lost() { age.max(self.roster.limits().lost_after()) } else { age })
     }
 
-    /// How many teammates take part now: fresh, and [taking part](Message::takes_part).
+    /// The number of teammates that take part now: fresh, and [taking part](Message::takes_part).
     #[must_use]
     pub fn connected(self) -> usize {
         self.fresh().filter(|peer| peer.message().takes_part()).count()

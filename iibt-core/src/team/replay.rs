@@ -9,8 +9,7 @@
 //! What this does not cover: a receiver that restarts has forgotten the stamps, and takes a
 //! recorded frame of a peer until it has heard a newer one from the peer itself.
 
-/// When something was said, in the sender's own order: first by epoch, then by sequence. Never
-/// wraps.
+/// The place of a frame in the sender's order: first by epoch, then by sequence. Never wraps.
 #[doc(alias = "replay protection")]
 #[doc(alias = "anti-replay")]
 #[doc(alias = "incarnation")]

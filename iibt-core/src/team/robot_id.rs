@@ -36,7 +36,7 @@ pub struct Member {
     team: u8,
 }
 
-/// Why a team has no such member.
+/// The reason why a team has no such member.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MemberError {

@@ -1,4 +1,4 @@
-//! The roster: what each teammate said last, and how long ago.
+//! The roster: the last message of each teammate, and its age.
 
 use super::{
     Context, Counters, DecodeError, Envelope, FrameAuth, Freshness, Invalid, Limits, MAX_TEAM, Member,
@@ -14,7 +14,9 @@ use core::cmp::Ordering;
 /// in again. [`at`](Self::at) reads it at an instant.
 ///
 /// ```
-/// use iibt_core::team::{Envelope, Heard, Limits, Member, Message, Refused, RobotId, Roster, Stamp};
+/// use iibt_core::team::{
+///     Envelope, Heard, Limits, Member, Message, Refused, RobotId, Roster, Stamp,
+/// };
 /// use iibt_core::time::{Duration, Instant};
 /// use serde::{Deserialize, Serialize};
 ///
@@ -62,33 +64,33 @@ pub struct Peer<M> {
     lost: bool,
 }
 
-/// What an accepted message is to the roster.
+/// The place of an accepted message in its sender's order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Heard {
-    /// The first of this peer since this robot started.
+    /// The first message of this peer since this robot started.
     First,
-    /// The first of a newer epoch: the peer has started again.
+    /// The first message of a newer epoch: the peer has restarted.
     Restart,
-    /// A newer one of the same epoch.
+    /// A newer message of the same epoch.
     Update,
 }
 
-/// Why a message was not taken.
+/// The reason why a message was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
-    /// It was no frame.
+    /// The bytes are not a frame.
     Frame(DecodeError),
-    /// It claims to come from this very robot: an echo, or two robots with the same number.
+    /// The sender is this robot itself: an echo, or two robots with the same number.
     Own,
     /// The team has no such robot.
     Unknown,
     /// The robot's task does not accept it.
     Foreign(Invalid),
-    /// The newest one of this peer once more.
+    /// The newest message of this peer again.
     Duplicate,
-    /// Older than the newest one of this peer: replayed or overtaken.
+    /// A message older than the newest of this peer: replayed or overtaken.
     Outdated,
 }
 
@@ -99,7 +101,7 @@ impl<M: Message> Roster<M> {
         Self { member, limits, peers: [const { None }; MAX_TEAM], counters: Counters::NONE }
     }
 
-    /// Takes in a frame, without its delimiters, that was received now and that the task accepts.
+    /// Receives a frame, without its delimiters, at an instant; the task may refuse its message.
     ///
     /// Costs one [`decode`] and one pass over the roster.
     ///
@@ -121,7 +123,7 @@ impl<M: Message> Roster<M> {
         outcome
     }
 
-    /// Takes in a message that was received now and needs no check of authenticity.
+    /// Receives a message that needs no check of authenticity.
     ///
     /// # Errors
     /// [`Refused`], counted, for any reason but [`Refused::Frame`] and [`Refused::Foreign`]; the
@@ -132,7 +134,7 @@ impl<M: Message> Roster<M> {
         outcome
     }
 
-    /// Writes off who is lost now, so that they stay [`Freshness::Lost`] until heard again.
+    /// Marks the peers that are lost now, so that they stay [`Freshness::Lost`] until heard again.
     ///
     /// Must be called at least every 2^30 ticks (12 days at 1 kHz), or else a clock that has gone
     /// half around makes a lost peer fresh again; every tick is a good time.
@@ -143,7 +145,7 @@ impl<M: Message> Roster<M> {
         }
     }
 
-    /// The teammates as they stand at an instant.
+    /// The teammates at an instant.
     #[must_use]
     pub const fn at(&self, now: Instant) -> Peers<'_, M> {
         Peers::new(self, now)
@@ -160,7 +162,7 @@ impl<M: Message> Roster<M> {
         self.peers.get(robot.index())?.as_ref()
     }
 
-    /// Whose roster this is.
+    /// The robot that owns this roster.
     #[must_use]
     pub const fn own(&self) -> RobotId {
         self.member.robot()
@@ -172,13 +174,13 @@ impl<M: Message> Roster<M> {
         self.member.team()
     }
 
-    /// When a peer stops being fresh, and when it is lost.
+    /// The ages at which a peer stops being fresh and is lost.
     #[must_use]
     pub const fn limits(&self) -> Limits {
         self.limits
     }
 
-    /// What became of everything received so far.
+    /// The counts of everything received so far.
     #[must_use]
     pub const fn counters(&self) -> &Counters {
         &self.counters
@@ -205,7 +207,7 @@ impl<M: Message> Roster<M> {
     }
 }
 
-/// What a stamp is to a receiver whose newest of the same sender is `newest`.
+/// The place of a stamp for a receiver whose newest of the same sender is `newest`.
 fn judge(newest: Option<Stamp>, stamp: Stamp) -> Result<Heard, Refused> {
     let Some(newest) = newest else {
         return Ok(Heard::First);
@@ -219,7 +221,7 @@ fn judge(newest: Option<Stamp>, stamp: Stamp) -> Result<Heard, Refused> {
 }
 
 impl<M> Peer<M> {
-    /// The newest thing it said, with sender and number.
+    /// Its newest message with sender and number.
     #[must_use]
     pub const fn envelope(&self) -> &Envelope<M> {
         &self.envelope
@@ -231,13 +233,13 @@ impl<M> Peer<M> {
         self.envelope.sender
     }
 
-    /// The newest thing it said.
+    /// Its newest message.
     #[must_use]
     pub const fn message(&self) -> &M {
         &self.envelope.message
     }
 
-    /// When that was heard, on this robot's clock.
+    /// The instant at which that was received, on this robot's clock.
     #[must_use]
     pub const fn heard(&self) -> Instant {
         self.heard

@@ -1,10 +1,9 @@
-//! What a table must satisfy to be a tree, and what follows from it: all before the first tick, and
-//! in a `const` before the program runs.
+//! Checks that a table is a tree, before the first tick, and in a `const` before the program runs.
 
 use super::node::{Millis, Node};
 use super::row::{ASK, LATER, MAX_DEPTH, MAX_NODES, NONE, Row, UP};
 
-/// A rule for tables, as the reason why one is no tree.
+/// A rule that a table breaks.
 ///
 /// ```
 /// use iibt_core::tree::{Full, Millis, Node, TreeRule, Tree};
@@ -60,7 +59,7 @@ pub enum TreeRule {
     NeverTicked,
 }
 
-/// The error of a table that is no tree: the first row that breaks a rule.
+/// The error of a table that is not a tree: the first row that breaks a rule.
 ///
 /// ```
 /// use iibt_core::tree::{Node, TreeRule, Tree, TreeError};
@@ -75,7 +74,7 @@ pub enum TreeRule {
 pub struct TreeError {
     /// The row, from zero.
     pub node: u16,
-    /// What is wrong with it.
+    /// The rule that it breaks.
     pub rule: TreeRule,
 }
 
@@ -196,8 +195,8 @@ const fn next<L>(rows: &[Row<L>], child: usize) -> usize {
     }
 }
 
-/// How many nodes one pass visits at the most. For each row, `most` gets the number below it if the
-/// node was running before, and if it was idle.
+/// The most nodes that one pass visits. For each row, `most` gets the number below it if the node
+/// was running before, and if it was idle.
 pub(super) const fn visits<L>(rows: &[Row<L>], most: &mut [(u32, u32)]) -> u32 {
     let mut at = rows.len();
     while at > 0 {

@@ -94,7 +94,7 @@ pub struct Root<T> {
 /// A node of a compiled tree. Actions are numbered in the order of the tree, those below this node
 /// from `first` on.
 pub trait Part<L, V: ?Sized> {
-    /// How many actions it has.
+    /// The number of its actions.
     const ACTIONS: u8;
 
     /// Ticks the node, in which the action `resume` was running if its number is one of them, and 0
@@ -107,7 +107,7 @@ pub trait Part<L, V: ?Sized> {
 
 /// The children of a compiled composite, numbered as in [`Part`].
 pub trait Children<L, V: ?Sized> {
-    /// How many actions they have.
+    /// The number of their actions.
     const ACTIONS: u8;
 
     /// Ticks the children in turn while they return `go_on`, beginning, unless `REACTIVE`, at the
@@ -125,7 +125,7 @@ pub trait Children<L, V: ?Sized> {
     fn halt(&self, leaves: &mut V, now: Instant, first: u8, running: u8);
 }
 
-/// What all nodes share during a tick.
+/// The context that all nodes share during a tick.
 #[derive(Debug)]
 pub struct Pass<'a, V: ?Sized> {
     leaves: &'a mut V,

@@ -7,7 +7,7 @@ use super::status::Status;
 use super::visit::{Visit, VisitEffect, VisitOutcome};
 use Status::{Failure, Running, Skipped, Success};
 
-/// Which of a parallel node's children have ended how: three numbers in a node's extra word.
+/// The counts of a parallel node's finished children: three numbers in a node's extra word.
 #[derive(Clone, Copy)]
 struct ChildCounts {
     successes: u8,

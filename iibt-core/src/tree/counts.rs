@@ -1,4 +1,4 @@
-//! How large a tree is.
+//! The size of a tree.
 
 use super::kinds::Kinds;
 use super::node::Node;

@@ -1,4 +1,4 @@
-//! When a tree that is running wants to be ticked again.
+//! The deadline of a running tree.
 
 use super::context::TickContext;
 use super::kinds::Kinds;
@@ -9,7 +9,7 @@ use super::status::Next;
 use crate::time::{Duration, Instant};
 
 impl<L, V: Leaves<L> + ?Sized, K: Kinds> TickContext<'_, L, V, K> {
-    /// The earliest time at which a timer is due; looks at every node once.
+    /// The earliest time at which a timer is due; visits every node once.
     #[inline(never)]
     pub(super) fn next_deadline(&mut self) -> Next {
         let mut earliest: Option<Instant> = None;

@@ -1,4 +1,4 @@
-//! Halting.
+//! The halting of nodes.
 
 use super::context::TickContext;
 use super::kinds::Kinds;
@@ -65,7 +65,7 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> TickContext<'_, L, V, K> {
         self.cells.first().is_some_and(|root| root.slot.has_pending_halt())
     }
 
-    /// Keeps in mind, in the root's memory, that some action has not stopped.
+    /// Records in the root's memory that some action has not stopped.
     pub(super) fn note_pending_halt(&mut self) -> Halt {
         if !self.stopping {
             return Halt::Done;
@@ -74,7 +74,7 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> TickContext<'_, L, V, K> {
         Halt::Pending
     }
 
-    /// Asks every action that is still stopping once more.
+    /// Asks every action that is still stopping again.
     #[cold]
     #[inline(never)]
     pub(super) fn go_on_halting(&mut self) -> Halt {
@@ -119,7 +119,7 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> TickContext<'_, L, V, K> {
     }
 }
 
-/// What a node keeps when it is halted.
+/// The memory that a node keeps when it is halted.
 fn at_rest<L>(row: &Row<L>, before: Slot) -> Slot {
     match row.node {
         Node::SequenceWithMemory(_) => before.place(),

@@ -1,6 +1,6 @@
-//! Which kinds of nodes a tree may have.
+//! The sets of node kinds.
 
-/// A set of node kinds, chosen by a tree's type: what a set leaves out costs neither flash nor RAM.
+/// A set of node kinds, chosen by a tree's type: kinds outside the set cost neither flash nor RAM.
 ///
 /// ```
 /// use iibt_core::tree::{Basic, Full, Kinds, Node, TreeRule, Times, Tree};
@@ -16,9 +16,9 @@
 pub trait Kinds: sealed::Sealed + Copy + core::fmt::Debug + Eq {
     /// Whether the set has every [`Node`](super::Node).
     const FULL: bool;
-    /// Whether the set follows BehaviorTree.CPP also where that is peculiar.
+    /// Whether the set also follows the peculiarities of BehaviorTree.CPP.
     const COMPAT: bool;
-    /// What a node remembers besides its slot.
+    /// The memory of a node besides its slot.
     #[doc(hidden)]
     type Extra: sealed::Extra;
 }
@@ -93,7 +93,7 @@ pub(super) mod sealed {
     impl Sealed for super::Full {}
     impl Sealed for super::Compat {}
 
-    /// A count or the time at which something began; nothing in the basic set.
+    /// A count, or the time at which something began; empty in the basic set.
     pub trait Extra: Copy + PartialEq + core::fmt::Debug {
         const ZERO: Self;
         fn get(self) -> u32;

@@ -1,10 +1,10 @@
-//! What the caller provides: the leaves of a tree.
+//! The leaves of a tree, which the caller provides.
 
 use super::log::StatusChange;
 use super::status::{Halt, Status};
 use crate::time::Instant;
 
-/// The leaves of a tree, each named by a value of `L`: what the caller provides.
+/// The leaves of a tree, each named by a value of `L`, which the caller provides.
 ///
 /// The type that implements it is the blackboard: leaves share its fields.
 ///
@@ -86,7 +86,7 @@ pub trait Leaves<L> {
     #[doc(alias("onHalted", "terminate", "cleanup"))]
     fn on_halted(&mut self, leaf: &L, now: Instant) -> Halt;
 
-    /// Goes on stopping an action that has answered [`Halt::Pending`] so far. [`Halt`] has an
+    /// Continues to stop an action that has answered [`Halt::Pending`] so far. [`Halt`] has an
     /// example.
     fn on_halting(&mut self, leaf: &L, now: Instant) -> Halt {
         let _ = (leaf, now);

@@ -1,4 +1,4 @@
-//! The transition log: what the nodes of a tree did, for a host to replay.
+//! The log of status changes, for a host to replay.
 
 use super::status::Status;
 use crate::time::Instant;

@@ -1,6 +1,6 @@
 //! The nested notation for trees.
 
-/// A [`Tree`](crate::tree::Tree) written as it nests; the numbers of children are counted.
+/// Builds a [`Tree`](crate::tree::Tree) from nested nodes; the numbers of children are counted.
 ///
 /// Each node is the name of a [`Node`](crate::tree::Node) with its children in braces or its leaf
 /// in parentheses. What else a node needs stands in parentheses before its children, durations in
@@ -155,8 +155,8 @@ macro_rules! tree {
     };
 }
 
-/// A tree written as [`tree!`](crate::tree!) writes it, of the basic kinds, as code instead of a
-/// table.
+/// Builds a tree of the basic kinds as code instead of a table, in the notation of
+/// [`tree!`](crate::tree!).
 ///
 /// The value's type is the tree; see [`compiled`](crate::tree::compiled). Let a function own it, or
 /// be generic over

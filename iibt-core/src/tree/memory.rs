@@ -1,4 +1,4 @@
-//! What a tree remembers between two ticks.
+//! The memory of a tree between two ticks.
 
 use super::kinds::sealed::Extra;
 use super::kinds::{Basic, Kinds};
@@ -114,7 +114,7 @@ impl<K: Kinds> PartialEq for NodeMemory<K> {
 
 impl<K: Kinds> Eq for NodeMemory<K> {}
 
-/// What every node remembers.
+/// The memory that every node has.
 ///
 /// | bits | what |
 /// |---|---|
@@ -151,7 +151,7 @@ impl Slot {
         parent.wrapping_add(1).wrapping_add((self.0 >> 18) as usize)
     }
 
-    /// Only the place.
+    /// The slot with the place alone.
     pub(super) const fn place(self) -> Self {
         Self(self.0 & PLACE)
     }
@@ -190,7 +190,7 @@ impl Slot {
         Self((code & 3) << 4)
     }
 
-    /// Only the kept status.
+    /// The slot with the kept status alone.
     pub(super) const fn only_kept(self) -> Self {
         Self::keeping(self.kept())
     }

@@ -113,7 +113,7 @@ pub enum Node<L> {
     /// An interactive inference node: to the tree an action like any other.
     #[doc(alias("active inference", "AIF"))]
     Inference(L),
-    /// A question that is answered at once.
+    /// A condition, which is answered at once.
     #[doc(alias("predicate", "check"))]
     Condition(L),
 
@@ -198,7 +198,7 @@ pub enum Node<L> {
     /// Halts its child and fails when the time has passed. Zero is no limit.
     #[doc(alias = "deadline")]
     Timeout(Millis),
-    /// Lets the time pass before it ticks its child.
+    /// Waits before it ticks its child.
     #[doc(alias = "wait")]
     Delay(Millis),
     /// Ticks its child until that has finished once, then never again.
@@ -381,7 +381,7 @@ impl<L> Node<L> {
         }
     }
 
-    /// The same node with another name for its leaf, if it has one.
+    /// Renames the leaf of the node, if it has one.
     ///
     /// # Errors
     /// What `name` returns.

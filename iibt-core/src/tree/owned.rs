@@ -52,8 +52,8 @@ pub struct OwnedTree<L, R, K: Kinds = Basic> {
 }
 
 impl<L, R: AsRef<[Row<L>]>, K: Kinds> OwnedTree<L, R, K> {
-    /// Links `rows`, in preorder, to a tree. As [`TreeRef::try_new`] it accepts nodes that no tick
-    /// can reach.
+    /// Links `rows`, in preorder, into a tree. As [`TreeRef::try_new`] it accepts nodes that no
+    /// tick can reach.
     ///
     /// # Errors
     /// The first row that breaks a [`TreeRule`](super::TreeRule).

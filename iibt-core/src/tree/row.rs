@@ -1,4 +1,4 @@
-//! A row of a tree's table: a node and what follows it.
+//! A row of a tree's table: a node and its links.
 //!
 //! A link is what follows when the node has succeeded, or failed:
 //!
@@ -40,7 +40,7 @@ pub const MAX_DEPTH: usize = 256;
 /// The most nodes a tree may have.
 pub const MAX_NODES: usize = 8191;
 
-/// A node and the links to what follows it.
+/// A node and its links to the rows that follow.
 ///
 /// ```
 /// use iibt_core::tree::{Node, Row, TreeRef};
@@ -64,7 +64,7 @@ pub(super) const NONE: u16 = 0x3FFF;
 /// To the parent, which has the status of this child.
 pub(super) const UP: u16 = 1 << 14;
 
-/// To the parent, which decides what comes next.
+/// To the parent, which decides the next step.
 pub(super) const ASK: u16 = 2 << 14;
 
 /// To the next child if the parent, which is asked first, wants it.

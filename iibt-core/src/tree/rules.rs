@@ -1,4 +1,4 @@
-//! What each kind of node does when it is ticked, and when a child of it returns.
+//! The rules of each kind of node, for a tick and for the return of a child.
 
 use super::kinds::Kinds;
 use super::node::Node;
@@ -7,8 +7,8 @@ use super::visit::{Visit, VisitOutcome};
 use Status::{Failure, Running, Skipped, Success};
 
 impl<L, K: Kinds> Visit<'_, L, K> {
-    /// What the node decides when it is ticked. `answer` is the case of a switch, and whether the
-    /// condition of a precondition holds.
+    /// The decision of the node when it is ticked. `answer` is the case of a switch, and whether
+    /// the condition of a precondition holds.
     pub(super) fn ticked(&self, answer: usize) -> VisitOutcome {
         match self.node {
             Node::SequenceWithMemory(_) | Node::AsyncSequence(_) | Node::AsyncFallback(_) => {
@@ -34,7 +34,7 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         }
     }
 
-    /// What the node decides when its child in row `child` has returned `status`.
+    /// The decision of the node when its child in row `child` has returned `status`.
     #[inline(always)]
     pub(super) fn child_returned(&self, child: usize, status: Status) -> VisitOutcome {
         match self.node {

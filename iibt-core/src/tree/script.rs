@@ -24,7 +24,7 @@ impl Script {
         Self { lines: lines.split_whitespace().map(parse).collect(), trace: Vec::new() }
     }
 
-    /// What the leaves were told since the last call, with `end` appended.
+    /// The calls of leaves since the last trace, with `end` appended.
     pub(super) fn trace(&mut self, end: &str) -> String {
         let mut trace = core::mem::take(&mut self.trace);
         trace.push(end.into());

@@ -1,4 +1,4 @@
-//! What a tick comes to, and a halt.
+//! The results of a tick and of a halt.
 
 use crate::time::Instant;
 
@@ -18,9 +18,9 @@ use crate::time::Instant;
 pub enum Status {
     /// The node is not finished and wants the next tick.
     Running = 1,
-    /// The node has reached its purpose.
+    /// The node has reached its goal.
     Success = 2,
-    /// The node cannot reach its purpose.
+    /// The node cannot reach its goal.
     Failure = 3,
     /// The node does not apply now: its parent goes on as if it were not there.
     Skipped = 4,
@@ -133,11 +133,11 @@ pub enum Halt {
 pub struct Tick {
     /// The status of the root.
     pub status: Status,
-    /// When the next tick can change something.
+    /// The earliest tick that can change something.
     pub next: Next,
 }
 
-/// When the next tick can change something: what a controller sleeps for.
+/// The time until the next tick can change something, for a controller that sleeps.
 ///
 /// ```
 /// use iibt_core::time::Instant;

@@ -1,4 +1,4 @@
-//! What a node may look at when it is ticked, and what it can decide.
+//! The view of a node when it is ticked, and its possible decisions.
 //!
 //! The rules of the nodes are functions from the one to the other; they change nothing. The walk
 //! asks them, and it alone changes memory and calls leaves.
@@ -23,7 +23,7 @@ pub(super) struct Visit<'a, L, K: Kinds> {
     pub(super) now: Instant,
 }
 
-/// Where the walk goes from a node.
+/// The next step of the walk.
 #[derive(Clone, Copy)]
 pub(super) enum Step {
     /// To the child in this row.
@@ -32,7 +32,7 @@ pub(super) enum Step {
     Return(Status),
 }
 
-/// What else a node wants done before the walk goes on.
+/// A side effect that a node requests before the walk continues.
 #[derive(Clone, Copy)]
 pub(super) enum VisitEffect {
     Nothing,
@@ -44,7 +44,7 @@ pub(super) enum VisitEffect {
     Yield,
 }
 
-/// What a node decides: its memory from now on, and where the walk goes.
+/// The decision of a node: its new memory and the next step of the walk.
 pub(super) struct VisitOutcome {
     pub(super) slot: Slot,
     pub(super) extra: u32,
@@ -147,7 +147,7 @@ impl<'a, L, K: Kinds> Visit<'a, L, K> {
         child
     }
 
-    /// What it counts or measures: `value` if it was not running.
+    /// Its count or measured time: `value` if it was not running.
     pub(super) const fn begun(&self, value: u32) -> u32 {
         if self.slot.is_running() { self.extra } else { value }
     }

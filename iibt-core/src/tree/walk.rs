@@ -18,7 +18,7 @@ use super::row::{NONE, Row, UP};
 use super::status::{Halt, Next, Status, Tick};
 use super::visit::{Step, Visit, VisitEffect, VisitOutcome};
 
-/// What follows where there is no node.
+/// The link where there is no node.
 const NO_NODE: usize = usize::MAX;
 
 impl<L, V: Leaves<L> + ?Sized, K: Kinds> TickContext<'_, L, V, K> {
@@ -61,7 +61,7 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> TickContext<'_, L, V, K> {
         result
     }
 
-    /// Goes through the tree once.
+    /// Walks through the tree once.
     ///
     /// One long function on purpose. With the three ways on as values that a shared end follows,
     /// T21 takes 796 instructions instead of 428.
@@ -158,8 +158,8 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> TickContext<'_, L, V, K> {
         self.rows.get(at).map_or(NO_NODE, Row::parent)
     }
 
-    /// Takes the end of the node in row `child` to its parent, in row `at`: what follows, and the
-    /// end of that.
+    /// Passes the result of the node in row `child` to its parent in row `at`; returns the next row
+    /// and its result.
     #[inline(never)]
     fn leave(&mut self, at: usize, child: usize, status: Status) -> (usize, usize) {
         self.ask(at, |visit| visit.child_returned(child, status))
@@ -180,7 +180,8 @@ impl<L, V: Leaves<L> + ?Sized, K: Kinds> TickContext<'_, L, V, K> {
         self.ask(at, |visit| visit.ticked(answer))
     }
 
-    /// Does what the node in row `at` decides: what follows, and the end of the node if it has one.
+    /// Carries out the decision of the node in row `at`; returns the next row, and the node's
+    /// result if it has one.
     #[inline(always)]
     fn ask(&mut self, at: usize, decide: impl FnOnce(Visit<'_, L, K>) -> VisitOutcome) -> (usize, usize) {
         let (Some(row), Some(cell)) = (self.rows.get(at), self.cells.get(at)) else {

@@ -24,7 +24,7 @@ pub struct Decision {
     pub preferences: Vec<Vec<f32>>,
     /// The part of C that counts under way, for each modality; empty where all of it does.
     pub negative_preferences: Vec<Vec<f32>>,
-    /// What is thought of moves beyond outcomes.
+    /// The preferences for moves beyond outcomes.
     pub meetings: Vec<Meeting>,
     /// The groups that are looked at.
     pub scope: u16,
@@ -51,7 +51,7 @@ pub struct Meeting {
 }
 
 impl Meeting {
-    /// What it is worth to be in two states, before these actions or after.
+    /// The preference for being in two states, before these actions or after.
     #[must_use]
     pub fn worth(&self, states: [usize; 2], actions: Option<[Option<Action>; 2]>) -> f32 {
         let code = |action: Option<Action>| action.map_or(17, u64::from);
@@ -167,8 +167,8 @@ impl Decision {
 }
 
 impl Description {
-    /// The group of each factor: factors that move together, by coupling or by a shared control, counted in the order
-    /// of their first factors.
+    /// The group of each factor: factors that move together, by coupling or by a shared control,
+    /// counted in the order of their first factors.
     #[must_use]
     pub fn groups(&self) -> Vec<usize> {
         let mut name: Vec<usize> = (0..self.factors.len()).collect();

@@ -1,4 +1,5 @@
-//! A model described by its numbers: written out for the oracle, and put together from the core's forms.
+//! A model described by its numbers: written out for the oracle, and put together from the core's
+//! forms.
 
 use super::Tables;
 use iibt_core::actions::Action;
@@ -31,7 +32,8 @@ pub struct Hidden {
     pub motion: Motion,
 }
 
-/// A transition; tables have a row per next state and a column per combination of states, action after action.
+/// A transition; tables have a row per next state and a column per combination of states, action
+/// after action.
 #[derive(Clone, Debug)]
 pub enum Motion {
     /// The core's dense form.

@@ -6,16 +6,16 @@ use super::{Marginals, Tables, log_softmax, p_ln_p, wide};
 use iibt_core::actions::Action;
 use iibt_core::inference::{Gain, PreferenceTiming};
 
-/// What a policy is expected to bring, in nats.
+/// The terms of a policy, in nats.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sums {
-    /// E_q(o) C(o), normalised, and what pair_preferences are worth.
+    /// E_q(o) C(o), normalised, with the preferences for pairs.
     pub utility: f64,
     /// I(o; s), by the states' posterior for every outcome.
     pub information_gain: f64,
     /// E_q(s) H[P(o | s)].
     pub ambiguity: f64,
-    /// KL[q(o) || P(o)], less what pair_preferences are worth.
+    /// KL[q(o) || P(o)], less the preferences for pairs.
     pub risk: f64,
 }
 
@@ -118,7 +118,8 @@ impl<'a> Reference<'a> {
             let first = groups.iter().map(|&group| self.arrival(group, policy)).min();
             let arrives = Some(step + 1) == first;
             let every_step = self.decision.scoring.timing == PreferenceTiming::EveryStep;
-            // What several groups bring about together is judged and observed once, at the first arrival.
+            // What several groups bring about together is judged and observed once, at the first
+            // arrival.
             if groups.len() > 1 && !arrives && !every_step {
                 continue;
             }

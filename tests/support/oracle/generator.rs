@@ -12,7 +12,8 @@ pub const STATES: usize = 6;
 /// The most factors, and so the most groups.
 pub const FACTORS: usize = 4;
 
-/// A model of 1 to 4 factors of 1 to 6 states and 1 to 4 modalities; most have no more than some sixty joint states.
+/// A model of 1 to 4 factors of 1 to 6 states and 1 to 4 modalities; most have no more than some
+/// sixty joint states.
 pub fn description(chance: &mut Chance) -> Description {
     let most = if chance.once_in(60) { usize::MAX } else { chance.pick(&[6, 12, 24, 64]) };
     let states = loop {

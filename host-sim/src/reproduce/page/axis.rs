@@ -1,6 +1,6 @@
 //! An axis with round numbers on it.
 
-/// How many steps an axis has at most.
+/// The most steps of an axis.
 const STEPS: f64 = 5.0;
 
 /// The values that an axis covers, and the distance of its marks.
@@ -21,13 +21,13 @@ impl Axis {
         Self { low, high, step: round_step((high - low) / STEPS) }
     }
 
-    /// The same, ending on marks.
+    /// The axis extended to the next marks.
     pub(super) fn rounded(self) -> Self {
         let (low, high) = ((self.low / self.step).floor(), (self.high / self.step).ceil());
         Self { low: low * self.step, high: high * self.step, ..self }
     }
 
-    /// Which part of the axis a value is at.
+    /// The position of a value, as a part of the axis.
     pub(super) fn part(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }

@@ -34,7 +34,7 @@ impl<'a> Legend<'a> {
         Self { mark, entries }
     }
 
-    /// How much room it takes.
+    /// Its height.
     pub(super) fn height(&self) -> f64 {
         self.entries.last().map_or(0.0, |(_, _, (_, y))| y + LINE)
     }

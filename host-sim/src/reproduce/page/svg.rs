@@ -93,12 +93,12 @@ fn listed(points: &[(f64, f64)]) -> String {
     points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ")
 }
 
-/// How wide a text of small letters is, roughly.
+/// The approximate width of a text in small letters.
 pub(super) fn width_of(text: &str) -> f64 {
     7.0 * text.chars().count() as f64
 }
 
-/// How many colours there are beside the paper's grey.
+/// The number of colours besides the paper's grey.
 const COLOURS: usize = 7;
 
 /// The class of a colour: 0 is the paper's, from 1 on are ours, a robot or series each.

@@ -1,4 +1,4 @@
-//! What the paper prints of section 6.1: figure 9, and four joint plans.
+//! The results that the paper prints in section 6.1: figure 9 and four joint plans.
 
 use crate::reproduce::decision::{DecisionMode, PaperDecision, WIDTH, map, path};
 use crate::reproduce::figure::{Bars, DataSeries, Figure, Grid, Panel, Scale, Track};
@@ -6,8 +6,8 @@ use crate::reproduce::report::{Item, Tolerance, number};
 use crate::text::counted;
 use iibt_core::grid::{Cell, Path};
 
-/// How near the ratios of the paper's probabilities ours are to be; the paper prints three digits
-/// of each.
+/// The tolerance for the ratios of the paper's probabilities; the paper prints three digits of
+/// each.
 const TOLERANCE: Tolerance = Tolerance::Relative(0.005);
 
 const GOALS: [u16; 3] = [24, 26, 32];
@@ -96,7 +96,7 @@ const PLANS: [Plan; 4] = [
     },
 ];
 
-/// What can be compared.
+/// The items that can be compared.
 pub(super) fn items() -> Vec<Item> {
     let mut items = figure_9();
     items.extend(PLANS.iter().flat_map(|plan| plan.items()));
@@ -162,7 +162,7 @@ const fn printed(bar: usize, robot: usize) -> f64 {
     if robot == 1 { BARS[bar].with_1 } else { BARS[bar].with_2 }
 }
 
-/// What robot 3 chooses, and what its path has to be for the paper's number.
+/// The choice of robot 3, and the path that gives the paper's number.
 fn chosen() -> [Item; 3] {
     let paths =
         [BARS[CHOSEN].cells.expect("it is printed"), CHOSEN_TOO, BARS[REFERENCE].cells.expect("it is known")];

@@ -14,12 +14,12 @@ use iibt_core::navigation::Cause;
 /// The seeds that it is flown with, by a perfect radio and by one that loses three frames in ten.
 const SEEDS: u64 = 200;
 
-/// What the paper's mission has, by the cells of the paper.
+/// The obstacles and way-points of the paper's mission, by the cells of the paper.
 const OBSTACLES: [Cell; 2] = [Cell(23), Cell(31)];
 const WAY_POINTS: [(usize, Cell); 2] = [(0, Cell(4)), (2, Cell(39))];
 const CHARGING: [usize; 2] = [0, 2];
 
-/// The flight: what is claimed of it, and its pictures.
+/// The flight: claims and pictures.
 pub(super) fn flown(run: &Reproduction<'_>) -> (Vec<Item>, Vec<Figure>) {
     let scenario = built_in("shift");
     let record = fly(&scenario, Conditions::default(), &mut ()).expect("its mission fits");
@@ -132,7 +132,7 @@ fn seeds(scenario: &Scenario, run: &Reproduction<'_>) -> Vec<Item> {
     safety::flown(scenario, run, SEEDS).into_iter().map(claim).collect()
 }
 
-/// What everybody chose, in each round that the team agreed on.
+/// The choices of all robots, in each round that the team agreed on.
 fn rounds(scenario: &Scenario, record: &Record) -> Figure {
     let mut asked: Vec<(u32, Cell)> = Vec::new();
     for timed in &record.events {
@@ -168,7 +168,7 @@ fn rounds(scenario: &Scenario, record: &Record) -> Figure {
     )
 }
 
-/// How sure robots are of where they stand, when one reading in ten is wrong.
+/// The robots' certainty of their positions, when one reading in ten is wrong.
 fn certainty(scenario: &Scenario) -> Figure {
     let noisy = Disturbance::Noise.applied(scenario, 0);
     let record = fly(&noisy, Conditions::default(), &mut ()).expect("its mission fits");

@@ -65,7 +65,7 @@ impl Variants {
     }
 }
 
-/// What a variant does; leaves with the same documentation are the same.
+/// The documentation of a variant; leaves with the same documentation share one.
 fn documentation(node: &Node, hook: &Hook) -> String {
     let port = |name: &str| code(node.ports.get(name).map_or("", |value| value.text.as_str()));
     match &hook.task {
@@ -103,7 +103,7 @@ fn code(text: &str) -> String {
     format!("`{}`", text.replace('`', "'").replace(['\n', '\r'], " "))
 }
 
-/// The name that a variant should have.
+/// The preferred name of a variant.
 fn wish(node: &Node, hook: &Hook) -> String {
     match hook.task {
         HookTask::Guard { .. } => format!("Before {}", node.name),

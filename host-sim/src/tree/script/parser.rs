@@ -1,4 +1,4 @@
-//! From text to expressions.
+//! The parser of scripts.
 
 use super::{Assignment, Binary, ComparisonOperator, Expression, Prefix, Scalar};
 use winnow::ascii::{digit1, hex_digit1};
@@ -17,7 +17,7 @@ const MAX_DEPTH: usize = 100;
 /// The most operators of a script.
 const MAX_OPERATORS: usize = 1000;
 
-/// What is left to read, and what was met on the way.
+/// The rest of the text, with the depth and the operators so far.
 type ScriptInput<'t> = Stateful<&'t str, Met>;
 
 #[derive(Debug, Default)]
@@ -89,7 +89,7 @@ fn statement(input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     )
 }
 
-/// What follows a condition, or the condition itself.
+/// A conditional expression, or its condition alone.
 fn choice(condition: Expression, input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     if opt(word("?")).parse_next(input)?.is_none() {
         return Ok(condition);
@@ -119,7 +119,7 @@ fn comparison(input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     Ok(if others.is_empty() { first } else { Expression::ComparisonOperator(Box::new(first), others) })
 }
 
-/// What is worked out from values.
+/// Sums and products of values.
 fn arithmetic(input: &mut ScriptInput<'_>) -> ModalResult<Expression> {
     let infix = sign.verify_map(|sign| {
         Some(match sign {
@@ -196,7 +196,7 @@ fn is_part_of_name(sign: char) -> bool {
     sign.is_ascii_alphanumeric() || sign == '_'
 }
 
-/// What `read` reads, one level deeper.
+/// Reads with `read`, one level deeper.
 fn nested(
     mut read: impl FnMut(&mut ScriptInput<'_>) -> ModalResult<Expression>,
     input: &mut ScriptInput<'_>,
@@ -221,7 +221,7 @@ fn sign<'t>(input: &mut ScriptInput<'t>) -> ModalResult<&'t str> {
     preceded(blanks, alt((pairs, single))).parse_next(input)
 }
 
-/// This very sign.
+/// Reads a given sign.
 fn word<'t>(wanted: &'static str) -> impl Parser<ScriptInput<'t>, &'t str, ErrMode<ContextError>> {
     sign.verify(move |sign: &str| sign == wanted)
 }

@@ -1,4 +1,4 @@
-//! From expressions to values.
+//! The evaluation of scripts.
 
 use super::{Assignment, Binary, ComparisonOperator, Expression, Prefix};
 
@@ -10,7 +10,7 @@ pub(in crate::tree) enum Scalar {
     Text(String),
 }
 
-/// Where a script finds its variables.
+/// The variables of a script.
 pub(in crate::tree) trait Variables {
     fn value(&self, name: &str) -> Option<Scalar>;
     fn set(&mut self, name: &str, value: Scalar);

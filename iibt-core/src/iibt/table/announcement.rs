@@ -1,11 +1,11 @@
-//! What a robot with a table task tells its teammates.
+//! The announcement of a robot with a table task.
 
 use super::definition::MAX_FACTORS;
 use crate::team::{Invalid, Message};
 use serde::{Deserialize, Serialize};
 
-/// Where a robot is sure to be, what it is doing, and how sure its decision was: 3 to 7 bytes in a
-/// frame.
+/// The states a robot is sure of, its operator under way, and the probability of its decision: 3 to
+/// 7 bytes in a frame.
 ///
 /// ```
 /// use iibt_core::iibt::table::Announcement;

@@ -1,4 +1,4 @@
-//! Whether the tables of a task fit together, worked out by the compiler for a `const`.
+//! Checks that the tables of a task fit together, by the compiler for a `const`.
 
 use super::definition::{
     Accuracy, Effect, Given, Holds, Labels, MAX_FACTORS, MAX_FACTS, MAX_OPERATORS, MAX_SENSORS, MAX_STATES,
@@ -9,10 +9,10 @@ use crate::iibt::rules::Raise;
 use crate::math;
 use crate::team::MAX_TEAM;
 
-/// The row of a table and what is wrong with it.
+/// The row of a table and the reason why it is refused.
 type Flaw = Option<(usize, &'static str)>;
 
-/// How far a column may be from summing to one, as in the tables of `inference`.
+/// The tolerance for the sum of a column, as in the tables of `inference`.
 const TOLERANCE: f32 = 1e-4;
 
 /// Goes over the rows of a list, which a `for` loop cannot do in a `const fn`.
@@ -66,7 +66,7 @@ macro_rules! refuse_unnamed {
     };
 }
 
-/// The first thing that does not fit.
+/// The first error of the tables.
 pub(super) const fn check(roles: &[Role]) -> Result<(), TablesError> {
     if let Some((row, reason)) = team(roles) {
         return Err(TablesError { row: Some(row as u16), ..TablesError::of_team("roles", reason) });
@@ -95,7 +95,7 @@ const fn team(roles: &[Role]) -> Flaw {
     None
 }
 
-/// What other tables refer to.
+/// Checks the parts that other tables refer to.
 const fn check_states(role: &Role, number: usize) -> Option<TablesError> {
     first_flaw!(number,
         "factors": factors(role),
@@ -104,7 +104,7 @@ const fn check_states(role: &Role, number: usize) -> Option<TablesError> {
     )
 }
 
-/// What refers to the states of this role and of others.
+/// Checks the parts that refer to the states of this role and of others.
 const fn check_role(roles: &[Role], number: usize) -> Option<TablesError> {
     let role = &roles[number];
     first_flaw!(number,
@@ -348,7 +348,7 @@ const fn outcome(roles: &[Role], role: &Role) -> Flaw {
     None
 }
 
-/// What is wrong with a list of names.
+/// The flaw of a list of names, if there is one.
 const fn names(names: &[&str]) -> Option<&'static str> {
     if names.is_empty() || names.len() > MAX_STATES {
         return Some("there are not 1 to 15 names");
@@ -498,7 +498,7 @@ mod tests {
         Tables::try_new(&[role, OTHER]).map_or_else(|error| error.to_string(), |_| String::new())
     }
 
-    /// What is said about a role in which one row is another.
+    /// The error of a role in which one row replaces another.
     macro_rules! said {
         ($table:ident: $($row:expr),* => $reason:literal) => {
             assert_eq!(refusal(Role { $table: &[$($row),*], ..SOUND }), concat!("roles[0].", $reason));

@@ -1,4 +1,4 @@
-//! What a role is written as: tables of states, operators, sensors, facts and aims.
+//! The tables of a role: states, operators, sensors, facts and aims.
 
 use crate::iibt::Literal;
 use crate::iibt::rules::Raise;
@@ -18,36 +18,36 @@ pub const MAX_FACTS: usize = 16;
 /// role's tables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Role<'a> {
-    /// What the robot is called.
+    /// The robot's name.
     pub name: &'a str,
     /// The hidden factors that it tracks, 1 to [`MAX_FACTORS`].
     pub factors: &'a [HiddenFactor<'a>],
     /// The semantic states that decisions and preferences are about, s^i in the paper.
     pub states: Labels<'a>,
-    /// A: what it reads in each tick, at most [`MAX_SENSORS`].
+    /// A: its sensors, read in each tick, at most [`MAX_SENSORS`].
     pub sensors: &'a [Sensor<'a>],
-    /// U with table 5: what it can do, 1 to [`MAX_OPERATORS`]; a joint policy has one of each
-    /// robot.
+    /// U with table 5: its operators, 1 to [`MAX_OPERATORS`]; a joint policy has one of each robot.
     pub operators: &'a [Operator<'a>],
     /// The operator that stands for doing nothing: it has neither preconditions nor effects.
     pub idle: u8,
     /// The logic variables, at most [`MAX_FACTS`]. Where several preconditions are missing, the
     /// first fact of this table is seen to first.
     pub facts: &'a [Fact<'a>],
-    /// f_L: what to prefer while a precondition is missing.
+    /// f_L: the preferences while a precondition is missing.
     pub remedies: &'a [Remedy],
-    /// What inference nodes of this robot are for, one at least.
+    /// The aims of this robot's inference nodes, at least one.
     pub aims: &'a [Aim<'a>],
-    /// What the robots' states bring about together.
+    /// The outcome that the robots' states bring about together.
     pub outcome: Option<JointOutcome<'a>>,
 }
 
-/// A hidden factor: something of the robot or its surroundings that it cannot see, only sense.
+/// A hidden factor: a part of the robot's state or surroundings that it can only infer from
+/// readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HiddenFactor<'a> {
-    /// What it is called.
+    /// Its name.
     pub name: &'a str,
-    /// What its states are called, 1 to [`MAX_STATES`].
+    /// The names of its states, 1 to [`MAX_STATES`].
     pub states: &'a [&'a str],
     /// D: the probability of each state at the start.
     pub prior: &'a [f32],
@@ -56,7 +56,7 @@ pub struct HiddenFactor<'a> {
 /// A function of factors: a label for each combination of their states.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Labels<'a> {
-    /// What the labels are called, 1 to [`MAX_STATES`].
+    /// The names of the labels, 1 to [`MAX_STATES`].
     pub names: &'a [&'a str],
     /// The factors that it depends on.
     pub factors: &'a [u8],
@@ -64,18 +64,18 @@ pub struct Labels<'a> {
     pub table: &'a [u8],
 }
 
-/// A sensor: what it reads and how well.
+/// A sensor: its quantity and accuracy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor<'a> {
-    /// What it is called.
+    /// Its name.
     pub name: &'a str,
-    /// What it reads.
+    /// The quantity that it reads.
     pub reads: Reads<'a>,
-    /// How well.
+    /// Its accuracy.
     pub accuracy: Accuracy<'a>,
 }
 
-/// What a sensor reads.
+/// The quantity that a sensor reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reads<'a> {
     /// The state of this factor.
@@ -86,7 +86,7 @@ pub enum Reads<'a> {
     Labels(Labels<'a>),
 }
 
-/// How likely each reading is for each truth.
+/// The probability of each reading given the truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Accuracy<'a> {
     /// Right with this probability; each wrong reading has an equal share of the rest.
@@ -98,24 +98,24 @@ pub enum Accuracy<'a> {
 /// An action with its preconditions and postconditions: a row of the paper's table 5.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Operator<'a> {
-    /// What it is called.
+    /// Its name.
     pub name: &'a str,
     /// The facts that must hold before it is begun.
     pub requires: &'a [u8],
     /// The facts that must not hold.
     pub forbids: &'a [u8],
-    /// What it does to the robot's semantic state when joint policies are compared.
+    /// Its effect on the robot's semantic state when joint policies are compared.
     pub brings: Postcondition,
-    /// What it does to the hidden factors when it succeeds; the first effect whose condition is met
+    /// Its effects on the hidden factors when it succeeds; the first effect whose condition is met
     /// counts for its factor.
     pub effects: &'a [Effect<'a>],
     /// B: the probability that it succeeds. When it fails, no factor changes.
     pub success: f32,
-    /// ln E up to a constant: how likely it is chosen beforehand, in nats.
+    /// ln E up to a constant: its log prior probability, in nats.
     pub habit: f32,
 }
 
-/// What an operator brings about when joint policies are compared.
+/// The result of an operator when joint policies are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Postcondition {
     /// The state stays as it is.
@@ -126,14 +126,14 @@ pub enum Postcondition {
     Reset(u8, f32, u8),
 }
 
-/// What an operator does to one factor.
+/// The effect of an operator on one factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effect<'a> {
-    /// What must be the case for it to happen.
+    /// The conditions under which it happens.
     pub given: &'a [Given],
     /// The factor that changes.
     pub factor: u8,
-    /// What it becomes.
+    /// Its new state.
     pub to: To,
 }
 
@@ -149,7 +149,7 @@ pub struct Given {
     pub state: u8,
 }
 
-/// What a factor becomes.
+/// The new state of a factor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum To {
     /// This state.
@@ -161,13 +161,13 @@ pub enum To {
 /// A logic variable, l in the paper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fact<'a> {
-    /// What it is called.
+    /// Its name.
     pub name: &'a str,
-    /// When it is true.
+    /// The condition under which it is true.
     pub holds: Holds<'a>,
 }
 
-/// When a logic variable is true.
+/// The condition under which a logic variable is true.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Holds<'a> {
     /// The robot is sure that its factor is in one of these states.
@@ -200,23 +200,23 @@ pub enum Holds<'a> {
     },
 }
 
-/// A row of f_L: what to prefer while a precondition is missing.
+/// A row of f_L: the preferences while a precondition is missing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remedy {
     /// The missing literal; its variable is a fact.
     pub missing: Literal,
     /// The own semantic state whose preference is raised.
     pub state: u8,
-    /// By how much.
+    /// The size of the raise.
     pub raise: Raise,
     /// The state that becomes the target.
     pub target: Option<u8>,
 }
 
-/// What an inference node is for.
+/// The aim of an inference node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim<'a> {
-    /// What it is called.
+    /// Its name.
     pub name: &'a str,
     /// The facts that hold when it is reached: the precondition of stopping.
     pub done: &'a [u8],
@@ -228,7 +228,7 @@ pub struct Aim<'a> {
     pub target: Option<u8>,
 }
 
-/// What a robot prefers of its teammates.
+/// The preferences of a robot for its teammates' states.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wish<'a> {
     /// To be in the state that their announced operator brings about.
@@ -240,7 +240,7 @@ pub enum Wish<'a> {
 /// An outcome that the states of all robots determine together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointOutcome<'a> {
-    /// What the outcomes are called.
+    /// The names of the outcomes.
     pub names: &'a [&'a str],
     /// C over the outcomes.
     pub preference: &'a [f32],
@@ -252,7 +252,7 @@ pub struct JointOutcome<'a> {
 }
 
 impl Role<'_> {
-    /// How many states all factors have together.
+    /// The number of states of all factors together.
     #[must_use]
     pub const fn tracked(&self) -> usize {
         let (mut sum, mut factor) = (0, 0);
@@ -278,7 +278,7 @@ impl<'a> Labels<'a> {
 }
 
 impl<'a> Operator<'a> {
-    /// The operator that does nothing and needs nothing.
+    /// The operator that does and needs nothing.
     pub const IDLE: Self = Self {
         name: "idle",
         requires: &[],
@@ -289,8 +289,9 @@ impl<'a> Operator<'a> {
         habit: 0.0,
     };
 
-    /// What a factor becomes when the operator succeeds: `None` when it stays. `is` tells the state
-    /// of a factor, of a teammate's where a number is given, and `None` where that is not known.
+    /// The new state of a factor when the operator succeeds: `None` when it stays. `is` tells the
+    /// state of a factor, of a teammate's where a number is given, and `None` where that is not
+    /// known.
     #[must_use]
     pub fn becomes(
         &self,
@@ -323,7 +324,7 @@ impl<'a> Operator<'a> {
 }
 
 impl<'a> Effect<'a> {
-    /// Puts a factor into a state, whatever was before.
+    /// Sets a factor to a state, whatever its state before.
     #[must_use]
     pub const fn set(factor: u8, state: u8) -> Self {
         Self { given: &[], factor, to: To::State(state) }

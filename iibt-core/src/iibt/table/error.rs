@@ -1,6 +1,6 @@
-//! What does not fit in a task's tables, and where.
+//! The error of tables that do not fit, with its place.
 
-/// What does not fit in a task's tables, and where.
+/// The error of tables that do not fit, with its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TablesError {
@@ -10,7 +10,7 @@ pub struct TablesError {
     pub table: &'static str,
     /// The row of the table; `None` where it is about all of it.
     pub row: Option<u16>,
-    /// What is wrong with it.
+    /// The reason.
     pub reason: &'static str,
 }
 
@@ -31,7 +31,7 @@ impl TablesError {
     }
 }
 
-/// A message put together by the compiler, which cannot format.
+/// A message assembled by the compiler, which cannot format.
 struct Text {
     bytes: [u8; Self::ROOM],
     len: usize,

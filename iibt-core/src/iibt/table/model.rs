@@ -15,8 +15,7 @@ use crate::inference::{
 use crate::team::MAX_TEAM;
 use heapless::Vec;
 
-/// B of one hidden factor: what the operators do to it, given the factors that their effects depend
-/// on.
+/// B of one hidden factor under the operators, given the factors that their effects depend on.
 struct Dynamics<'a> {
     role: &'a Role<'a>,
     target: Option<u8>,
@@ -67,7 +66,7 @@ impl Transition for Dynamics<'_> {
     }
 }
 
-/// B of a decision: what the operators of a role bring about.
+/// B of a decision: the results of a role's operators.
 struct Brought<'a>(&'a Role<'a>);
 
 impl Transition for Brought<'_> {
@@ -109,7 +108,7 @@ impl<'a> Noise<'a> {
 /// A of a sensor: the label of the factors' states, read with noise.
 struct Reading<'a> {
     noise: Noise<'a>,
-    /// What is read where it is a function of factors; else the state itself.
+    /// The function of factors that is read; else the state itself.
     labels: Option<(&'a Labels<'a>, &'a [HiddenFactor<'a>])>,
     factors: Vec<usize, MAX_FACTORS>,
     shape: Shape,
@@ -167,7 +166,7 @@ impl Likelihood for Together<'_> {
     }
 }
 
-/// Puts the model of a robot's hidden factors and sensors together for `then`.
+/// Builds the model of a robot's hidden factors and sensors, and calls `then` with it.
 fn with_own_model<T>(role: &Role<'_>, target: Option<u8>, then: impl FnOnce(&Model) -> T) -> Option<T> {
     let mut dynamics = Vec::<_, MAX_FACTORS>::new();
     for factor in 0..role.factors.len() {
@@ -197,11 +196,10 @@ pub(super) fn prior<const S: usize>(role: &Role<'_>) -> Option<Beliefs<S, 1>> {
     with_own_model(role, None, |model| Beliefs::try_prior(model).ok())?
 }
 
-/// How likely a robot takes itself to be in any state at all, so that no reading is ever
-/// impossible.
+/// The least probability of every state in the belief, so that no reading is ever impossible.
 const DOUBT: f32 = 1e-4;
 
-/// Takes an operator that has ended and the readings after it into the belief; returns F of the
+/// Updates the belief by an operator that has ended and the readings after it; returns F of the
 /// readings.
 pub(super) fn track<const S: usize>(
     beliefs: &mut Beliefs<S, 1>,
@@ -230,7 +228,7 @@ pub(super) fn track<const S: usize>(
     updated.unwrap_or(Ok(0.0))
 }
 
-/// What a joint decision is made from.
+/// The input of a joint decision.
 pub(super) struct Question<'q, 'a, const S: usize, const N: usize> {
     pub(super) tables: &'a Tables<'a>,
     pub(super) own: usize,
@@ -243,7 +241,7 @@ pub(super) struct Question<'q, 'a, const S: usize, const N: usize> {
     pub(super) outcome: Option<&'a JointOutcome<'a>>,
 }
 
-/// What came of it: q(s) of every robot and the posterior over all joint policies.
+/// The result of a joint decision: q(s) of every robot and the posterior over all joint policies.
 pub(super) type Answer<const S: usize, const N: usize, const P: usize> = ([[f32; S]; N], [f32; P]);
 
 impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
@@ -300,8 +298,8 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
         Some(core::array::from_fn(|policy| posterior.as_flattened().get(policy).copied().unwrap_or(0.0)))
     }
 
-    /// Puts the model of a decision together for `then`: a factor and a modality for each robot,
-    /// and the outcome.
+    /// Builds the model of a decision, and calls `then` with it: a factor and a modality for each
+    /// robot, and the outcome.
     fn with_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
         let roles = self.tables.roles();
         let mut parts = Vec::<_, MAX_TEAM>::new();

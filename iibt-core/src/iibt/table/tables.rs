@@ -38,7 +38,7 @@ impl<'a> Tables<'a> {
         }
     }
 
-    /// The same for tables that are only known at run time.
+    /// Checks tables that are only known at run time.
     ///
     /// # Errors
     /// The first [`TablesError`] found.
@@ -52,7 +52,7 @@ impl<'a> Tables<'a> {
         }
     }
 
-    /// The same tables with another precision γ of the choice among joint policies.
+    /// Sets the precision γ of the choice among joint policies.
     ///
     /// # Errors
     /// [`TablesError`] when it is negative or not finite.
@@ -64,8 +64,7 @@ impl<'a> Tables<'a> {
         }
     }
 
-    /// The same tables with another least probability at which a robot is sure of a state and acts
-    /// on it.
+    /// Sets the least probability at which a robot is sure of a state and acts on it.
     ///
     /// # Errors
     /// [`TablesError`] when it is no probability above one half.
@@ -101,19 +100,19 @@ impl<'a> Tables<'a> {
         self.confidence
     }
 
-    /// A number for these tables, from the names in them: for the firmware's `Robot::mission`.
+    /// A hash of the names in these tables, for the firmware's `Robot::mission`.
     #[must_use]
     pub const fn mission(&self) -> u64 {
         self.mission
     }
 
-    /// How many robots there are: the `N` of a [`TableTask`](super::TableTask).
+    /// The number of robots: the `N` of a [`TableTask`](super::TableTask).
     #[must_use]
     pub const fn robots(&self) -> usize {
         self.roles.len()
     }
 
-    /// How many states a belief has room for: the `S` of a [`TableTask`](super::TableTask).
+    /// The number of states of a belief: the `S` of a [`TableTask`](super::TableTask).
     #[must_use]
     pub const fn states(&self) -> usize {
         let (mut most, mut role) = (0, 0);
@@ -126,7 +125,7 @@ impl<'a> Tables<'a> {
         most
     }
 
-    /// How many joint policies there are: the `P` of a [`TableTask`](super::TableTask).
+    /// The number of joint policies: the `P` of a [`TableTask`](super::TableTask).
     #[must_use]
     pub const fn policies(&self) -> usize {
         let (mut product, mut role) = (1, 0);
@@ -138,7 +137,7 @@ impl<'a> Tables<'a> {
     }
 }
 
-/// The hash of what announcements refer to.
+/// The hash of everything that announcements refer to.
 const fn mission(roles: &[Role]) -> u64 {
     let (mut hash, mut at) = (Fnv1a::EMPTY, 0);
     while at < roles.len() {

@@ -1,4 +1,4 @@
-//! The task that tables describe: the lines of Algorithm 1.
+//! A task described by tables: the lines of Algorithm 1.
 
 use super::announcement::Announcement;
 use super::definition::{Aim, Fact, HiddenFactor, Holds, MAX_SENSORS, Operator, Postcondition, Role, Wish};
@@ -12,19 +12,19 @@ use crate::team::{Invalid, MAX_TEAM, Message, Peers, RobotId};
 use crate::time::Instant;
 use core::marker::PhantomData;
 
-/// What a robot senses in one tick.
+/// The readings of a robot in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Percept {
     /// The time of the tick. A percept counts once, however many nodes see it.
     pub at: Instant,
-    /// What each sensor reads, `None` for one that is silent.
+    /// The reading of each sensor, `None` for one that is silent.
     pub readings: [Option<u8>; MAX_SENSORS],
     /// Whether an operator is under way. Readings count once it has ended.
     pub busy: bool,
 }
 
-/// What the body is told to do.
+/// A command to the robot's body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Command {
@@ -34,7 +34,7 @@ pub struct Command {
     pub target: Option<u8>,
 }
 
-/// What a robot can decide to do in a tick.
+/// The possible decisions of a robot in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Plan {
@@ -42,11 +42,11 @@ pub enum Plan {
     Continue,
     /// Take another reading: the robot is not sure of its factors.
     Look,
-    /// Do one's part of the joint policy with this number.
+    /// Carry out the robot's part of the joint policy with this number.
     Take(u16),
 }
 
-/// C of all robots as one robot has it, raises included, and where they lead.
+/// C of all robots as one robot has it, raises included, and the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted<const S: usize, const N: usize> {
     /// C of each robot's semantic state.
@@ -64,10 +64,10 @@ pub struct Offered<const N: usize> {
     announced: [Option<u8>; N],
 }
 
-/// The last decision: what it was made from and what came of it.
+/// The last decision: its input and its result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointDecision<const S: usize, const N: usize, const P: usize> {
-    /// C of each robot as it was, raises included.
+    /// C of each robot at the time, raises included.
     pub preferences: [[f32; S]; N],
     /// q(s) of each robot.
     pub beliefs: [[f32; S]; N],
@@ -90,11 +90,11 @@ pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, M = Ann
     aim: &'a Aim<'a>,
     beliefs: Beliefs<S, 1>,
     surprise: Result<f32, ObservationError>,
-    /// What teammates announced last.
+    /// The last announcement of each teammate.
     said: [Option<Announcement>; N],
     observed: Option<Instant>,
     busy: bool,
-    /// What is under way.
+    /// The command under way.
     pending: Option<Command>,
     command: Option<Command>,
     decision: Option<JointDecision<S, N, P>>,
@@ -137,25 +137,25 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
         })
     }
 
-    /// Turns to the aim with this number; returns whether there is one.
+    /// Sets the aim by its number; returns whether there is one.
     pub fn pursue(&mut self, aim: usize) -> bool {
         let found = self.role.aims.get(aim);
         self.aim = found.unwrap_or(self.aim);
         found.is_some()
     }
 
-    /// Begins an operator that something else than the node has chosen: a plain leaf of the tree.
+    /// Begins an operator that the node has not chosen, such as that of a plain leaf.
     pub fn begin(&mut self, command: Command) {
         (self.command, self.pending) = (Some(command), Some(command));
     }
 
-    /// What the body is to do now, told once; `None` for nothing new.
+    /// Returns the command for the body, once; `None` for nothing new.
     #[must_use]
     pub const fn command(&self) -> Option<Command> {
         self.command
     }
 
-    /// What this robot tells its teammates.
+    /// The announcement of this robot to its teammates.
     #[must_use]
     pub fn announcement(&self) -> Announcement {
         let operator = self.pending.map_or(self.role.idle, |command| command.operator);
@@ -177,8 +177,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
         operator_of(self.tables, policy, self.own)
     }
 
-    /// The state of a factor that is probable enough to be acted on; `None` while an operator is
-    /// under way.
+    /// The state of a factor, if it is probable enough to act on; `None` while an operator is under
+    /// way.
     #[must_use]
     pub fn sure(&self, factor: usize) -> Option<usize> {
         let belief = self.belief(factor);
@@ -202,7 +202,7 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
         self.beliefs.as_flat().get(start..start + states).unwrap_or(&[])
     }
 
-    /// q(s) of the semantic states: what the factors amount to.
+    /// q(s) of the semantic states, from the factors.
     #[must_use]
     pub fn states(&self) -> [f32; S] {
         let mut states = [0.0; S];
@@ -222,13 +222,13 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
         states
     }
 
-    /// A number for the tables: for the firmware's `Robot::mission`.
+    /// A hash of the tables, for the firmware's `Robot::mission`.
     #[must_use]
     pub const fn mission(&self) -> u64 {
         self.tables.mission()
     }
 
-    /// Checks a teammate's message against the tables: for the firmware's `Robot::accepts`.
+    /// Checks a teammate's message against the tables, for the firmware's `Robot::accepts`.
     ///
     /// # Errors
     /// [`Invalid`] when no role has the states and the operator that it names.
@@ -248,13 +248,13 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
         self.surprise
     }
 
-    /// What a teammate announced last, while that is fresh.
+    /// The last announcement of a teammate, while it is fresh.
     #[must_use]
     pub fn teammate(&self, robot: usize) -> Option<Announcement> {
         self.said.get(robot).copied().flatten()
     }
 
-    /// The facts as they stand now, for a target.
+    /// The facts that hold now, for a target.
     #[must_use]
     pub fn logic(&self, target: Option<u8>) -> Logic {
         let facts = self.role.facts.iter().zip(0..);
@@ -304,7 +304,7 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
         self.decision.as_ref().and_then(of).unwrap_or(1.0)
     }
 
-    /// The semantic state that a teammate's announcement amounts to.
+    /// The semantic state in a teammate's announcement.
     fn announced_state(&self, robot: usize) -> Option<usize> {
         let (said, role) = (self.teammate(robot)?, self.tables.role(robot)?);
         let known = |factor: &u8| said.state(usize::from(*factor)).is_some();
@@ -403,7 +403,7 @@ where
         Wanted { rows, target: self.aim.target }
     }
 
-    /// All operators, always: which of them may be begun, the preconditions say.
+    /// All operators in every tick; the preconditions restrict which of them may begin.
     fn candidates(&mut self, preference: &Wanted<S, N>, peers: Peers<'_, M>) -> Offered<N> {
         let mut offered = Offered { target: preference.target, announced: [None; N] };
         for peer in peers.fresh() {
@@ -466,7 +466,7 @@ fn operator_of(tables: &Tables<'_>, policy: u16, robot: usize) -> u8 {
     (rest % own) as u8
 }
 
-/// Whether a role has all that an announcement names.
+/// Whether a role has every state and operator that an announcement names.
 fn is_of(said: &Announcement, role: &Role<'_>) -> bool {
     let known = |(number, factor): (usize, &HiddenFactor<'_>)| {
         said.state(number).is_none_or(|state| usize::from(state) < factor.states.len())

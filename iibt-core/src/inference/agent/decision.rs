@@ -1,4 +1,4 @@
-//! What was decided, by one robot or by a team.
+//! The decision of one robot or of a team.
 
 use crate::actions::Action;
 use crate::inference::candidates::{Candidates, JointPolicy};
@@ -27,7 +27,8 @@ use crate::inference::model::MAX_FACTORS;
 ///
 /// let mut team = agent!(TEAM, 2);
 /// let decision = team.decide(Candidates::all(&[&DOORS, &DOORS]))?;
-/// // Robot 0 at door 0 and robot 1 at door 1, or the other way round: equals, of which the first is taken.
+/// // Robot 0 at door 0 and robot 1 at door 1, or the other way round: equals, of which the first
+/// // is taken.
 /// assert_eq!((decision.sequence(0), decision.sequence(1)), (0, 1));
 /// assert!((decision.probability() - 0.5).abs() < 1e-6 && team.posterior().len() == 4);
 ///
@@ -76,7 +77,7 @@ impl Decision {
         self.sequences.get(control)
     }
 
-    /// The first action of each control, `None` for one that stays: what to do now, as
+    /// The first action of each control, `None` for one that stays, as
     /// [`Agent::act`](super::Agent::act) takes it.
     #[must_use]
     pub fn first_actions(&self) -> &[Option<Action>] {

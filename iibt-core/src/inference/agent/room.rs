@@ -3,8 +3,7 @@
 use crate::inference::candidates::Candidates;
 use crate::inference::model::{MAX_FACTORS, Model};
 
-/// The sizes of an [`Agent`](super::Agent), derived from a model and from what there is to choose
-/// from.
+/// The sizes of an [`Agent`](super::Agent), derived from a model and its candidates.
 ///
 /// [`agent!`](crate::agent) and [`Agent!`](crate::Agent) work them out; nobody has to write them.
 ///
@@ -121,7 +120,8 @@ impl Room {
 /// # static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 2);
 /// # static PUSH: NextState = NextState::new(&[0, 1, 0, 0], 2);
 /// # static FACTORS: [Factor; 1] = [Factor::new(&PUSH, PUSH.shape(), &[0.5, 0.5])];
-/// # static MODALITIES: [Modality; 1] = [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[2.0, 0.0])];
+/// # static MODALITIES: [Modality; 1] =
+/// #     [Modality::new(&SENSOR, SENSOR.shape(), &[0], &[2.0, 0.0])];
 /// # static DOOR: Model = Model::new(&FACTORS, &MODALITIES);
 /// struct Robot {
 ///     mind: iibt_core::Agent![DOOR, 2],

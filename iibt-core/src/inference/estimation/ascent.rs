@@ -1,4 +1,4 @@
-//! Coordinate ascent: approximate inference for couplings that are too large to be exact about.
+//! Coordinate ascent: approximate inference for couplings that are too large for exact inference.
 
 use super::couplings::{Coupling, Couplings};
 use super::{Update, Work};
@@ -44,7 +44,7 @@ fn is_possible(work: &mut Work, couplings: &Couplings, (_, modality, evidence): 
     math::expectation(couplings.members.model.part(work.posterior, factor), message) > 0.0
 }
 
-/// Gives one factor the belief that is best given the others; returns the largest change of a
+/// Sets the belief of one factor to the best one given the others; returns the largest change of a
 /// probability.
 fn ascend(work: &mut Work, couplings: &Couplings, factor: usize) -> f32 {
     let model = couplings.members.model;

@@ -1,4 +1,4 @@
-//! What a joint policy does to a group.
+//! The actions of a joint policy on a group.
 
 use crate::actions::Action;
 use crate::inference::candidates::JointPolicy;
@@ -32,7 +32,7 @@ pub(super) fn only_control<const S: usize, const G: usize>(
     moves.then(|| moved_by.trailing_zeros() as u8)
 }
 
-/// A number for what a joint policy does to a group; that numbers are large enough was checked.
+/// A key of a joint policy's actions on a group; a check ensures that keys are large enough.
 #[inline(never)]
 pub(super) fn key<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
@@ -48,7 +48,7 @@ pub(super) fn key<const S: usize, const G: usize>(
     })
 }
 
-/// What a joint policy does to a factor at a step; `None` when it leaves it alone.
+/// The action of a joint policy on a factor at a step; `None` when it leaves it alone.
 pub(in crate::inference) fn action_of<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,
     factor: usize,
@@ -60,7 +60,7 @@ pub(in crate::inference) fn action_of<const S: usize, const G: usize>(
     candidates.policy(control, candidates.sequence(policy, control)).get(step)
 }
 
-/// After how many steps a group arrives: when the last of its action sequences ends. Zero, which is
+/// The step at which a group arrives, when the last of its action sequences ends. Zero, which is
 /// never, where every step counts.
 pub(in crate::inference) fn arrival<const S: usize, const G: usize>(
     problem: &Problem<'_, S, G>,

@@ -20,11 +20,11 @@ pub(super) struct Group<const R: usize> {
 /// One candidate of a group.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rollout {
-    /// What tells it from the others.
+    /// The key that identifies it.
     pub(super) key: u32,
     /// A joint policy that it is part of.
     pub(super) policy: u16,
-    /// After how many steps it arrives.
+    /// The step at which it arrives.
     pub(super) arrival: u8,
     /// Its own part of G.
     pub(super) terms: Terms,
@@ -38,7 +38,7 @@ impl<const R: usize> Group<R> {
         candidates: [Rollout { key: 0, policy: 0, arrival: 0, terms: Terms::ZERO }; R],
     };
 
-    /// How many candidates are in the rows.
+    /// The number of candidates in the rows.
     pub(super) const fn used(&self) -> usize {
         self.used as usize
     }
@@ -58,7 +58,7 @@ impl<const R: usize> Group<R> {
         }
     }
 
-    /// Gives a new candidate a row; `None` when there is no room.
+    /// Assigns a row to a new candidate; `None` when there is no room.
     pub(super) fn add(&mut self, candidate: Rollout) -> Option<usize> {
         let row = self.used();
         *self.candidates.get_mut(row)? = candidate;

@@ -1,11 +1,11 @@
-//! What is expected of one modality under the preferences that count at a step.
+//! The expected terms of one modality under the preferences that count at a step.
 
 use crate::inference::free_energy::{Gain, PreferenceTiming, Terms};
 use crate::inference::model::{MAX_MODALITIES, Modality};
 use crate::inference::problem::Problem;
 use crate::math;
 
-/// A modality and what is preferred in it.
+/// A modality and its preferences.
 pub(in crate::inference) struct PreferredModality<'a> {
     pub(super) modality: &'a Modality<'a>,
     pub(super) on_arrival: bool,

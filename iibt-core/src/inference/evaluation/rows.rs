@@ -1,4 +1,4 @@
-//! What was rolled out so far, and the combinations of it.
+//! The candidates rolled out so far, and their combinations.
 
 use super::action_of;
 use super::group::{Group, Places, Rollout};
@@ -8,7 +8,7 @@ use crate::inference::free_energy::PreferenceTiming;
 use crate::inference::model::Model;
 use crate::inference::problem::Problem;
 
-/// What was rolled out so far.
+/// The candidates rolled out so far.
 pub(super) struct Rows<'a, const S: usize, const G: usize, const R: usize> {
     pub(super) beliefs: &'a [Beliefs<S, G>; R],
     pub(super) groups: &'a [Group<R>; G],

@@ -65,8 +65,8 @@ impl<const K: usize, const C: usize> Columns<K, C> {
         self.0.iter().zip(masses).map(|(column, mass)| mass * column.novelty).sum()
     }
 
-    /// Forgets a little in every column, and adds to each its mass times what was experienced in
-    /// it. Where nothing is forgotten, columns without mass cost nothing.
+    /// Applies forgetting to every column, and adds to each its mass times its experience. Where
+    /// nothing is forgotten, columns without mass cost nothing.
     pub(super) fn learn(
         &mut self,
         shape: &Shape,

@@ -1,4 +1,4 @@
-//! One Dirichlet distribution: what is known about a distribution, in counts.
+//! A Dirichlet distribution: the knowledge about a distribution, in counts.
 
 use crate::math;
 
@@ -7,7 +7,7 @@ use crate::math;
 /// `f32` of this size.
 pub const MOST: f32 = 65_536.0;
 
-/// The least counts that one distribution holds: with fewer it is one count, shared out evenly.
+/// The least counts that one distribution holds: with fewer it becomes one count, spread evenly.
 pub const LEAST: f32 = 1e-6;
 
 /// A Dirichlet distribution over distributions of `K` values, given by its counts: finite, not
@@ -76,8 +76,8 @@ impl<const K: usize> Dirichlet<K> {
         self.expected().map(|p| math::ln(p).max(least).min(0.0))
     }
 
-    /// I(o; θ), what the next value is expected to tell about the distribution θ itself, in nats:
-    /// exactly
+    /// I(o; θ), the expected information of the next value about the distribution θ itself, in
+    /// nats: exactly
     ///
     /// H\[E θ\] - E H\[θ\] = Σ_k a_k/a0 (ψ(a_k + 1) - ln a_k) - (ψ(a0 + 1) - ln a0).
     ///
@@ -94,8 +94,8 @@ impl<const K: usize> Dirichlet<K> {
         ((sum - known) / self.total).max(0.0)
     }
 
-    /// Takes the counts a `share` of the way towards those of `prior`; 0 changes nothing, and 1
-    /// forgets all.
+    /// Moves the counts by a `share` towards those of `prior`; 0 changes nothing, and 1 forgets
+    /// all.
     pub fn forget(&mut self, share: f32, prior: &Self) {
         let kept = 1.0 - super::held(share, 1.0);
         for (count, prior) in self.counts.iter_mut().zip(&prior.counts) {
@@ -104,7 +104,7 @@ impl<const K: usize> Dirichlet<K> {
         self.settle();
     }
 
-    /// Adds `weight` counts, shared out as `shares` says. What is negative or NaN counts as zero.
+    /// Adds `weight` counts, distributed by `shares`. What is negative or NaN counts as zero.
     pub fn add(&mut self, weight: f32, shares: &[f32; K]) {
         for (count, share) in self.counts.iter_mut().zip(shares) {
             *count += super::held(weight * share, MOST);

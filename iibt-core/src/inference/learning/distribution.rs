@@ -1,4 +1,4 @@
-//! D and E, learned: where a hidden factor begins, and which policies are usually chosen.
+//! D and E, learned: the initial states of a hidden factor, and the usual policies.
 
 use super::{Dirichlet, Rates};
 use crate::inference::likelihood::FLOOR;
@@ -65,7 +65,7 @@ impl<const K: usize> DistributionCounts<K> {
         self.learn(&core::array::from_fn::<_, K, _>(|at| if at == value { 1.0 } else { 0.0 }))
     }
 
-    /// Forgets a little, and adds `weight` times what was experienced.
+    /// Applies forgetting, and adds `weight` times the experience.
     pub(super) fn add(&mut self, weight: f32, experience: &[f32; K]) {
         self.now.forget(self.rates.forgetting(), &self.prior);
         self.now.add(weight * self.rates.learning(), experience);

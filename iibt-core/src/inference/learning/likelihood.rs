@@ -1,4 +1,4 @@
-//! A, learned: what a sensor really says.
+//! A, learned: the actual accuracy of a sensor.
 
 use super::columns::Columns;
 use super::origin::Origin;
@@ -20,13 +20,16 @@ use crate::math::{self, Prediction};
 ///
 /// ```
 /// use iibt_core::inference::learning::{LikelihoodCounts, Rates};
-/// use iibt_core::inference::{Beliefs, Evidence, Factor, IdentityNoise, Likelihood, Modality, Model, NextState};
+/// use iibt_core::inference::{
+///     Beliefs, Evidence, Factor, IdentityNoise, Likelihood, Modality, Model, NextState,
+/// };
 ///
 /// static MOTION: NextState = NextState::new(&[0, 1], 2);
 /// static PRINTED: IdentityNoise = IdentityNoise::new(0.9, 2);
 ///
 /// // What the data sheet says counts as ten observations.
-/// let mut sensor = LikelihoodCounts::<2, 2>::new(&PRINTED, 10.0, PRINTED.shape(), Rates::DEFAULT)?;
+/// let mut sensor =
+///     LikelihoodCounts::<2, 2>::new(&PRINTED, 10.0, PRINTED.shape(), Rates::DEFAULT)?;
 /// for _ in 0..20 {
 ///     let beliefs = {
 ///         let factors = [Factor::new(&MOTION, MOTION.shape(), &[1.0, 0.0])];

@@ -1,4 +1,4 @@
-//! C, learned online: which outcomes go with success.
+//! C, learned online from outcomes that led to success.
 
 use super::{Dirichlet, DistributionCounts, Rates, held, observed};
 use crate::inference::{Evidence, Preference};
@@ -56,7 +56,7 @@ impl<const O: usize> PreferenceCounts<O> {
         self.counts.counts().ln_expected(-self.bound)
     }
 
-    /// The same as a preference that can be raised for a while.
+    /// Returns C as a preference that can be raised temporarily.
     #[must_use]
     pub fn preference(&self) -> Preference<O> {
         let values = self.values();

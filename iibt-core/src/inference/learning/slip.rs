@@ -1,4 +1,4 @@
-//! How often each action fails: two counts per action.
+//! The failures of actions: two counts per action.
 
 use super::{Dirichlet, Rates};
 use crate::actions::Action;
@@ -36,7 +36,7 @@ impl<const U: usize> SlipCounts<U> {
         Self { actions: [Self::prior(trust); U], trust, rates }
     }
 
-    /// Counts one try; `false`, and nothing changes, for an action that is not counted.
+    /// Counts one attempt; `false`, and nothing changes, for an action that is not counted.
     pub fn learn(&mut self, action: Action, succeeded: bool) -> bool {
         let (prior, rates) = (Self::prior(self.trust), self.rates);
         let Some(counts) = self.actions.get_mut(usize::from(action)) else { return false };

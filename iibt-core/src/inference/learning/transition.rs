@@ -1,4 +1,4 @@
-//! B, learned: what actions really do.
+//! B, learned: the actual effects of actions.
 
 use super::columns::Columns;
 use super::origin::Origin;

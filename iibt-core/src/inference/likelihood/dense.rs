@@ -1,4 +1,4 @@
-//! Any likelihood at all, entry by entry.
+//! Any likelihood, entry by entry.
 
 use super::{Likelihood, TableError};
 use crate::inference::table;
@@ -14,7 +14,8 @@ use crate::math::{self, Prediction};
 /// use iibt_core::inference::{Likelihood, TableError, likelihood};
 ///
 /// // A row for each outcome, a column for each state.
-/// static A: likelihood::DenseLikelihood = likelihood::DenseLikelihood::new(&[0.8, 0.3, 0.2, 0.7], 2, &[2]);
+/// static A: likelihood::DenseLikelihood =
+///     likelihood::DenseLikelihood::new(&[0.8, 0.3, 0.2, 0.7], 2, &[2]);
 /// assert_eq!(A.probability(1, &[0]), 0.2);
 /// assert_eq!(A.shape().columns(), Some(2));
 ///
@@ -50,7 +51,7 @@ impl<'a> DenseLikelihood<'a> {
         }
     }
 
-    /// The same for numbers that are only known at run time.
+    /// Builds it from numbers that are only known at run time.
     ///
     /// # Errors
     /// The first [`TableError`] found; columns are numbered row-major over the conditions.

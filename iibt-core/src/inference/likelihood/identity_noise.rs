@@ -1,4 +1,4 @@
-//! A sensor that reads the state itself, and errs evenly.
+//! A sensor that reads the state itself, with equally probable errors.
 
 use super::Likelihood;
 use crate::inference::evidence::{Evidence, sound};
@@ -44,8 +44,8 @@ impl IdentityNoise {
         Self::among(correct, states)
     }
 
-    /// The same with numbers that are only known at run time: `correct` is held to 0..=1, where NaN
-    /// is a sensor that knows nothing, and `states` to two at least.
+    /// Builds it from numbers that are only known at run time: `correct` is held to 0..=1, where
+    /// NaN is a sensor that knows nothing, and `states` to two at least.
     #[must_use]
     pub const fn among(correct: f32, states: usize) -> Self {
         let states = if states < 2 { 2 } else { states };

@@ -29,7 +29,8 @@ pub const MAX_KINDS: usize = 16;
 /// );
 /// assert_eq!(AT_GOAL.probability(0, &[0, 1]), 1.0);
 /// assert_eq!(AT_GOAL.probability(2, &[2, 2]), 0.8);
-/// assert!(OutcomeTable::try_new(&[&[0, 1]], &[0, 1], &[1.0, 0.0], 2).is_err()); // kind 1 has no column
+/// // Kind 1 has no column.
+/// assert!(OutcomeTable::try_new(&[&[0, 1]], &[0, 1], &[1.0, 0.0], 2).is_err());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutcomeTable<'a> {
@@ -62,7 +63,7 @@ impl<'a> OutcomeTable<'a> {
         }
     }
 
-    /// The same for numbers that are only known at run time.
+    /// Builds it from numbers that are only known at run time.
     ///
     /// # Errors
     /// [`TableError::Empty`] without conditions, states, labels or outcomes, [`TableError::Range`]
@@ -111,8 +112,8 @@ impl<'a> OutcomeTable<'a> {
         Ok(Self { labels, kinds, columns, shape, combinations, ambiguity, count })
     }
 
-    /// A table over two conditions that share their labels, sound by its making: `count` labels, a
-    /// kind for each pair of them, and kinds that are each certain of one outcome.
+    /// A table over two conditions that share their labels, valid by construction: `count` labels,
+    /// a kind for each pair of them, and kinds that are each certain of one outcome.
     pub(crate) fn trusted(
         labels: &'a [&'a [u8]; 2],
         count: usize,
@@ -208,8 +209,8 @@ impl<'a> OutcomeTable<'a> {
         }
     }
 
-    /// What is left of the columns, and of their entropies, for each label of the second condition
-    /// when the first is summed out.
+    /// The columns and their entropies for each label of the second condition, with the first
+    /// summed out.
     #[inline]
     fn sum_out(&self, first: &[f32; MAX_LABELS], columns: &[Remains; MAX_KINDS], left: &mut [Remains]) {
         left.fill(Remains::NONE);
@@ -243,7 +244,7 @@ impl<'a> OutcomeTable<'a> {
         });
     }
 
-    /// Adds to `message` what each state's label is told, where `of` is said about each kind.
+    /// Adds to `message`, for each state, the message to its label, given `of` for each kind.
     fn tell(&self, of: &[f32; MAX_KINDS], beliefs: &[&[f32]], to: usize, message: &mut [f32]) {
         let mut told = [0.0; MAX_LABELS];
         let about = |kind: u8| of[usize::from(kind) % MAX_KINDS];
@@ -282,13 +283,13 @@ impl<'a> OutcomeTable<'a> {
     }
 }
 
-/// How many outcomes are looked at side by side.
+/// The number of outcomes that are computed side by side.
 const LANES: usize = 4;
 
 /// The numbers of four outcomes.
 type Lanes = [f32; LANES];
 
-/// How many beliefs about the second condition have their labels' masses summed up beforehand.
+/// The number of beliefs about the second condition whose label masses are summed beforehand.
 const SIDE_BY_SIDE: usize = 4;
 
 /// A column's probabilities of four outcomes, and its entropy: or a mixture of columns.

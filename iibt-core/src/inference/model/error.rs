@@ -1,9 +1,9 @@
-//! What does not fit together in a model.
+//! The error of a model whose parts do not fit together.
 
 use super::{MAX_FACTORS, MAX_MODALITIES};
 use thiserror::Error;
 
-/// What does not fit together in a model.
+/// The error of a model whose parts do not fit together.
 ///
 /// ```
 /// use iibt_core::inference::{Factor, IdentityNoise, Modality, Model, ModelError, NextState};

@@ -6,7 +6,7 @@ use crate::inference::shape::Shape;
 use crate::inference::transition::Transition;
 use crate::math;
 
-/// A hidden factor: its transition B, its prior D, and what acts on it.
+/// A hidden factor: its transition B, its prior D, and its control.
 ///
 /// ```
 /// use iibt_core::inference::{Control, Factor, NextState};
@@ -35,7 +35,7 @@ pub struct Factor<'a> {
     pub(super) prior: &'a [f32],
 }
 
-/// Which of a joint policy's action sequences moves a factor.
+/// The action sequence of a joint policy that moves a factor.
 ///
 /// ```
 /// use iibt_core::inference::{Control, Factor, IdentityNoise, Modality, Model, NextState};
@@ -78,8 +78,8 @@ impl<'a> Factor<'a> {
         Self::trusted(transition, shape, prior)
     }
 
-    /// The same for a prior that is only known at run time; `None` when it is no distribution over
-    /// the factor's states.
+    /// Builds a factor with a prior that is only known at run time; `None` when it is no
+    /// distribution over the factor's states.
     #[must_use]
     pub const fn try_new(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Option<Self> {
         if prior.len() == shape.values() && math::is_distribution(prior) {
@@ -89,20 +89,20 @@ impl<'a> Factor<'a> {
         }
     }
 
-    /// The same for a prior that is sound by its making.
+    /// Builds a factor with a prior that is valid by construction.
     pub(crate) const fn trusted(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Self {
         Self { transition, shape, coupled_to: &[], control: Control::Own, prior }
     }
 
-    /// The same factor, its transition conditioned on other factors as well, in the order of the
-    /// shape's further conditions: the blocks B^ij.
+    /// Couples the factor's transition to other factors, in the order of the shape's further
+    /// conditions: the blocks B^ij.
     #[must_use]
     pub const fn coupled_to(mut self, factors: &'a [usize]) -> Self {
         self.coupled_to = factors;
         self
     }
 
-    /// The same factor, moved by another action sequence or by none.
+    /// Sets the action sequence that moves the factor.
     #[must_use]
     pub const fn controlled_by(mut self, control: Control) -> Self {
         self.control = control;
@@ -116,7 +116,7 @@ impl<'a> Factor<'a> {
         self.transition.probability(action, next, states)
     }
 
-    /// How many states it has.
+    /// The number of its states.
     #[must_use]
     pub const fn states(&self) -> usize {
         self.shape.values()

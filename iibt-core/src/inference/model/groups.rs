@@ -1,4 +1,4 @@
-//! Which factors move together.
+//! Groups of factors that move together.
 
 use super::{MAX_FACTORS, MAX_MODALITIES, Model};
 

@@ -1,4 +1,4 @@
-//! Something that is observed of the hidden factors.
+//! A modality, through which hidden factors are observed.
 
 use super::error::ModelError;
 use super::factor::Factor;
@@ -15,7 +15,8 @@ use crate::inference::shape::{MAX_CONDITIONS, Shape};
 ///
 /// static THERMOMETER: IdentityNoise = IdentityNoise::new(0.8, 3);
 /// // It reads factor 0, and the middle reading is preferred: P(o) = softmax(C).
-/// static READING: Modality = Modality::new(&THERMOMETER, THERMOMETER.shape(), &[0], &[0.0, 2.0, 0.0]);
+/// static READING: Modality =
+///     Modality::new(&THERMOMETER, THERMOMETER.shape(), &[0], &[0.0, 2.0, 0.0]);
 /// assert_eq!(READING.shape().values(), 3);
 /// assert_eq!(READING.factors(), [0]);
 /// assert_eq!(READING.preference(), [0.0, 2.0, 0.0]);
@@ -53,7 +54,7 @@ impl<'a> Modality<'a> {
         Self { likelihood, shape, factors, preference }
     }
 
-    /// The same for numbers that are only known at run time; `None` when they do not fit.
+    /// Builds a modality from numbers that are only known at run time; `None` when they do not fit.
     #[must_use]
     pub const fn try_new(
         likelihood: &'a dyn Likelihood,
@@ -69,7 +70,7 @@ impl<'a> Modality<'a> {
         }
     }
 
-    /// The same for numbers that fit by their making.
+    /// Builds a modality from numbers that are valid by construction.
     pub(crate) const fn trusted(
         likelihood: &'a dyn Likelihood,
         shape: Shape,
@@ -79,7 +80,7 @@ impl<'a> Modality<'a> {
         Self { likelihood, shape, factors, preference }
     }
 
-    /// A: how the outcomes depend on the states.
+    /// A: the likelihood of the outcomes given the states.
     #[must_use]
     pub const fn likelihood(&self) -> &'a dyn Likelihood {
         self.likelihood
@@ -107,7 +108,7 @@ impl<'a> Modality<'a> {
         evidence.probability(self.shape.values(), |outcome| self.likelihood.probability(outcome, states))
     }
 
-    /// C to begin with.
+    /// The initial C.
     #[must_use]
     pub const fn preference(&self) -> &'a [f32] {
         self.preference

@@ -46,7 +46,7 @@ impl<'a> Blocks<'a> {
         }
     }
 
-    /// The same for numbers that are only known at run time.
+    /// Builds it from numbers that are only known at run time.
     ///
     /// # Errors
     /// [`TableError::Length`] with the number of blocks, [`TableError::Entry`] with the place of a

@@ -1,4 +1,4 @@
-//! Any transition at all, entry by entry.
+//! Any transition, entry by entry.
 
 use super::{Transition, stay};
 use crate::actions::{Action, Actions};
@@ -11,7 +11,8 @@ use crate::inference::{Shape, table};
 /// ```
 /// use iibt_core::inference::{Transition, transition};
 ///
-/// // A door: action 0 waits, action 1 pushes it open. A row for each next state, a column for each state.
+/// // A door: action 0 waits, action 1 pushes it open. A row for each next state, a column for each
+/// // state.
 /// static DOOR: transition::DenseTransition =
 ///     transition::DenseTransition::new(&[0.9, 0.2, 0.1, 0.8, 1.0, 0.7, 0.0, 0.3], 2, &[2]);
 /// assert_eq!(DOOR.probability(1, 0, &[1]), 0.7);
@@ -43,7 +44,7 @@ impl<'a> DenseTransition<'a> {
         }
     }
 
-    /// The same for numbers that are only known at run time.
+    /// Builds it from numbers that are only known at run time.
     ///
     /// # Errors
     /// The first [`TableError`] found; columns are numbered action by action, row-major over the

@@ -28,13 +28,13 @@ use crate::inference::likelihood::TableError;
 pub struct NextState<'a> {
     table: &'a [u16],
     states: u16,
-    /// Of the actions that have none of their own.
+    /// The slip of actions without one of their own.
     slip: f32,
     slips: &'a [f32],
 }
 
 impl<'a> NextState<'a> {
-    /// Certain motion: a row of `states` next states per action.
+    /// Motion without slips: a row of `states` next states per action.
     ///
     /// # Panics
     /// When there are no states or actions, the rows are ragged, or a next state is not below
@@ -72,7 +72,7 @@ impl<'a> NextState<'a> {
         }
     }
 
-    /// The same motion with a slip for each action, as when they have been learned.
+    /// Sets a slip for each action, such as learned ones.
     ///
     /// # Errors
     /// [`TableError::Length`] when there is not one for each action, and [`TableError::Entry`] with
@@ -91,7 +91,7 @@ impl<'a> NextState<'a> {
         Ok(Self { slips, ..self })
     }
 
-    /// The same for numbers that are only known at run time.
+    /// Builds it from numbers that are only known at run time.
     ///
     /// # Errors
     /// [`TableError::Length`] for ragged rows, none, or more than [`Actions::CODES`],
@@ -118,8 +118,8 @@ impl<'a> NextState<'a> {
         Ok(Self { table, states: states as u16, slip, slips: &[] })
     }
 
-    /// Certain motion by a table that is sound by its making: one with a row of `states` next
-    /// states per action. What is not there changes nothing.
+    /// Motion without slips by a table that is valid by construction: one with a row of `states`
+    /// next states per action. What is not there changes nothing.
     pub(crate) const fn trusted(table: &'a [u16], states: usize) -> Self {
         Self { table, states: states as u16, slip: 0.0, slips: &[] }
     }
@@ -143,8 +143,8 @@ impl<'a> NextState<'a> {
         self.slips.get(usize::from(action)).copied().unwrap_or(self.slip)
     }
 
-    /// Where `action` leads from `state` when it does not slip; nowhere for a state or action that
-    /// does not exist.
+    /// The state after `action` in `state` without a slip; `None` for a state or action that does
+    /// not exist.
     #[must_use]
     pub fn successor(&self, action: Action, state: usize) -> usize {
         let row = self.row(action).unwrap_or(&[]);
