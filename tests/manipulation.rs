@@ -236,28 +236,28 @@ mod decisions {
 
 mod missions {
     use host_sim::manipulation::{
-        CampaignRuns, Compared, Detail, Disturbances, Findings, Run, Terms, Trees, Trust, compare, narrate,
-        run,
+        CampaignRuns, Compared, Detail, Disturbances, Findings, Run, RunTerms, Trees, Trust, compare,
+        narrate, run,
     };
     use host_sim::manipulation::{Order, Preset};
     use std::num::NonZeroUsize;
 
-    fn calm(trees: Trees) -> Terms {
-        Terms { trees, disturbances: Disturbances::NONE, ..Terms::new(0) }
+    fn calm(trees: Trees) -> RunTerms {
+        RunTerms { trees, disturbances: Disturbances::NONE, ..RunTerms::new(0) }
     }
 
-    fn watched(terms: Terms) -> Run {
+    fn watched(terms: RunTerms) -> Run {
         run(&terms, Detail::History).expect("the terms are sound")
     }
 
-    fn findings(terms: Terms, seeds: u32) -> Findings {
+    fn findings(terms: RunTerms, seeds: u32) -> Findings {
         CampaignRuns { terms, seeds }.run(None).expect("the terms are sound")
     }
 
     #[test]
     fn the_published_sequence_of_joint_policies_brings_the_bottle_to_the_plate() {
         for (preset, tolerance) in [(Preset::DEFAULT, 0.005), (Preset::CALIBRATED, 0.001)] {
-            let run = watched(Terms { preset, ..calm(Trees::Inference) });
+            let run = watched(RunTerms { preset, ..calm(Trees::Inference) });
             assert!(run.success && run.believed);
             assert_eq!(run.sequence(), [3, 7, 12, 13, 11]);
             for (decided, published) in run.decisions.iter().zip([0.255, 0.205, 0.255, 0.205]) {
@@ -297,7 +297,7 @@ mod missions {
 
     #[test]
     fn every_raise_of_a_mission_is_rolled_back_to_the_last_bit() {
-        let run = watched(Terms::new(3));
+        let run = watched(RunTerms::new(3));
         let mut raises = 0;
         for robot in run.history.iter().flat_map(|tick| &tick.robots) {
             let thought = robot.thought.as_ref().expect("it infers");
@@ -313,7 +313,7 @@ mod missions {
     #[test]
     fn failed_grasps_are_made_again_until_the_truth_is_as_it_should_be() {
         for order in [Order::InTurn, Order::Together] {
-            let found = findings(Terms { order, ..Terms::new(0) }, 200);
+            let found = findings(RunTerms { order, ..RunTerms::new(0) }, 200);
             assert_eq!((found.success.count, found.mistaken.count), (200, 0), "{found:?}");
             // Two things to pick, each after 1 / 0.9 tries on average.
             assert!((0.1..0.4).contains(&found.retries.mean), "{found:?}");
@@ -323,10 +323,10 @@ mod missions {
     #[test]
     fn missions_end_well_at_three_in_ten_and_with_everything_failing() {
         let hard = Disturbances { wrong_readings: 0.3, failed_grasps: 0.3, ..Disturbances::NONE };
-        let found = findings(Terms { disturbances: hard, ..Terms::new(0) }, 200);
+        let found = findings(RunTerms { disturbances: hard, ..RunTerms::new(0) }, 200);
         assert_eq!(found.success.count, 200, "{found:?}");
         let all = Disturbances { failed_moves: 0.1, failed_placings: 0.1, loss: 0.3, ..Disturbances::TENTH };
-        let found = findings(Terms { disturbances: all, ..Terms::new(0) }, 200);
+        let found = findings(RunTerms { disturbances: all, ..RunTerms::new(0) }, 200);
         assert_eq!(found.success.count, 200, "{found:?}");
         assert!(found.retries.mean > 0.5, "{found:?}");
     }
@@ -335,7 +335,7 @@ mod missions {
     fn without_a_radio_the_inferring_robots_wait() {
         let mut terms = calm(Trees::Inference);
         terms.disturbances.loss = 1.0;
-        let run = watched(Terms { max_ticks: 50, ..terms });
+        let run = watched(RunTerms { max_ticks: 50, ..terms });
         assert!(!run.believed && run.actions.moves + run.actions.picks + run.actions.placings == 0);
     }
 
@@ -343,8 +343,8 @@ mod missions {
     fn conventional_trees_do_the_mission_on_readings_and_on_the_same_belief() {
         for trees in [Trees::Conventional, Trees::Table6] {
             for trust in [Trust::Equal(3), Trust::Belief] {
-                assert!(watched(Terms { trust, ..calm(trees) }).success, "{trees:?} {trust:?}");
-                let found = findings(Terms { trees, trust, ..Terms::new(0) }, 100);
+                assert!(watched(RunTerms { trust, ..calm(trees) }).success, "{trees:?} {trust:?}");
+                let found = findings(RunTerms { trees, trust, ..RunTerms::new(0) }, 100);
                 assert!(found.success.count >= 98, "{trees:?} {trust:?} {found:?}");
             }
         }
@@ -352,14 +352,14 @@ mod missions {
 
     #[test]
     fn as_drawn_each_robot_waits_for_the_other_and_neither_begins() {
-        let run = watched(Terms { max_ticks: 100, ..calm(Trees::AsDrawn) });
+        let run = watched(RunTerms { max_ticks: 100, ..calm(Trees::AsDrawn) });
         assert!(!run.believed);
         assert_eq!(run.actions.moves + run.actions.picks + run.actions.placings, 0);
     }
 
     #[test]
     fn believing_is_not_success() {
-        let terms = Terms { trees: Trees::Conventional, trust: Trust::Equal(1), ..Terms::new(0) };
+        let terms = RunTerms { trees: Trees::Conventional, trust: Trust::Equal(1), ..RunTerms::new(0) };
         let found = findings(terms, 100);
         assert!(found.mistaken.count > 10, "single readings mislead: {found:?}");
         assert!(found.success.count + found.mistaken.count <= 100);
@@ -367,9 +367,9 @@ mod missions {
 
     #[test]
     fn the_same_seed_gives_the_same_run_and_threads_change_nothing() {
-        let twice = [0, 1].map(|_| watched(Terms::new(11)).to_json().expect("it is text"));
+        let twice = [0, 1].map(|_| watched(RunTerms::new(11)).to_json().expect("it is text"));
         assert_eq!(twice[0], twice[1]);
-        let campaign = CampaignRuns { terms: Terms::new(5), seeds: 31 };
+        let campaign = CampaignRuns { terms: RunTerms::new(5), seeds: 31 };
         let found = [1, 2, 7].map(|threads| campaign.run(NonZeroUsize::new(threads)).expect("sound"));
         assert!(found.iter().all(|one| *one == found[0]));
     }
@@ -401,8 +401,8 @@ mod missions {
 
     #[test]
     fn terms_that_make_no_sense_are_refused_by_name() {
-        let refusal = |change: fn(&mut Terms)| {
-            let mut terms = Terms::new(0);
+        let refusal = |change: fn(&mut RunTerms)| {
+            let mut terms = RunTerms::new(0);
             change(&mut terms);
             run(&terms, Detail::Outcome).expect_err("it makes no sense").to_string()
         };

@@ -3,7 +3,9 @@
 
 #![allow(clippy::excessive_precision, reason = "the figures of other tools, as they give them")]
 
-use host_sim::notebook::{Beliefs, Convention, Forms, InferenceReport, InferenceRun, Notebook, StepReport};
+use host_sim::notebook::{
+    BeliefMethod, Convention, Forms, InferenceReport, InferenceRun, Notebook, StepReport,
+};
 use iibt_core::inference::{Evidence, Update};
 use tests::package::{Package, assert_is_kept};
 
@@ -164,7 +166,8 @@ fn exact_beliefs_have_the_surprise_for_their_free_energy() {
         let default = run(&model, InferenceRun::default());
         let step = only(&default);
         assert_eq!((step.beliefs, step.F), ("exact", step.surprise));
-        let ascent = run(&model, InferenceRun { beliefs: Some(Beliefs::Ascent), ..InferenceRun::default() });
+        let ascent =
+            run(&model, InferenceRun { beliefs: Some(BeliefMethod::Ascent), ..InferenceRun::default() });
         assert_eq!(only(&ascent).beliefs, "coordinate ascent");
         assert_eq!(only(&ascent).surprise, step.surprise);
         assert!(only(&ascent).F >= step.F);

@@ -12,10 +12,12 @@ use self::learn::Learn;
 use self::manipulate::Manipulate;
 use self::reproduce::Reproduce;
 use anstream::{AutoStream, ColorChoice};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, series_lines, summary};
 use host_sim::{Conditions, Logbook, Observer, Pilot, Record, Scenario, fly, fly_series, library};
+use serde::Serialize;
 use std::error::Error;
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
@@ -120,15 +122,15 @@ struct RunArgs {
     /// A built-in scenario, or a scenario file
     #[arg(value_name = "NAME|FILE.toml", default_value = library::DEFAULT)]
     scenario: String,
-    /// The seed of all chance; the same seed gives the same flight
+    /// The seed of all random numbers; the same seed gives the same flight
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// The probability that a frame does not reach a teammate, 0 to 1, in place of the scenario's
     #[arg(long, value_name = "P", value_parser = probability)]
     loss: Option<f64>,
-    /// What flies the robots: the inference node, or a conventional tree of the paper
+    /// The tree that flies the robots: the inference node, or a conventional tree of the paper
     #[arg(long, value_name = "TREE", value_enum, default_value_t)]
-    tree: FlownTree,
+    tree: Pilot,
     /// Keep a log of every move that a robot was told to make
     #[arg(long, value_name = "FILE.csv")]
     log: Option<PathBuf>,
@@ -138,29 +140,6 @@ struct RunArgs {
     /// Print the outcome in one line, and nothing else
     #[arg(long)]
     quiet: bool,
-}
-
-/// What flies the robots.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-enum FlownTree {
-    /// The firmware's tree, with one inference node
-    #[default]
-    Inference,
-    /// The conventional tree of figure 8
-    Conventional,
-    /// The conventional tree of figure 5(a), for two goals
-    #[value(name = "figure-5")]
-    Figure5,
-}
-
-impl From<FlownTree> for Pilot {
-    fn from(tree: FlownTree) -> Self {
-        match tree {
-            FlownTree::Inference => Self::Inference,
-            FlownTree::Conventional => Self::Conventional,
-            FlownTree::Figure5 => Self::Figure5,
-        }
-    }
 }
 
 type Failure = Box<dyn Error>;
@@ -214,41 +193,35 @@ impl RunArgs {
             return task::run(self, &text);
         }
         let scenario = scenario(&self.scenario)?;
-        if self.tree == FlownTree::Figure5 && scenario.goals.len() != 2 {
+        if self.tree == Pilot::Figure5 && scenario.goals.len() != 2 {
             let goals = scenario.goals.len();
             return Err(
                 format!("{}: the tree of figure 5 is for two goals, not {goals}", scenario.name).into()
             );
         }
-        let conditions = Conditions { seed: self.seed, loss: self.loss, tree: self.tree.into() };
+        let conditions = Conditions { seed: self.seed, loss: self.loss, tree: self.tree };
         if scenario.missions > 1 {
             return self.run_series(&scenario, conditions);
         }
         let mut observer = (self.observer(&scenario), self.logbook()?);
-        let record = fly(&scenario, conditions, &mut observer)
-            .map_err(|error| format!("{}: {error}", scenario.name))?;
+        let record = fly(&scenario, conditions, &mut observer).map_err(about(&scenario.name))?;
         if let Some(logbook) = observer.1 {
             logbook.finish()?;
         }
         print(&self.report(&record)?)?;
-        let success = record.outcome.is_success();
-        Ok(if success { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
+        Ok(exit_status(record.outcome.is_success()))
     }
 
     /// Flies the missions of a scenario that has several, a line each.
     fn run_series(&self, scenario: &Scenario, conditions: Conditions) -> Result<ExitCode, Failure> {
         let mut logbook = self.logbook()?;
         let mut observer: (Box<dyn Observer>, _) = (Box::new(()), logbook.take());
-        let series = fly_series(scenario, conditions, true, &mut observer)
-            .map_err(|error| format!("{}: {error}", scenario.name))?;
+        let series = fly_series(scenario, conditions, true, &mut observer).map_err(about(&scenario.name))?;
         if let Some(logbook) = observer.1 {
             logbook.finish()?;
         }
-        let text =
-            if self.json { serde_json::to_string(&series)? } else { series_lines(&series, self.quiet) };
-        print(&(text + "\n"))?;
-        let success = series.missions.iter().all(|mission| mission.record.outcome.is_success());
-        Ok(if success { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
+        report(self.json, &series, || series_lines(&series, self.quiet) + "\n")?;
+        Ok(exit_status(series.missions.iter().all(|mission| mission.record.outcome.is_success())))
     }
 
     fn observer(&self, scenario: &Scenario) -> Box<dyn Observer> {
@@ -265,7 +238,7 @@ impl RunArgs {
 
     fn logbook(&self) -> Result<Option<Logbook<BufWriter<File>>>, Failure> {
         let Some(path) = &self.log else { return Ok(None) };
-        let file = File::create(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let file = File::create(path).map_err(about(path.display()))?;
         Ok(Some(Logbook::new(BufWriter::new(file))))
     }
 
@@ -308,20 +281,49 @@ fn scenario(name: &str) -> Result<Scenario, Failure> {
     if let Some(scenario) = library::find(name) {
         return Ok(scenario?);
     }
-    let path = Path::new(name);
-    let is_path = path.extension().is_some() || path.components().count() > 1 || path.exists();
-    if !is_path {
-        return Err(unknown(name).into());
+    if !is_path(name) {
+        let unknown = unknown("no scenario", name, library::nearest(name), library::names());
+        return Err((unknown + "toml").into());
     }
-    let text = read_up_to(path, MAX_BYTES).map_err(|error| format!("{name}: {error}"))?;
-    Ok(Scenario::read(name, &text)?)
+    Ok(Scenario::read(name, &read(name, MAX_BYTES)?)?)
 }
 
-fn unknown(name: &str) -> String {
-    let hint =
-        library::nearest(name).map_or_else(String::new, |nearest| format!("did you mean '{nearest}'? "));
-    let names = library::names().collect::<Vec<_>>().join(", ");
-    format!("no scenario is called '{name}': {hint}built in are {names}; a file of your own ends in .toml")
+/// Whether an argument is a path, and not the name of something built in.
+fn is_path(name: &str) -> bool {
+    let path = Path::new(name);
+    path.extension().is_some() || path.components().count() > 1 || path.exists()
+}
+
+/// The reason why a name is unknown, up to the extension of files.
+fn unknown(
+    none: &str,
+    name: &str,
+    nearest: Option<&str>,
+    names: impl Iterator<Item = &'static str>,
+) -> String {
+    let hint = nearest.map_or_else(String::new, |nearest| format!("did you mean '{nearest}'? "));
+    let names = names.collect::<Vec<_>>().join(", ");
+    format!("{none} is called '{name}': {hint}built in are {names}; a file of your own ends in .")
+}
+
+/// Reads a file of at most `most` bytes; an error names the file.
+fn read(name: &str, most: u64) -> Result<Vec<u8>, String> {
+    read_up_to(Path::new(name), most).map_err(about(name))
+}
+
+/// Puts the subject of an error before it.
+fn about<E: Display>(subject: impl Display) -> impl FnOnce(E) -> String {
+    move |error| format!("{subject}: {error}")
+}
+
+/// Prints a result as one JSON object, or as text.
+fn report(json: bool, result: &impl Serialize, text: impl FnOnce() -> String) -> Result<(), Failure> {
+    Ok(print(&if json { serde_json::to_string(result)? + "\n" } else { text() })?)
+}
+
+/// The exit status of a verb that accomplishes something or does not.
+fn exit_status(is_accomplished: bool) -> ExitCode {
+    if is_accomplished { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) }
 }
 
 fn read_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {

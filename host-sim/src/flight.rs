@@ -32,7 +32,7 @@ pub enum Reading {
     Drawn,
     /// Always this cell.
     Cell(Cell),
-    /// Nothing.
+    /// No reading.
     Nothing,
 }
 
@@ -351,7 +351,7 @@ impl<R: AnyRobot + ?Sized> Flight<'_, R> {
         &self.robots[robot]
     }
 
-    /// What each robot's tree returned last.
+    /// The last status of each robot's tree.
     #[must_use]
     pub fn statuses(&self) -> &[Status] {
         &self.statuses

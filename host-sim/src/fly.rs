@@ -46,7 +46,7 @@ pub struct Snapshot<'f> {
     pub commands: &'f [Option<Move>],
     /// The leaf of each robot's tree that is running.
     pub activities: &'f [Option<&'static str>],
-    /// What has happened in the last tick.
+    /// The events of the last tick.
     pub events: &'f [TimedEvent],
 }
 

@@ -9,8 +9,8 @@ pub(crate) use values::{
 use std::ops::Range;
 use thiserror::Error;
 
-/// Why a file was refused. Its display is `FILE:LINE:COLUMN: reason`, without the column or the
-/// line where they are not known.
+/// The error of a file that was refused. Its display is `FILE:LINE:COLUMN: reason`, without the
+/// column or the line where they are not known.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{}: {reason}", self.place())]
 pub struct FileError {
@@ -20,7 +20,7 @@ pub struct FileError {
     pub line: Option<usize>,
     /// The column in characters, from one.
     pub column: Option<usize>,
-    /// What is wrong and what would be right.
+    /// The reason, with what would be right.
     pub reason: String,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct Fault {
     reason: String,
 }
 
-/// What is read, or the first thing that is wrong with it.
+/// A value that was read, or its first fault.
 pub(crate) type Read<T> = Result<T, Fault>;
 
 /// Refuses what is written at `span`.

@@ -34,7 +34,7 @@ pub struct RobotRatios {
     pub moves: Vec<MoveRatio>,
 }
 
-/// How often one robot's move succeeded.
+/// The success ratio of one robot's move.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MoveRatio {
     /// The move.

@@ -2,6 +2,7 @@
 
 use crate::input::FileError;
 use crate::scenario::Scenario;
+use crate::text;
 
 /// The default scenario.
 pub const DEFAULT: &str = "factory";
@@ -34,8 +35,7 @@ pub(crate) fn built_in(name: &str) -> Scenario {
 /// Returns the built-in name that is closest to `name`, for an error message.
 #[must_use]
 pub fn nearest(name: &str) -> Option<&'static str> {
-    let similarity = |known: &str| strsim::jaro_winkler(known, &name.to_lowercase());
-    names().max_by(|a, b| similarity(a).total_cmp(&similarity(b))).filter(|known| similarity(known) > 0.7)
+    text::nearest(names(), name)
 }
 
 #[cfg(test)]

@@ -183,9 +183,7 @@ fn attempt(map: &Floor, row: &str) -> Result<Attempt, String> {
     let (succeeded, next, step, cell, robot) = (value()?, value()?, value()?, value()?, value()?);
     let tick = tick.parse().map_err(|_| format!("tick = {tick} is no whole number"))?;
     let (cell, next) = (free(map, "cell", cell)?, free(map, "next", next)?);
-    let step = move_called(step)
-        .filter(|&step| step != Move::Wait)
-        .ok_or_else(|| format!("no move is called \"{step}\": there are up, down, left and right"))?;
+    let step = move_called(step)?;
     let succeeded = match succeeded {
         "1" => true,
         "0" => false,

@@ -1,11 +1,11 @@
 //! Two robots bring a bottle and a plate together: the paper's section 6.2 in simulation.
 //!
 //! ```text
-//! Terms ─► run ─► Run        seed, trees, disturbances; the mission; the record
-//!           │
-//!           ├─ World         the truth: where robots and things are, what sensors read, what fails
-//!           ├─ Robot         a tree from a file with its skills, inferring or conventional
-//!           └─ Radio         the only way between them
+//! RunTerms ─► run ─► Run        seed, trees, disturbances; the mission; the record
+//!              │
+//!              ├─ World         the truth: places of robots and things, readings, failures
+//!              ├─ Robot         a tree from a file with its skills, inferring or conventional
+//!              └─ Radio         the only way between them
 //! ```
 //!
 //! [`CampaignRuns`] runs the mission for many seeds and gives rates and means with their intervals,
@@ -29,8 +29,8 @@ mod trees;
 pub use campaign::{CampaignRuns, Findings};
 pub use comparison::{CONTENDERS, Compared, Contender, LEVELS, compare};
 pub use narration::narrate;
-pub use record::{Actions, Decided, RobotTick, Run, Thought, Tick};
+pub use record::{ActionCounts, Decided, RobotTick, Run, Thought, TickRecord};
 pub use run::{Detail, RunError, run};
 pub use tables::{Order, Preset};
-pub use terms::{Disturbances, Terms, Trees, Trust};
+pub use terms::{Disturbances, RunTerms, Trees, Trust};
 pub use trees::TreeSize;

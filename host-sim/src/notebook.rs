@@ -25,7 +25,7 @@ mod sweeps;
 mod tally;
 mod tensor;
 
-pub use convention::{Beliefs, Convention};
+pub use convention::{BeliefMethod, Convention};
 pub use model::Notebook;
 pub use report::{
     InferenceOutcome, InferenceReport, PolicyReport, StepReport, StructureReport, TermsReport, Why,

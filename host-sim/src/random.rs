@@ -24,7 +24,7 @@ pub(crate) enum Stream {
     Place = 7,
     /// Whether a robot is served at its goal.
     Service = 8,
-    /// How long a frame travels.
+    /// The delay of a frame.
     Jitter = 9,
     /// The garbage bytes on the link.
     Noise = 10,

@@ -69,7 +69,7 @@ pub struct Record {
     pub certainty: Vec<Vec<f32>>,
 }
 
-/// How a flight ended.
+/// The outcome of a flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {

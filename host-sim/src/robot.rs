@@ -31,7 +31,7 @@ pub trait AnyRobot {
     fn body(&mut self) -> &mut Body;
 }
 
-/// The same map in another number of words, or `None` when it does not fit them.
+/// Copies a map into another number of words; `None` when it does not fit.
 pub(crate) fn resized<const A: usize, const B: usize>(map: &Map<A>) -> Option<Map<B>> {
     let mut resized = Map::new(map.width(), map.height()).ok()?;
     for cell in (0..map.len() as u16).map(Cell).filter(|&cell| !map.is_free(cell)) {
@@ -40,7 +40,7 @@ pub(crate) fn resized<const A: usize, const B: usize>(map: &Map<A>) -> Option<Ma
     Some(resized)
 }
 
-/// The same map in fewer words.
+/// Copies a map into fewer words.
 pub(crate) fn shrunk<const W: usize>(floor: &Floor) -> Map<W> {
     resized(floor).unwrap_or_else(|| unreachable!("W fits the map"))
 }

@@ -54,7 +54,7 @@ pub type Floor = Map<{ iibt_core::grid::words(MAX_CELLS, 1) }>;
 pub struct Scenario {
     /// The name on the command line: that of a built-in scenario, else the file.
     pub name: String,
-    /// What the scenario shows, in one line.
+    /// The title, in one line.
     pub title: String,
     /// The limit in ticks, after which the mission counts as not accomplished.
     pub limit: u32,

@@ -8,6 +8,7 @@ use crate::conventional::{ConventionalRobot, ConventionalTree, period};
 use crate::radio::KEY;
 use crate::robot::{AnyRobot, shrunk};
 use crate::scenario::{MAX_CELLS, MAX_PATHS, Scenario};
+use clap::ValueEnum;
 use firmware::{Controller, Navigator, Settings};
 use iibt_core::grid::{Cell, Path, words};
 use iibt_core::inference::learning::Rates;
@@ -27,7 +28,7 @@ pub(crate) type Boot<'m, R> = Box<dyn Fn(u8, u32) -> Result<Box<R>, TeamError> +
 const SMALL: usize = 49;
 const MEDIUM: usize = 256;
 
-/// Why a scenario has no team.
+/// The reason why a team is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error(transparent)]
 pub enum TeamError {
@@ -38,7 +39,7 @@ pub enum TeamError {
 }
 
 /// The pilot of the robots.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Pilot {
     /// The firmware's tree with its inference node.
@@ -48,6 +49,7 @@ pub enum Pilot {
     Conventional,
     /// The conventional tree of figure 5(a), for missions with two goals.
     #[serde(rename = "figure-5")]
+    #[value(name = "figure-5")]
     Figure5,
 }
 

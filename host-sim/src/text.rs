@@ -21,9 +21,19 @@ pub(crate) fn move_name(step: Move) -> &'static str {
     MOVES[usize::from(step.code())]
 }
 
-/// Returns the move with a name, or `None`.
-pub(crate) fn move_called(name: &str) -> Option<Move> {
-    Move::ALL.into_iter().find(|&step| move_name(step) == name)
+/// Returns the move with a name that is not a wait, or the reason why there is none.
+pub(crate) fn move_called(name: &str) -> Result<Move, String> {
+    let mut moves = Move::ALL.into_iter().filter(|&step| step != Move::Wait);
+    moves
+        .find(|&step| move_name(step) == name)
+        .ok_or_else(|| format!("no move is called \"{name}\": there are up, down, left and right"))
+}
+
+/// Returns the name that is closest to a mistyped one, if one is close.
+pub(crate) fn nearest(names: impl Iterator<Item = &'static str>, typed: &str) -> Option<&'static str> {
+    let typed = typed.to_lowercase();
+    let similarity = |known: &str| strsim::jaro_winkler(known, &typed);
+    names.max_by(|a, b| similarity(a).total_cmp(&similarity(b))).filter(|known| similarity(known) > 0.7)
 }
 
 /// Returns the cause of a round in a few words.
@@ -35,7 +45,7 @@ pub(crate) const fn cause_words(cause: Cause) -> &'static str {
         Cause::Room => "room for a teammate",
         Cause::Charged => "back from its charger",
         Cause::Position => "not where its path says",
-        Cause::Outdated => "a teammate that began anew",
+        Cause::Outdated => "a teammate that started over",
         Cause::Misfit => "its choice did not fit",
     }
 }

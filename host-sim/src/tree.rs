@@ -84,12 +84,12 @@ mod xml;
 
 pub use binding::{BoundTree, LeafNode};
 pub use check::check;
-pub use counts::NodeCounts;
+pub use counts::KindCounts;
 pub use diagnostic::{Diagnostic, Place, Remarks, Severity};
 pub use document::{Document, Extras, Files, LoadError};
 pub use dry_run::{DryRecord, DryRun, Mode};
 pub use instance::Instance;
-pub use model::{Class, Direction, Model, Port};
+pub use model::{Class, Direction, NodeModel, Port};
 pub(crate) use show::Line;
 pub use statuses::Statuses;
 pub use value::ValueType;

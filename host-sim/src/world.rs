@@ -47,7 +47,7 @@ impl World {
         }
     }
 
-    /// Where the robots stand.
+    /// The cells of the robots.
     pub(crate) fn cells(&self) -> &[Cell] {
         &self.cells
     }

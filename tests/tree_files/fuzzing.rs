@@ -1,4 +1,4 @@
-//! Nothing that is read can make the reader panic.
+//! No file makes the reader panic.
 
 use super::*;
 use host_sim::Random;
@@ -126,7 +126,7 @@ fn tear(random: &mut Random, text: &mut Vec<char>) {
     }
 }
 
-/// Takes a file as far as it goes; says how far that was.
+/// Processes a file as far as possible; returns how far that was.
 fn try_out(text: &str) -> usize {
     let Ok(document) = Document::parse("f", text, &Extras::default()) else { return 0 };
     let remarks = tree::check(&document, None);

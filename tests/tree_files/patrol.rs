@@ -3,7 +3,7 @@
 
 use iibt_core::tree::{Full, Millis, Node, Status, Times, Tree};
 
-/// What the program does for the tree.
+/// The leaves of the tree, which the program provides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leaf {
     /// Condition `BatteryOk`: limit = `0.2`.
@@ -39,12 +39,12 @@ pub enum Entry {
     Error2,
 }
 
-/// Where the value of a port is.
+/// The source of a port's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Port<T> {
-    /// Here.
+    /// A constant.
     Constant(T),
-    /// In an entry.
+    /// An entry of the blackboard.
     Entry(Entry),
 }
 
@@ -99,7 +99,7 @@ impl Leaf {
     }
 }
 
-/// How many nodes the table has.
+/// The number of nodes in the table.
 pub const NODES: usize = 20;
 
 /// The tree `Patrol`.

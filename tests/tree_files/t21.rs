@@ -3,7 +3,7 @@
 
 use iibt_core::tree::{Node, Tree};
 
-/// What the program does for the tree.
+/// The leaves of the tree, which the program provides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leaf {
     /// Condition `Refused`.
@@ -14,7 +14,7 @@ pub enum Leaf {
     Act,
 }
 
-/// How many nodes the table has.
+/// The number of nodes in the table.
 pub const NODES: usize = 21;
 
 /// The tree `T21`.

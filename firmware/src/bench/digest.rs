@@ -1,6 +1,6 @@
 //! One number for every bit of many results, to compare the host with the target.
 
-use super::random_model::{RandomModel, Room, Trial};
+use super::random_model::{BeliefRoom, RandomModel, Trial};
 use super::{t1, t2};
 use iibt_core::inference::{
     Beliefs, Candidates, Evaluation, Evidence, MAX_SWEEPS, Model, ObservationError, Problem, Scoring, Update,
@@ -25,7 +25,7 @@ pub fn digest(seed: u64) -> u64 {
     digest.0
 }
 
-/// How policies are scored where the joint gain is not enumerated.
+/// The scoring where the joint gain is not enumerated.
 const PER_MODALITY: [Scoring; 2] = [Scoring::DEFAULT, Scoring::JAX_PYMDP];
 
 const ALL: [Scoring; 3] = [Scoring::DEFAULT, Scoring::JAX_PYMDP, Scoring::NUMPY_PYMDP];
@@ -71,7 +71,7 @@ impl Digest {
     #[inline(never)]
     fn add_random(&mut self, seed: u64) {
         let built = RandomModel::new(seed).build(|model, candidates, observed| {
-            let mut beliefs = Room::prior(model);
+            let mut beliefs = BeliefRoom::prior(model);
             self.add_beliefs(&mut beliefs, model, observed);
             let scorings = if seed.is_multiple_of(4) { &ALL[..] } else { &PER_MODALITY[..] };
             self.add_decision(&mut Trial::new(), model, &beliefs, candidates, scorings);

@@ -13,7 +13,7 @@ pub const STATES: [usize; 3] = [5, 3, 4];
 
 /// Room for the beliefs about a random model: the largest factor's states, and a group for each
 /// factor.
-pub type Room = Beliefs<5, 3>;
+pub type BeliefRoom = Beliefs<5, 3>;
 
 /// Room for the evaluation of a random model.
 pub type Trial = Evaluation<5, 3, 4, 2>;

@@ -35,7 +35,7 @@ pub enum NotMeasured {
     /// The program did not fly under valgrind; the last line of its output.
     #[error("not measured: under valgrind the flight failed: {0}")]
     Failed(String),
-    /// What valgrind left cannot be read.
+    /// The output of valgrind cannot be read.
     #[error("not measured: {0}")]
     Unreadable(String),
 }

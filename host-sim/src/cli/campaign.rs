@@ -1,6 +1,6 @@
 //! `campaign`: a mission flown many times, by the inference node and by a conventional tree.
 
-use super::{Failure, FlownTree, NOT_ACCOMPLISHED, print, scenario, task};
+use super::{Failure, about, exit_status, report, scenario, task};
 use clap::{Args, ValueEnum};
 use host_sim::Pilot;
 use host_sim::campaign::{Campaign, Disturbance};
@@ -14,7 +14,7 @@ Examples:
   host-sim campaign warehouse --disturbance loss --seeds 2000
   host-sim campaign factory --tree inference --json | jq '.rows[].summaries[0].accomplished'
 
-DisturbanceList, drawn from the seed and the same for both trees:
+Disturbances, drawn from the seed and the same for both trees:
   none       the scenario as it is
   noise      localisers are wrong in 10 % of all readings
   slips      moves fail with 10 %
@@ -38,10 +38,10 @@ pub(super) struct FlyMany {
     /// How many seeds, from zero on
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: u32,
-    /// What flies the robots
+    /// The tree that flies the robots
     #[arg(long, value_name = "TREE", value_enum, default_value_t = CampaignTrees::Both)]
     tree: CampaignTrees,
-    /// What goes wrong; `every` takes them one after the other
+    /// The disturbance; `every` takes them one after the other
     #[arg(long, value_name = "NAME", default_value = "every", value_parser = disturbances)]
     disturbance: DisturbanceList,
     /// How many threads fly; the figures do not depend on it
@@ -69,9 +69,9 @@ impl CampaignTrees {
     fn pilots(self) -> Vec<Pilot> {
         match self {
             Self::Both => vec![Pilot::Inference, Pilot::Conventional],
-            Self::Inference => vec![FlownTree::Inference.into()],
-            Self::Conventional => vec![FlownTree::Conventional.into()],
-            Self::Figure5 => vec![FlownTree::Figure5.into()],
+            Self::Inference => vec![Pilot::Inference],
+            Self::Conventional => vec![Pilot::Conventional],
+            Self::Figure5 => vec![Pilot::Figure5],
         }
     }
 }
@@ -102,17 +102,13 @@ impl FlyMany {
             pilots: &pilots,
             seeds: self.seeds,
         };
-        let report = campaign
+        let flown = campaign
             .fly(self.threads, &|done, flights| tell(done, flights))
-            .map_err(|error| format!("{}: {error}", scenario.name))?;
-        let text = if self.json { serde_json::to_string(&report)? + "\n" } else { report.table() };
-        print(&text)?;
-        let is_safe = report.collided(Pilot::Inference) == 0;
-        Ok(if is_safe { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
+            .map_err(about(&scenario.name))?;
+        report(self.json, &flown, || flown.table())?;
+        Ok(exit_status(flown.collided(Pilot::Inference) == 0))
     }
-}
 
-impl FlyMany {
     /// A task file at several levels of wrong readings and failed actions.
     fn fly_task(&self, text: &str) -> Result<ExitCode, Failure> {
         if self.tree != CampaignTrees::Both || self.disturbance.0.len() != Disturbance::ALL.len() {

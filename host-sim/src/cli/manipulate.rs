@@ -1,9 +1,9 @@
 //! `manipulate`: two robots bring a bottle and a plate together.
 
-use super::{Failure, NOT_ACCOMPLISHED, print, probability};
+use super::{Failure, exit_status, probability, report};
 use clap::{Args, ValueEnum};
 use host_sim::manipulation::{
-    CampaignRuns, Compared, Detail, Disturbances, Findings, Terms, Trees, Trust, compare, narrate, run,
+    CampaignRuns, Compared, Detail, Disturbances, Findings, RunTerms, Trees, Trust, compare, narrate, run,
 };
 use host_sim::manipulation::{Order, Preset};
 use host_sim::statistics::{Distribution, Share};
@@ -27,12 +27,12 @@ Exit status:
 
 #[derive(Args, Debug)]
 pub(super) struct Manipulate {
-    /// The seed of all chance; the same seed gives the same run
+    /// The seed of all random numbers; the same seed gives the same run
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Which trees the robots run
-    #[arg(long, value_name = "KIND", default_value = "inference")]
-    tree: Kind,
+    /// The trees of the robots
+    #[arg(long, value_name = "KIND", value_enum, default_value_t)]
+    tree: Trees,
     /// The probability that a pick fails
     #[arg(long, value_name = "P", default_value_t = 0.1, value_parser = probability)]
     grasps: f64,
@@ -48,10 +48,10 @@ pub(super) struct Manipulate {
     /// The probability that a frame does not reach the teammate
     #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = probability)]
     loss: f64,
-    /// The numbers by which inference nodes judge
+    /// The parameters of the inference nodes
     #[arg(long, value_name = "PRESET", default_value = "default")]
     preset: Judgement,
-    /// How likely the robots take a reading to be right, in place of equation 8's 0.923
+    /// The modelled probability that a reading is right, in place of equation 8's 0.923
     #[arg(long, value_name = "P", value_parser = probability)]
     sensor: Option<f64>,
     /// Let the inference nodes of both robots fetch at once, and not in turn as published
@@ -74,19 +74,6 @@ pub(super) struct Manipulate {
     /// Print one JSON object with everything, and nothing else
     #[arg(long)]
     json: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Kind {
-    /// Figure 14 of the paper: inference nodes
-    Inference,
-    /// Conventional trees as one would write them
-    Conventional,
-    /// A conventional tree for robot 1 with the node counts of table 6
-    #[value(name = "table-6")]
-    Table6,
-    /// Conventional trees as the paper draws them
-    AsDrawn,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -114,12 +101,12 @@ impl Manipulate {
             Some(seeds) => self.campaign(seeds)?,
             None => self.once()?,
         };
-        Ok(if accomplished { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
+        Ok(exit_status(accomplished))
     }
 
     fn once(&self) -> Result<bool, Failure> {
         let run = run(&self.terms(), Detail::History)?;
-        print(&if self.json { run.to_json()? + "\n" } else { narrate(&run) })?;
+        report(self.json, &run, || narrate(&run))?;
         Ok(run.success)
     }
 
@@ -127,23 +114,17 @@ impl Manipulate {
         let terms = self.terms();
         let findings = CampaignRuns { terms, seeds }.run(None)?;
         let (trees, disturbances) = (terms.trees, terms.disturbances);
-        let text = if self.json {
-            serde_json::to_string(&Campaigned { trees, disturbances, seeds, findings })? + "\n"
-        } else {
-            table(&findings)
-        };
-        print(&text)?;
+        report(self.json, &Campaigned { trees, disturbances, seeds, findings }, || table(&findings))?;
         Ok(findings.success.count == seeds)
     }
 
     fn comparison(&self) -> Result<bool, Failure> {
         let compared = compare(self.seed, self.seeds.unwrap_or(1000))?;
-        let text = if self.json { serde_json::to_string(&compared)? + "\n" } else { side_by_side(&compared) };
-        print(&text)?;
+        report(self.json, &compared, || side_by_side(&compared))?;
         Ok(true)
     }
 
-    fn terms(&self) -> Terms {
+    fn terms(&self) -> RunTerms {
         let disturbances = Disturbances {
             wrong_readings: self.readings,
             failed_grasps: self.grasps,
@@ -155,18 +136,13 @@ impl Manipulate {
             Judgement::Default => Preset::DEFAULT,
             Judgement::Calibrated => Preset::CALIBRATED,
         };
-        Terms {
-            trees: match self.tree {
-                Kind::Inference => Trees::Inference,
-                Kind::Conventional => Trees::Conventional,
-                Kind::Table6 => Trees::Table6,
-                Kind::AsDrawn => Trees::AsDrawn,
-            },
+        RunTerms {
+            trees: self.tree,
             disturbances,
             preset: Preset { sensor: self.sensor.map_or(preset.sensor, |p| p as f32), ..preset },
             order: if self.together { Order::Together } else { Order::InTurn },
             trust: if self.belief { Trust::Belief } else { Trust::Equal(self.equal) },
-            ..Terms::new(self.seed)
+            ..RunTerms::new(self.seed)
         }
     }
 }

@@ -1,10 +1,9 @@
 //! The verbs that take a model from a notebook.
 
-use super::{Failure, print};
+use super::{Failure, print, read};
 use clap::Args;
-use host_sim::notebook::{Beliefs, Convention, Forms, InferenceProgress, InferenceRun, Notebook};
-use std::fs::File;
-use std::io::{self, IsTerminal, Read};
+use host_sim::notebook::{BeliefMethod, Convention, Forms, InferenceProgress, InferenceRun, Notebook};
+use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 /// No model is larger than this.
@@ -52,7 +51,7 @@ pub(super) struct Infer {
     convention: Convention,
     /// How beliefs are updated, in place of the convention's way
     #[arg(long, value_name = "HOW", value_enum)]
-    beliefs: Option<Beliefs>,
+    beliefs: Option<BeliefMethod>,
     /// Keep full tables: do not look for structure
     #[arg(long)]
     dense: bool,
@@ -73,7 +72,7 @@ pub(super) struct Export {
 
 impl Infer {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let mut notebook = read(&self.model)?;
+        let mut notebook = notebook(&self.model)?;
         if let Some(obs) = &self.obs {
             notebook = notebook.observing(obs)?;
         }
@@ -98,7 +97,7 @@ impl Export {
         if let Some(text) = super::task::text_of(&self.model)? {
             return super::task::export(&self.model, &text);
         }
-        let mut notebook = read(&self.model)?;
+        let mut notebook = notebook(&self.model)?;
         if let Some(name) = &self.name {
             notebook = notebook.named(name);
         }
@@ -111,15 +110,8 @@ fn forms(dense: bool) -> Forms {
     if dense { Forms::Dense } else { Forms::Structured }
 }
 
-fn read(name: &str) -> Result<Notebook, Failure> {
-    let failed = |error: &dyn std::fmt::Display| format!("{name}: {error}");
-    let mut bytes = Vec::new();
-    let file = File::open(name).map_err(|error| failed(&error))?;
-    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(|error| failed(&error))?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(failed(&"larger than 64 MiB, which is more than this program reads").into());
-    }
-    Ok(Notebook::read(name, &bytes)?)
+fn notebook(name: &str) -> Result<Notebook, Failure> {
+    Ok(Notebook::read(name, &read(name, MAX_BYTES)?)?)
 }
 
 /// Shows the progress of a long run on a terminal.
@@ -161,7 +153,7 @@ mod tests {
 
     #[test]
     fn a_missing_file_is_named() {
-        let refusal = read("nowhere.json").map_or_else(|error| error.to_string(), |_| String::new());
+        let refusal = notebook("nowhere.json").map_or_else(|error| error.to_string(), |_| String::new());
         assert!(refusal.starts_with("nowhere.json: "));
     }
 }

@@ -1,6 +1,6 @@
 //! `reproduce`: the paper's results beside ours.
 
-use super::{Failure, NOT_ACCOMPLISHED, print, size_of_screen};
+use super::{Failure, exit_status, report, size_of_screen};
 use clap::Args;
 use host_sim::reproduce::{self, CHAPTERS, Chapter, Effort, Reproduction, Section};
 use std::fs;
@@ -45,16 +45,12 @@ impl Reproduce {
         fs::create_dir_all(&self.out).map_err(|error| cannot("make the folder", &self.out, &error))?;
         let chapters = CHAPTERS.iter().filter(|chapter| self.wants(chapter));
         let sections: Vec<Section> = chapters.map(|chapter| run(chapter, effort)).collect();
-        let text = if self.json {
-            serde_json::to_string(&sections)? + "\n"
-        } else {
+        report(self.json, &sections, || {
             let columns = size_of_screen().and_then(|(columns, _)| u16::try_from(columns).ok());
             reproduce::table(&sections, columns) + &format!("\nThe page: {}\n", page.display())
-        };
-        print(&text)?;
+        })?;
         fs::write(&page, reproduce::page(&sections)).map_err(|error| cannot("write", &page, &error))?;
-        let succeeds = reproduce::succeeds(&sections);
-        Ok(if succeeds { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
+        Ok(exit_status(reproduce::succeeds(&sections)))
     }
 
     fn wants(&self, chapter: &Chapter) -> bool {

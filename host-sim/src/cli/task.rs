@@ -1,7 +1,8 @@
 //! Task files under the verbs that take scenarios and models.
 
-use super::{Failure, FlownTree, MAX_BYTES, NOT_ACCOMPLISHED, RunArgs, print, read_up_to};
+use super::{Failure, MAX_BYTES, RunArgs, about, exit_status, print, read, report};
 use bumpalo::Bump;
+use host_sim::Pilot;
 use host_sim::task::{TableMission, Trouble, built_in, is_task, level_table};
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -16,8 +17,7 @@ pub(super) fn text_of(name: &str) -> Result<Option<String>, Failure> {
     if path.extension().is_none_or(|extension| extension != "toml") || !path.is_file() {
         return Ok(None);
     }
-    let bytes = read_up_to(path, MAX_BYTES).map_err(|error| format!("{name}: {error}"))?;
-    Ok(String::from_utf8(bytes).ok().filter(|text| is_task(text)))
+    Ok(String::from_utf8(read(name, MAX_BYTES)?).ok().filter(|text| is_task(text)))
 }
 
 pub(super) fn title(name: &str) -> Result<String, Failure> {
@@ -27,22 +27,18 @@ pub(super) fn title(name: &str) -> Result<String, Failure> {
 
 pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
     let name = &of.scenario;
-    if of.tree != FlownTree::default() || of.log.is_some() {
+    if of.tree != Pilot::default() || of.log.is_some() {
         return Err(format!("{name}: a task has neither another --tree nor a --log of moves").into());
     }
     let arena = Bump::new();
     let mission = TableMission::parse(&arena, name, text)?;
     let trouble = Trouble { loss: of.loss, ..Trouble::default() };
-    let flown = mission.fly(of.seed, trouble).map_err(|error| format!("{name}: {error}"))?;
-    let text = mission.narrate(&flown);
-    print(&if of.json {
-        serde_json::to_string(&flown)? + "\n"
-    } else if of.quiet {
-        text.lines().last().unwrap_or_default().to_owned() + "\n"
-    } else {
-        text
+    let flown = mission.fly(of.seed, trouble).map_err(about(name))?;
+    report(of.json, &flown, || match (mission.narrate(&flown), of.quiet) {
+        (text, true) => text.lines().last().unwrap_or_default().to_owned() + "\n",
+        (text, false) => text,
     })?;
-    Ok(if flown.success { ExitCode::SUCCESS } else { ExitCode::from(NOT_ACCOMPLISHED) })
+    Ok(exit_status(flown.success))
 }
 
 pub(super) fn campaign(
@@ -54,8 +50,8 @@ pub(super) fn campaign(
 ) -> Result<ExitCode, Failure> {
     let arena = Bump::new();
     let mission = TableMission::parse(&arena, name, text)?;
-    let levels = mission.campaign(seeds, threads).map_err(|error| format!("{name}: {error}"))?;
-    print(&if json { serde_json::to_string(&levels)? + "\n" } else { level_table(&levels) })?;
+    let levels = mission.campaign(seeds, threads).map_err(about(name))?;
+    report(json, &levels, || level_table(&levels))?;
     Ok(ExitCode::SUCCESS)
 }
 

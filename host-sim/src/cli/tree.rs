@@ -1,7 +1,7 @@
 //! The verbs for behavior trees.
 
-use super::{Failure, UNUSABLE, print, read_up_to};
-use clap::{Args, Subcommand, ValueEnum};
+use super::{Failure, UNUSABLE, about, is_path, print, read, read_up_to, unknown};
+use clap::{Args, Subcommand};
 use host_sim::tree::{
     self, Document, DryRun, Extras, Instance, LoadError, Mode, Severity, Statuses, library,
 };
@@ -97,7 +97,7 @@ timer has gone off since the last tick; 10000 times at the most.
   - Timeout halts its child when the tree is next ticked and comes to it, not in between
   - Precondition is asked at every tick and halts its child when it no longer holds
 These differences remain with --compat:
-  - RetryUntilSuccessful, Repeat, Timeout and Delay begin anew after they were skipped
+  - RetryUntilSuccessful, Repeat, Timeout and Delay start again after they were skipped
   - a node that runs and is then skipped is idle at once, and not halted afterwards
   - IfThenElse and WhileDoElse are skipped with their condition, where BehaviorTree.CPP throws an exception
   - with --mode once, a node that asks for another tick in the tick that ends the tree is not heard in the next
@@ -175,8 +175,8 @@ struct TreeRunArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     ticks: u32,
     /// How often the tree is gone through in a tick
-    #[arg(long, value_enum, default_value_t = HowOften::ExactlyOnce)]
-    mode: HowOften,
+    #[arg(long, value_enum, default_value_t = Mode::ExactlyOnce)]
+    mode: Mode,
     /// Milliseconds from one tick to the next
     #[arg(long, value_name = "M", default_value_t = 10, value_parser = clap::value_parser!(u32).range(0..=3_600_000))]
     tick_ms: u32,
@@ -199,7 +199,7 @@ struct Replay {
     source: TreeSource,
     /// The records of a robot
     #[arg(value_name = "RECORDS")]
-    records: PathBuf,
+    records: String,
     #[command(flatten)]
     logs: Logs,
 }
@@ -212,14 +212,6 @@ struct Logs {
     /// Write what happened as a page
     #[arg(long, value_name = "FILE.html")]
     timeline: Option<PathBuf>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum HowOften {
-    /// Once: tickExactlyOnce
-    ExactlyOnce,
-    /// Again while nodes ask for it: tickOnce
-    Once,
 }
 
 impl Tree {
@@ -242,17 +234,16 @@ impl TreeSource {
         if let Some(document) = library::find(&self.source) {
             return Ok(document?);
         }
-        let path = Path::new(&self.source);
-        let is_path = path.extension().is_some() || path.components().count() > 1 || path.exists();
-        if !is_path {
-            let reason = unknown(&self.source);
+        if !is_path(&self.source) {
+            let nearest = library::nearest(&self.source);
+            let reason = unknown("none", &self.source, nearest, library::names()) + "xml";
             return Err(LoadError::Unreadable("tree".into(), reason));
         }
         let files = |path: &Path| {
             let bytes = read_up_to(path, MAX_BYTES)?;
             String::from_utf8(bytes).map_err(|_| std::io::Error::other("this is no UTF-8 text"))
         };
-        Document::load(path, &files, &Extras { leaves })
+        Document::load(Path::new(&self.source), &files, &Extras { leaves })
     }
 
     fn check(&self) -> Result<ExitCode, Failure> {
@@ -325,10 +316,7 @@ impl TreeRunArgs {
         };
         let dry_run = DryRun {
             ticks: self.ticks,
-            mode: match self.mode {
-                HowOften::ExactlyOnce => Mode::ExactlyOnce,
-                HowOften::Once => Mode::Once,
-            },
+            mode: self.mode,
             tick_ms: self.tick_ms,
             leaves: &self.leaves,
             halt_after: self.halt_after,
@@ -353,9 +341,8 @@ impl Replay {
             Ok(instance) => instance,
             Err(remarks) => return Ok(refuse(&remarks)),
         };
-        let named = |error: String| format!("{}: {error}", self.records.display());
-        let bytes = read_up_to(&self.records, MAX_BYTES).map_err(|error| named(error.to_string()))?;
-        let transitions = instance.records(&bytes).map_err(named)?;
+        let records = read(&self.records, MAX_BYTES)?;
+        let transitions = instance.records(&records).map_err(about(&self.records))?;
         self.logs.write(&instance, &transitions)?;
         print(&format!("{}\n", counted(transitions.len(), "transition")))?;
         Ok(ExitCode::SUCCESS)
@@ -365,28 +352,19 @@ impl Replay {
 impl Logs {
     fn write(&self, instance: &Instance, transitions: &[StatusChange]) -> Result<(), Failure> {
         if let Some(path) = &self.log {
-            fs::write(path, instance.btlog(transitions))
-                .map_err(|error| format!("{}: {error}", path.display()))?;
+            fs::write(path, instance.btlog(transitions)).map_err(about(path.display()))?;
         }
         if let Some(path) = &self.timeline {
-            fs::write(path, instance.timeline(transitions))
-                .map_err(|error| format!("{}: {error}", path.display()))?;
+            fs::write(path, instance.timeline(transitions)).map_err(about(path.display()))?;
         }
         Ok(())
     }
 }
 
-/// Says why a tree cannot be used.
+/// Reports why a tree cannot be used.
 fn refuse(remarks: &[tree::Diagnostic]) -> ExitCode {
     remarks.iter().for_each(|remark| eprintln!("{remark}"));
     ExitCode::from(UNUSABLE)
-}
-
-fn unknown(name: &str) -> String {
-    let hint =
-        library::nearest(name).map_or_else(String::new, |nearest| format!("did you mean '{nearest}'? "));
-    let names = library::names().collect::<Vec<_>>().join(", ");
-    format!("none is called '{name}': {hint}built in are {names}; a file of your own ends in .xml")
 }
 
 fn leaf(text: &str) -> Result<(String, Statuses), String> {

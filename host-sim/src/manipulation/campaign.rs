@@ -1,7 +1,7 @@
 //! One mission with many seeds, and its statistics.
 
 use super::run::{Detail, RunError, run};
-use super::terms::Terms;
+use super::terms::RunTerms;
 use crate::parallel::parallel_map;
 use crate::statistics::{Distribution, Share};
 use serde::Serialize;
@@ -11,7 +11,7 @@ use std::num::NonZeroUsize;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CampaignRuns {
     /// The terms of every run.
-    pub terms: Terms,
+    pub terms: RunTerms,
     /// The number of runs.
     pub seeds: u32,
 }
@@ -19,9 +19,9 @@ pub struct CampaignRuns {
 /// The findings of a campaign.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Findings {
-    /// How often the bottle is on the plate, in truth.
+    /// The share of runs with the bottle truly on the plate.
     pub success: Share,
-    /// How often robot 1's tree succeeded when it was not.
+    /// The share of runs in which robot 1's tree succeeded although it was not.
     pub mistaken: Share,
     /// The ticks of the runs that succeeded.
     pub ticks: Distribution,
@@ -54,7 +54,7 @@ impl CampaignRuns {
     }
 
     fn brief(&self, index: usize) -> Result<Brief, RunError> {
-        let terms = Terms { seed: self.terms.seed.wrapping_add(index as u64), ..self.terms };
+        let terms = RunTerms { seed: self.terms.seed.wrapping_add(index as u64), ..self.terms };
         let run = run(&terms, Detail::Outcome)?;
         let actions = run.actions.moves + run.actions.picks + run.actions.placings;
         let (success, believed) = (run.success, run.believed);

@@ -4,7 +4,7 @@
 use super::campaign::{CampaignRuns, Findings};
 use super::run::RunError;
 use super::tables::Order;
-use super::terms::{Disturbances, Terms, Trees, Trust};
+use super::terms::{Disturbances, RunTerms, Trees, Trust};
 use serde::Serialize;
 
 /// A contender.
@@ -64,7 +64,7 @@ pub fn compare(seed: u64, seeds: u32) -> Result<Vec<Compared>, RunError> {
     let one = |(level, contender): (f64, Contender)| {
         let disturbances = Disturbances { wrong_readings: level, failed_grasps: level, ..Disturbances::NONE };
         let Contender { name, trees, order, trust } = contender;
-        let terms = Terms { trees, order, trust, disturbances, ..Terms::new(seed) };
+        let terms = RunTerms { trees, order, trust, disturbances, ..RunTerms::new(seed) };
         let findings = CampaignRuns { terms, seeds }.run(None)?;
         Ok(Compared { contender: name, level, findings })
     };

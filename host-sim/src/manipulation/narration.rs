@@ -1,6 +1,6 @@
 //! The narration of a run, line by line.
 
-use super::record::{RobotTick, Run, Tick};
+use super::record::{RobotTick, Run, TickRecord};
 use std::fmt::Write;
 
 /// Narrates a run that has its history: a line for everything that a robot begins, chooses or
@@ -8,7 +8,7 @@ use std::fmt::Write;
 #[must_use]
 pub fn narrate(run: &Run) -> String {
     let mut text = String::new();
-    let mut before: Option<&Tick> = None;
+    let mut before: Option<&TickRecord> = None;
     for tick in &run.history {
         for (index, robot) in tick.robots.iter().enumerate() {
             let last = before.map(|tick| &tick.robots[index]);
@@ -52,7 +52,7 @@ fn told(robot: &RobotTick, last: Option<&RobotTick>) -> Option<String> {
     let (state, probability) = most(robot)?;
     let was = last.and_then(most).map(|(state, _)| state);
     (was.is_some_and(|was| was != state))
-        .then(|| format!("takes itself to be {} (q {probability:.3})", NAMES[state]))
+        .then(|| format!("believes that it is {} (q {probability:.3})", NAMES[state]))
 }
 
 fn outcome(run: &Run) -> String {

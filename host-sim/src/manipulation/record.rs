@@ -25,7 +25,7 @@ pub struct Run {
     /// The ticks it took.
     pub ticks: u32,
     /// The actions that were begun.
-    pub actions: Actions,
+    pub actions: ActionCounts,
     /// The actions that were begun again: the same by the same robot to the same place.
     pub retries: u32,
     /// The frames of both robots.
@@ -33,12 +33,12 @@ pub struct Run {
     /// The joint policies by which robots have acted, in order.
     pub decisions: Vec<Decided>,
     /// Every tick; empty when only the outcome was asked for.
-    pub history: Vec<Tick>,
+    pub history: Vec<TickRecord>,
 }
 
 /// The number of actions, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Actions {
+pub struct ActionCounts {
     /// Moves.
     pub moves: u32,
     /// Picks.
@@ -64,7 +64,7 @@ pub struct Decided {
 
 /// One tick.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Tick {
+pub struct TickRecord {
     /// Its number.
     pub tick: u32,
     /// The robots after it.

@@ -1,14 +1,16 @@
 //! A run: the mission flown with two trees, and its record.
 
 use super::conventional::Conventional;
-use super::record::{Actions, Decided, RobotTick, Run, Thought, Tick, operator_name, place_name, state_name};
+use super::record::{
+    ActionCounts, Decided, RobotTick, Run, Thought, TickRecord, operator_name, place_name, state_name,
+};
 use super::robot::Inferring;
 use super::sense::Sense;
 use super::skill::Skill;
 use super::tables::{
     GOAL_A, GOAL_B, GOAL_C, GRIP, HOLDS, MOVE_TO, PICK, PLACE, PLACED, PUT_DOWN, TEAM, tables,
 };
-use super::terms::{Disturbances, Terms, Trees, Trust};
+use super::terms::{Disturbances, RunTerms, Trees, Trust};
 use crate::scenario;
 use crate::task::{Flown, Goal, HostTask, Station, TaskFlight, Truth, Worker};
 use crate::tree::{BoundTree, Diagnostic};
@@ -50,7 +52,7 @@ pub enum RunError {
 ///
 /// # Errors
 /// [`RunError`] when the terms are none.
-pub fn run(terms: &Terms, detail: Detail) -> Result<Run, RunError> {
+pub fn run(terms: &RunTerms, detail: Detail) -> Result<Run, RunError> {
     check(terms)?;
     let arena = Bump::new();
     let tables = tables(&arena, terms.order, terms.preset)?;
@@ -68,7 +70,7 @@ pub fn run(terms: &Terms, detail: Detail) -> Result<Run, RunError> {
     Ok(record(terms, flown, history))
 }
 
-fn check(terms: &Terms) -> Result<(), RunError> {
+fn check(terms: &RunTerms) -> Result<(), RunError> {
     let of = terms.disturbances;
     let named = [
         ("wrong readings", of.wrong_readings),
@@ -102,7 +104,7 @@ enum Hand<'t> {
 
 impl<'t> Hand<'t> {
     fn new(
-        terms: &Terms,
+        terms: &RunTerms,
         tables: &'t Tables<'t>,
         index: u8,
         tree: BoundTree<Skill>,
@@ -188,7 +190,7 @@ impl<'t> Worker<'t> for Hand<'t> {
     }
 }
 
-fn noted<'t>(flight: &TaskFlight<'t, Hand<'t>>) -> Tick {
+fn noted<'t>(flight: &TaskFlight<'t, Hand<'t>>) -> TickRecord {
     let world = &flight.world;
     let robots = [0, 1].map(|index| {
         let (robot, place) = (flight.robots().nth(index), world.state(index, PLACE.into()));
@@ -219,10 +221,10 @@ fn noted<'t>(flight: &TaskFlight<'t, Hand<'t>>) -> Tick {
             PLACED => "on the plate".to_owned(),
             _ => format!("at {}", place_name(source.into())),
         });
-    Tick { tick: flight.tick, robots, bottle, plate }
+    TickRecord { tick: flight.tick, robots, bottle, plate }
 }
 
-fn record(terms: &Terms, flown: Flown, history: Vec<Tick>) -> Run {
+fn record(terms: &RunTerms, flown: Flown, history: Vec<TickRecord>) -> Run {
     let count = |operator| flown.operated.iter().filter(|begun| begun.operator == operator).count() as u32;
     let mut begun = Vec::new();
     let mut retries = 0;
@@ -241,7 +243,7 @@ fn record(terms: &Terms, flown: Flown, history: Vec<Tick>) -> Run {
         success: flown.success,
         believed: flown.believed,
         ticks: flown.ticks,
-        actions: Actions { moves: count(MOVE_TO), picks: count(PICK), placings: count(PUT_DOWN) },
+        actions: ActionCounts { moves: count(MOVE_TO), picks: count(PICK), placings: count(PUT_DOWN) },
         retries,
         frames: flown.frames,
         decisions: decided.collect(),

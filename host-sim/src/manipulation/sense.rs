@@ -100,7 +100,7 @@ impl<'t> Sense<'t> {
 pub(super) struct Debounced<T> {
     value: T,
     last: Option<T>,
-    /// How many equal readings there were in a row.
+    /// The number of equal readings in a row.
     run: u8,
     enough: u8,
 }

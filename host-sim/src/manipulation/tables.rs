@@ -19,23 +19,23 @@ pub const ELSEWHERE: u8 = 0;
 pub const GOAL_A: u8 = 1;
 /// Goal B, where the plate is.
 pub const GOAL_B: u8 = 2;
-/// Where the robots meet.
+/// Goal C, where the robots meet.
 pub const GOAL_C: u8 = 3;
 
 /// The hidden factor what a robot holds.
 pub const GRIP: u8 = 1;
-/// It holds nothing.
+/// The robot holds nothing.
 pub const EMPTY: u8 = 0;
-/// It holds its object.
+/// The robot holds its object.
 pub const HOLDS: u8 = 1;
-/// It has placed its object.
+/// The robot has placed its object.
 pub const PLACED: u8 = 2;
 
 /// The semantic state of a robot that is where its object is, s^i (table 4).
 pub const LOC: u8 = 0;
-/// It holds its object.
+/// The robot holds its object.
 pub const HOLD: u8 = 1;
-/// It has placed its object.
+/// The robot has placed its object.
 pub const PUT: u8 = 2;
 /// None of these.
 pub const FREE: u8 = 3;
@@ -46,7 +46,7 @@ pub const MOVE_TO: u8 = 0;
 pub const PICK: u8 = 1;
 /// place(object).
 pub const PUT_DOWN: u8 = 2;
-/// Nothing.
+/// The operator that does nothing.
 pub const IDLE: u8 = 3;
 
 /// The aim IsHolding(object).
@@ -261,7 +261,7 @@ pub struct Preset {
 }
 
 impl Preset {
-    /// Nothing tuned: actions are judged by what they bring about, and γ is one.
+    /// No tuning: actions are judged by their results, and γ is one.
     pub const DEFAULT: Self = Self { sensor: SENSOR, success: 1.0, precision: 1.0 };
 
     /// The reported probabilities to a thousandth. The pair of success and precision is one of

@@ -4,7 +4,7 @@ use super::tables::{Order, Preset};
 use serde::Serialize;
 
 /// The trees of the robots.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Trees {
     /// Figure 14: inference nodes.
@@ -13,6 +13,7 @@ pub enum Trees {
     /// Conventional trees in the usual style: reactive, with each part checking its own conditions.
     Conventional,
     /// A conventional tree for robot 1 with the node counts of table 6.
+    #[value(name = "table-6")]
     Table6,
     /// Figure 14 with figures 15 and 16 in the place of its inference nodes, as drawn.
     AsDrawn,
@@ -23,7 +24,7 @@ pub enum Trees {
 pub enum Trust {
     /// A number of equal readings in a row, at least one.
     Equal(u8),
-    /// What the inference nodes' belief is sure of: the same filter under another tree.
+    /// The states that the inference nodes' belief is sure of: the same filter under another tree.
     Belief,
 }
 
@@ -59,7 +60,7 @@ impl Disturbances {
 
 /// The terms of one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Terms {
+pub struct RunTerms {
     /// The seed of all chance.
     pub seed: u64,
     /// The trees of the robots.
@@ -76,7 +77,7 @@ pub struct Terms {
     pub max_ticks: u32,
 }
 
-impl Terms {
+impl RunTerms {
     /// The default mission with a seed.
     #[must_use]
     pub const fn new(seed: u64) -> Self {

@@ -22,7 +22,7 @@ pub enum Convention {
 
 /// The method of state inference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Beliefs {
+pub enum BeliefMethod {
     /// Exactly while it fits the core's limit, else by coordinate ascent
     Exact,
     /// By coordinate ascent on the free energy
@@ -59,10 +59,10 @@ impl Convention {
     }
 
     /// The method unless the caller asks for another.
-    pub(super) const fn beliefs(self) -> Beliefs {
+    pub(super) const fn beliefs(self) -> BeliefMethod {
         match self {
-            Self::Default | Self::AsPrinted => Beliefs::Exact,
-            Self::Joint | Self::PerModality => Beliefs::Sweeps,
+            Self::Default | Self::AsPrinted => BeliefMethod::Exact,
+            Self::Joint | Self::PerModality => BeliefMethod::Sweeps,
         }
     }
 

@@ -12,7 +12,7 @@ const MAX_COMBINATIONS: usize = 1 << 20;
 pub(super) struct Observed {
     /// The method that was used.
     pub(super) method: &'static str,
-    /// Nothing for an observation that is impossible.
+    /// `None` for an observation that is impossible.
     pub(super) update: Option<Update>,
     /// -ln P(o), where it was worked out exactly.
     pub(super) surprise: Option<f32>,
@@ -26,7 +26,7 @@ pub(super) fn observe<const S: usize, const G: usize>(
     beliefs: &mut Beliefs<S, G>,
     model: &Model,
     evidence: &[Evidence],
-    method: convention::Beliefs,
+    method: convention::BeliefMethod,
     sweeps: Sweeps,
 ) -> Observed {
     let mut exact = *beliefs;
@@ -34,12 +34,12 @@ pub(super) fn observe<const S: usize, const G: usize>(
     let surprise = result.ok().filter(|update| update.exact).map(|update| update.free_energy);
     let mut ascended = *beliefs;
     let (after, result, note) = match method {
-        convention::Beliefs::Exact => (exact, result, None),
-        convention::Beliefs::Ascent => {
+        convention::BeliefMethod::Exact => (exact, result, None),
+        convention::BeliefMethod::Ascent => {
             let result = ascended.update_by_ascent(model, evidence, iibt_core::inference::MAX_SWEEPS);
             (ascended, result, None)
         }
-        convention::Beliefs::Sweeps => match sweep(beliefs, model, evidence, sweeps) {
+        convention::BeliefMethod::Sweeps => match sweep(beliefs, model, evidence, sweeps) {
             Ok(update) => return Observed { surprise, impossible: result.err(), ..swept(update, None) },
             Err(Unswept { after, update, reason }) => {
                 if let (Some(after), Some(update), Err(impossible)) = (after, update, result) {

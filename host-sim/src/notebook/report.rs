@@ -63,7 +63,7 @@ pub struct StructureReport {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(non_snake_case, reason = "the symbols of the field")]
 pub struct StepReport {
-    /// How the beliefs were updated.
+    /// The method of the update.
     pub beliefs: &'static str,
     /// The reason, if not by the convention's method.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -130,7 +130,7 @@ pub struct PolicyReport {
     /// Over all modalities and steps.
     #[serde(flatten)]
     pub total: TermsReport,
-    /// What the floors of numpy pymdp added to the information gain.
+    /// The effect of numpy pymdp's floors on the information gain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub numpy_floors: Option<f64>,
     /// Of each modality over all steps, its information gain its own.
@@ -166,7 +166,7 @@ pub struct Why {
     pub beyond: f32,
     /// The lead in ln E.
     pub habit: f32,
-    /// The same in words.
+    /// The reasons in words.
     pub text: String,
 }
 

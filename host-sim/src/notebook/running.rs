@@ -23,7 +23,7 @@ pub struct InferenceRun {
     /// The conventions.
     pub convention: Convention,
     /// The method of state inference, in place of the convention's.
-    pub beliefs: Option<convention::Beliefs>,
+    pub beliefs: Option<convention::BeliefMethod>,
     /// Whether structure is looked for.
     pub forms: Forms,
 }
@@ -47,7 +47,7 @@ const STACK: usize = 64 << 20;
 /// The factors' states that the small size has room for, by group.
 const SMALL: usize = 8;
 
-/// The same for the large size.
+/// The states that the large size has room for, by group.
 const LARGE: usize = MAX_STATES / MAX_FACTORS;
 
 /// The candidates that are rolled out side by side, and the policies by candidate.

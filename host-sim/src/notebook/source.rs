@@ -272,7 +272,7 @@ impl Source {
         }
     }
 
-    /// The same for numbers with all their digits.
+    /// A declaration of numbers with all their digits.
     fn numbers(&mut self, declaration: impl Display, items: &[f32]) {
         let items: Vec<String> = items.iter().map(|&item| number(item)).collect();
         self.list(declaration, &items);

@@ -146,8 +146,8 @@ struct Kinds {
 }
 
 impl Kinds {
-    /// Gives the states of one condition that are never told apart one label; returns the label of
-    /// each state.
+    /// Assigns one label to states of one condition that are never distinguished; returns the label
+    /// of each state.
     fn merge(&mut self, condition: usize) -> Option<Vec<u8>> {
         let states = self.shape[condition];
         let inner: usize = self.shape[condition + 1..].iter().product();

@@ -158,7 +158,7 @@ impl<'m, 'e> SweptEvidence<'_, 'm, 'e> {
         messages
     }
 
-    /// The same of the product of all likelihoods.
+    /// The messages of the product of all likelihoods.
     fn messages_of_product(&self, q: &Marginals) -> Marginals {
         let mut messages = zeros(q);
         self.for_each_state(q, |states, mass, ln| {

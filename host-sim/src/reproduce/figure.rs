@@ -116,7 +116,7 @@ pub struct Intervals {
     pub title: String,
     /// The quantity and its unit.
     pub unit: String,
-    /// Where the axis ends; `None` for the largest value.
+    /// The end of the axis; `None` for the largest value.
     pub most: Option<f64>,
     /// The lines.
     pub rows: Vec<IntervalRow>,
@@ -127,7 +127,7 @@ pub struct Intervals {
 pub struct IntervalRow {
     /// The conditions.
     pub label: String,
-    /// Who, and how they did; `None` where there is no value.
+    /// The names and their values; `None` where there is no value.
     pub values: Vec<(String, Option<Estimate>)>,
 }
 
@@ -188,7 +188,7 @@ pub struct TreePicture {
 pub struct TreeNode {
     /// Its level, the root's is one.
     pub level: usize,
-    /// What kind of node it is.
+    /// The kind of node.
     pub kind: TreeNodeKind,
     /// Its name.
     pub name: String,

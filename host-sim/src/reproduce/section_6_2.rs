@@ -5,7 +5,7 @@ use super::figure::{Bars, DataSeries, Estimate, Figure, IntervalRow, Intervals, 
 use super::report::{Item, Section, Tolerance, with_interval};
 use crate::manipulation::Preset;
 use crate::manipulation::{
-    self, CampaignRuns, Compared, Detail, Disturbances, LEVELS, Run as Mission, Terms, Thought,
+    self, CampaignRuns, Compared, Detail, Disturbances, LEVELS, Run as Mission, RunTerms, Thought,
     run as carry_out,
 };
 use crate::text::counted;
@@ -36,7 +36,7 @@ pub(super) fn manipulate(run: &Reproduction<'_>) -> Section {
          nothing and tunes nothing; the calibrated preset, actions taken to succeed in 86.3 % and a precision of 1.381, is one \
          of several that give both.",
     );
-    let quiet = |preset| Terms { preset, disturbances: Disturbances::NONE, ..Terms::new(0) };
+    let quiet = |preset| RunTerms { preset, disturbances: Disturbances::NONE, ..RunTerms::new(0) };
     let [ours, calibrated] = [Preset::DEFAULT, Preset::CALIBRATED].map(|preset| flown(&quiet(preset)));
     section.items = probabilities("default", &ours, Tolerance::Absolute(0.005));
     section.items.extend(probabilities("calibrated", &calibrated, Tolerance::Absolute(0.001)));
@@ -48,7 +48,7 @@ pub(super) fn manipulate(run: &Reproduction<'_>) -> Section {
     section
 }
 
-fn flown(terms: &Terms) -> Mission {
+fn flown(terms: &RunTerms) -> Mission {
     carry_out(terms, Detail::History).expect("the built-in trees run")
 }
 
@@ -116,7 +116,7 @@ fn joint_policies(mission: &Mission) -> usize {
 /// The mission with one failed grasp and one wrong reading in ten.
 fn campaign(run: &Reproduction<'_>) -> [Item; 4] {
     let seeds = run.seeds(SEEDS) as u32;
-    let terms = Terms { disturbances: Disturbances::TENTH, ..Terms::new(0) };
+    let terms = RunTerms { disturbances: Disturbances::TENTH, ..RunTerms::new(0) };
     let findings = CampaignRuns { terms, seeds }.run(None).expect("the built-in trees run");
     let under = format!("{}, 10 % failed grasps, 10 % wrong readings", counted(seeds, "seed"));
     let success = findings.success;
@@ -186,7 +186,7 @@ fn reported(ours: &Mission, calibrated: &Mission) -> Figure {
 
 /// The robots' beliefs in a mission with wrong readings.
 fn beliefs() -> Figure {
-    let mission = flown(&Terms::new(1));
+    let mission = flown(&RunTerms::new(1));
     let panel = |robot: usize| {
         let thought = |state: usize| {
             mission.history.iter().map(move |tick| {

@@ -4,7 +4,7 @@ use super::Reproduction;
 use super::figure::{Figure, Panel, TreeNode, TreeNodeKind, TreePicture};
 use super::report::{Item, Section};
 use crate::library::built_in;
-use crate::manipulation::{Detail, Disturbances, Terms, Trees, run as carry_out};
+use crate::manipulation::{Detail, Disturbances, RunTerms, Trees, run as carry_out};
 use crate::tree::{Class, Line, library as trees};
 use crate::{Conditions, Pilot, Scenario, Trigger, fly};
 
@@ -136,7 +136,7 @@ fn missions() -> Vec<Item> {
         )
     };
     let handled = |trees: Trees| {
-        let terms = Terms { trees, disturbances: Disturbances::NONE, ..Terms::new(0) };
+        let terms = RunTerms { trees, disturbances: Disturbances::NONE, ..RunTerms::new(0) };
         let run = carry_out(&terms, Detail::Outcome).expect("the built-in trees run");
         let what = format!("section 6.2, with the trees {}", trees.name());
         let ours = if run.success { format!("yes, after {} ticks", run.ticks) } else { "no".to_owned() };

@@ -4,8 +4,8 @@ use super::drawing::Drawing;
 use super::file::ScenarioFile;
 use super::{DriveFault, InferenceSpec, MAX_TICKS, RobotSpec, Scenario, file, reach};
 use crate::input::{Fault, Read, WholeNumber, line_of_text, parameter, refuse, share, whole};
-use crate::text::{self, counted};
-use iibt_core::grid::{Cell, Move};
+use crate::text::{counted, move_called};
+use iibt_core::grid::Cell;
 use iibt_core::navigation::MAX_GOALS;
 use std::ops::Range;
 use toml::Spanned;
@@ -108,7 +108,7 @@ fn enough(goals: usize, robots: usize) -> Result<(), String> {
     Ok(())
 }
 
-/// Where the start of a robot is written: as a number, or else on the map.
+/// The place where a robot's start is written: as a number, or else on the map.
 fn start_of(robot: usize, file: &ScenarioFile) -> Range<usize> {
     let written = file.robots.get(robot).and_then(|robot| robot.get_ref().start.as_ref());
     written.map_or(file.map.span(), Spanned::span)
@@ -126,16 +126,10 @@ fn drive_fault(fault: &Spanned<file::DriveFaultEntry>, robots: &[RobotSpec]) -> 
     let written = fault.get_ref();
     Ok(DriveFault {
         robot: named(&written.robot, robots)?,
-        step: move_called(&written.step)?,
+        step: move_called(written.step.get_ref())
+            .map_err(|reason| Fault::new(written.step.span(), reason))?,
         from: whole("from", written.from.as_ref(), 0..=MAX_TICKS, 0)?,
         fails: share("fails", Some(&written.fails), 0.0)?,
-    })
-}
-
-fn move_called(name: &Spanned<String>) -> Read<Move> {
-    text::move_called(name.get_ref()).filter(|&step| step != Move::Wait).ok_or_else(|| {
-        let reason = format!("no move is called \"{}\": there are up, down, left and right", name.get_ref());
-        Fault::new(name.span(), reason)
     })
 }
 

@@ -11,7 +11,7 @@ use toml::Spanned;
 /// The content of a drawn map.
 pub(super) struct Drawing {
     pub map: Floor,
-    /// Where each robot is drawn, by its number less one.
+    /// The start that is drawn for each robot, by its number less one.
     pub starts: [Option<Cell>; MAX_TEAM],
     /// The goals, row by row.
     pub goals: Vec<Cell>,

@@ -94,7 +94,7 @@ impl Drawing {
         }
     }
 
-    /// Where a robot charges: a cell that it can reach and that is no other robot's charger.
+    /// The charger of a robot: a cell that it can reach and that is no other robot's charger.
     fn charger(
         &self,
         written: &file::RobotEntry,

@@ -19,7 +19,7 @@ pub struct LeafNode {
     pub name: String,
     /// The values of its ports, by name, in alphabetical order.
     pub ports: Vec<(String, String)>,
-    /// Where it stands in the file.
+    /// Its place in the file.
     pub place: Place,
 }
 

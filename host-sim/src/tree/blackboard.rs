@@ -38,7 +38,7 @@ impl<'i> Blackboard<'i> {
         }
     }
 
-    /// Does what `SetBlackboard` does.
+    /// Copies a value as `SetBlackboard` does.
     ///
     /// # Errors
     /// What is missing, or does not go together.

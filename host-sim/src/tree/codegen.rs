@@ -58,7 +58,7 @@ impl Instance {
         let set = if is_basic { "" } else { ", Full" };
         _ = writeln!(
             source,
-            "/// How many nodes the table has.\npub const NODES: usize = {};\n",
+            "/// The number of nodes in the table.\npub const NODES: usize = {};\n",
             lowered.rows.len()
         );
         _ = writeln!(source, "/// The tree `{}`.", self.main.replace('`', "'"));

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 /// The size of a tree.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct NodeCounts {
+pub struct KindCounts {
     /// The number of nodes of each kind, by the kind's name.
     pub kinds: BTreeMap<String, usize>,
     /// The number of nodes of each class: Control, Decorator, Condition, Action, SubTree.
@@ -14,7 +14,7 @@ pub struct NodeCounts {
     pub levels: Vec<usize>,
 }
 
-impl NodeCounts {
+impl KindCounts {
     /// The number of nodes.
     #[must_use]
     pub fn nodes(&self) -> usize {
@@ -31,8 +31,8 @@ impl NodeCounts {
 impl Instance {
     /// Counts the nodes.
     #[must_use]
-    pub fn counts(&self) -> NodeCounts {
-        let mut counts = NodeCounts::default();
+    pub fn counts(&self) -> KindCounts {
+        let mut counts = KindCounts::default();
         for node in &self.nodes {
             *counts.kinds.entry(node.id().to_owned()).or_default() += 1;
             *counts.classes.entry(node.model.class.tag()).or_default() += 1;

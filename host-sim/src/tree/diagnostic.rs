@@ -46,7 +46,7 @@ pub struct Diagnostic {
     pub place: Place,
     /// The severity.
     pub severity: Severity,
-    /// What is wrong, and what would be right.
+    /// The problem, and what would be right.
     pub message: String,
 }
 

@@ -1,7 +1,7 @@
 //! A tree file with all that it includes.
 
 use super::diagnostic::{Diagnostic, Place, Remarks};
-use super::model::{self, Class, Model, Models, SubTreeModel};
+use super::model::{self, Class, Models, NodeModel, SubTreeModel};
 use super::structure;
 use super::xml::{self, Element};
 use std::collections::{BTreeMap, BTreeSet};
@@ -91,7 +91,7 @@ impl Document {
             remarks: Remarks::default(),
         };
         for leaf in extras.leaves.iter().filter(|leaf| model::model_name(leaf).is_ok()) {
-            document.models.entry(leaf.clone()).or_insert_with(|| Arc::new(Model::leaf(leaf)));
+            document.models.entry(leaf.clone()).or_insert_with(|| Arc::new(NodeModel::leaf(leaf)));
         }
         roots.iter().for_each(|root| document.declare(root));
         for root in &roots {
@@ -137,12 +137,12 @@ impl Document {
                 self.subtree_models.insert(id.value.clone(), model);
                 continue;
             }
-            let model = Model { id: id.value.clone(), class, ports, is_built_in: false };
+            let model = NodeModel { id: id.value.clone(), class, ports, is_built_in: false };
             self.declare_node(model, &id.place);
         }
     }
 
-    fn declare_node(&mut self, model: Model, place: &Place) {
+    fn declare_node(&mut self, model: NodeModel, place: &Place) {
         match self.models.get(&model.id) {
             Some(known) if known.is_built_in => {
                 if known.class != model.class {

@@ -13,7 +13,7 @@ use std::fmt::Write;
 const MAX_PASSES: u16 = 10_000;
 
 /// The number of passes over the tree in a tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Mode {
     /// One pass, as with `tickExactlyOnce`.
     ExactlyOnce,

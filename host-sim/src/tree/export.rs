@@ -1,7 +1,7 @@
 //! Export of a document as XML: compact form, with models, as Groot2 expects it.
 
 use super::document::{Definition, Document};
-use super::model::{Class, Model, Port};
+use super::model::{Class, NodeModel, Port};
 use super::xml::{Attribute, Element, escaped};
 use std::fmt::Write;
 
@@ -68,7 +68,7 @@ fn push_node(text: &mut String, node: &Element, depth: usize) {
     _ = writeln!(text, "{indent}</{tag}>");
 }
 
-fn push_model(text: &mut String, model: &Model) {
+fn push_model(text: &mut String, model: &NodeModel) {
     push_entry(text, model.class, &model.id, &model.ports);
 }
 

@@ -2,7 +2,7 @@
 
 use super::diagnostic::{Place, Remarks};
 use super::document::Document;
-use super::model::{self, Class, Direction, Model, POST_CONDITIONS, PRE_CONDITIONS};
+use super::model::{self, Class, Direction, NodeModel, POST_CONDITIONS, PRE_CONDITIONS};
 use super::scope::{Scopes, constant_type};
 use super::script::Script;
 use super::value::{Fit, ValueType, pointer, truth};
@@ -38,7 +38,7 @@ pub(super) struct PlacedTree {
 /// A node of a tree.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    pub model: Arc<Model>,
+    pub model: Arc<NodeModel>,
     pub name: String,
     pub parent: Option<usize>,
     pub children: Vec<usize>,
@@ -97,7 +97,7 @@ impl Document {
     }
 }
 
-/// Where the next node is put.
+/// The place of the next node.
 #[derive(Clone, Copy)]
 struct Site<'s> {
     parent: Option<usize>,
@@ -221,7 +221,7 @@ impl Assembly<'_> {
         guards
     }
 
-    fn ports(&mut self, element: &Element, model: &Model, index: usize, scope: usize) {
+    fn ports(&mut self, element: &Element, model: &NodeModel, index: usize, scope: usize) {
         let mut values = BTreeMap::new();
         for attribute in &element.attributes {
             if !model::is_port(&attribute.name) {
@@ -297,7 +297,7 @@ impl Assembly<'_> {
         }
     }
 
-    /// Gives an entry of the blackboard a type, or compares it with the one that it has.
+    /// Sets the type of a blackboard entry, or compares it with the type it has.
     fn entry(&mut self, direction: Direction, kind: &ValueType, attribute: &Attribute, scope: usize) {
         let key = match attribute.value.as_str() {
             "{=}" | "=" => attribute.name.as_str(),

@@ -3,6 +3,7 @@
 use super::diagnostic::Diagnostic;
 use super::document::{Document, Extras};
 use super::instance::Instance;
+use crate::text;
 
 macro_rules! trees {
     ($($name:literal)*) => {
@@ -56,6 +57,5 @@ pub(crate) fn instance(name: &str) -> Option<Result<Instance, Diagnostic>> {
 /// The built-in name that is most like `name`.
 #[must_use]
 pub fn nearest(name: &str) -> Option<&'static str> {
-    let similarity = |known: &str| strsim::jaro_winkler(known, &name.to_lowercase());
-    names().max_by(|a, b| similarity(a).total_cmp(&similarity(b))).filter(|known| similarity(known) > 0.7)
+    text::nearest(names(), name)
 }

@@ -2,12 +2,12 @@
 
 use super::export::{push_attribute, push_entry};
 use super::instance::{Instance, Node};
-use super::model::{Class, Model};
+use super::model::{Class, NodeModel};
 use iibt_core::time::Instant;
 use iibt_core::tree::{Status, StatusChange};
 use std::collections::BTreeMap;
 
-/// What such a file begins with.
+/// The first bytes of such a file.
 const MAGIC: &[u8] = b"BTCPP4-FileLogger2";
 
 /// The version of the format.
@@ -61,7 +61,7 @@ impl Instance {
             xml.push_str("  </BehaviorTree>\n");
         }
         xml.push_str("  <TreeNodesModel>\n");
-        let models: BTreeMap<&str, &Model> =
+        let models: BTreeMap<&str, &NodeModel> =
             self.nodes.iter().map(|node| (node.id(), &*node.model)).collect();
         models.values().for_each(|model| push_entry(&mut xml, model.class, &model.id, &model.ports));
         xml.push_str("  </TreeNodesModel>\n</root>\n");

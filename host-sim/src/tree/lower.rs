@@ -43,7 +43,7 @@ pub(super) enum HookTask {
     Set,
     /// Remove an entry of the blackboard.
     Unset,
-    /// Which case of a switch is taken.
+    /// The case of a switch that is taken.
     Switch,
     /// Whether the child of a `Precondition` may run.
     Precondition(Script),

@@ -83,7 +83,7 @@ pub struct Port {
 
 /// A kind of node.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Model {
+pub struct NodeModel {
     /// The tag of its nodes.
     pub id: String,
     /// Its class.
@@ -94,7 +94,7 @@ pub struct Model {
     pub is_built_in: bool,
 }
 
-impl Model {
+impl NodeModel {
     /// The port with a name.
     #[must_use]
     pub fn port(&self, name: &str) -> Option<&Port> {
@@ -163,7 +163,7 @@ const LOOPS: [(&str, &str); 4] =
     [("LoopInt", "int"), ("LoopBool", "bool"), ("LoopDouble", "double"), ("LoopString", "string")];
 
 /// All kinds of nodes, by their names.
-pub(super) type Models = BTreeMap<String, Arc<Model>>;
+pub(super) type Models = BTreeMap<String, Arc<NodeModel>>;
 
 /// The kinds of nodes that need no declaration: BehaviorTree.CPP's, four of Nav2's, and the
 /// scripted leaf.
@@ -192,8 +192,8 @@ pub(super) fn built_in() -> Models {
     plain.chain(switches).chain(loops).map(|model| (model.id.clone(), Arc::new(model))).collect()
 }
 
-fn built_in_model(class: Class, id: &str, ports: Vec<Port>) -> Model {
-    Model { id: id.into(), class, ports, is_built_in: true }
+fn built_in_model(class: Class, id: &str, ports: Vec<Port>) -> NodeModel {
+    NodeModel { id: id.into(), class, ports, is_built_in: true }
 }
 
 fn port(&(name, kind, default): &PortRow) -> Port {

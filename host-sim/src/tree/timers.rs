@@ -18,7 +18,7 @@ pub(super) struct Timers {
 
 #[derive(Clone, Copy)]
 struct Timer {
-    /// How long it takes; `None` for a row that has no timer.
+    /// Its duration; `None` for a row that has no timer.
     length: Option<Duration>,
     started: Option<Instant>,
 }
@@ -29,7 +29,7 @@ impl Timers {
         Self { timers: timers.collect(), now: Instant(0), pending: false }
     }
 
-    /// Lets time pass up to `now`.
+    /// Advances the time to `now`.
     pub(super) fn advance(&mut self, now: Instant) {
         self.now = now;
         for timer in &mut self.timers {

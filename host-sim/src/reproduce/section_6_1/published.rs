@@ -23,9 +23,9 @@ const HORIZON: usize = 7;
 struct Bar {
     /// The probability paired with robot 2.
     with_2: f64,
-    /// The same paired with robot 1.
+    /// The probability paired with robot 1.
     with_1: f64,
-    /// Where and when it arrives, as the ratio of both shows.
+    /// The place and time of its arrival, as the ratio of both shows.
     arrival: &'static str,
     /// Its path, where the numbers tell it.
     cells: Option<&'static [u16]>,
@@ -118,7 +118,7 @@ fn scores(paths: &[&[u16]], teammate: &[u16]) -> Vec<f64> {
     decision.judge(DecisionMode::AsPublished).scores.into_iter().map(f64::from).collect()
 }
 
-/// The same paired with robot 1's and with robot 2's choice.
+/// The scores paired with robot 1's and with robot 2's choice.
 fn both_scores(paths: &[&[u16]]) -> [Vec<f64>; 2] {
     [0, 1].map(|robot| scores(paths, PLANS[0].paths[robot]))
 }
@@ -253,7 +253,7 @@ impl Plan {
         self.paths.map(path)
     }
 
-    /// Where two robots meet: the cell, the step and the robots.
+    /// The meetings of two robots: the cell, the step and the robots.
     fn meetings(&self) -> Vec<(Cell, String)> {
         let (map, paths) = (map(), self.paths());
         let longest = paths.iter().map(Path::len).max().unwrap_or(0);

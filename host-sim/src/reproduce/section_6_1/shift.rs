@@ -123,7 +123,7 @@ fn in_turn(record: &Record) -> bool {
     agreed().count() >= 5 && agreed().all(ordered)
 }
 
-/// The same with many seeds.
+/// The mission with many seeds.
 fn seeds(scenario: &Scenario, run: &Reproduction<'_>) -> Vec<Item> {
     let claim = |flights: Flights| {
         let what = format!("{}: accomplished, and without a collision", flights.what());

@@ -55,7 +55,7 @@ impl Variants {
 
     /// The enum's source.
     pub(super) fn source(&self) -> String {
-        let mut source = "/// What the program does for the tree.\n".to_owned();
+        let mut source = "/// The leaves of the tree, which the program provides.\n".to_owned();
         source.push_str("#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum Leaf {\n");
         for variant in &self.list {
             _ = writeln!(source, "    /// {}\n    {},", variant.documentation, variant.name);

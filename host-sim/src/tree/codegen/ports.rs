@@ -8,7 +8,7 @@ use crate::tree::value::{ValueType, integer, real, truth};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// What a leaf's port holds: its type, and a constant or an entry.
+/// The value of a leaf's port: its type, and a constant or an entry.
 struct Use<'i> {
     variant: &'i str,
     kind: ValueType,
@@ -80,9 +80,9 @@ fn entries_source(entries: &[(Entry, String)]) -> String {
         _ = writeln!(source, "    /// `{}`\n    {name},", entry.1.replace('`', "'"));
     }
     source.push_str("}\n\n");
-    source.push_str("/// Where the value of a port is.\n#[derive(Clone, Copy, Debug, PartialEq)]\n");
+    source.push_str("/// The source of a port's value.\n#[derive(Clone, Copy, Debug, PartialEq)]\n");
     source.push_str(
-        "pub enum Port<T> {\n    /// Here.\n    Constant(T),\n    /// In an entry.\n    Entry(Entry),\n}\n\n",
+        "pub enum Port<T> {\n    /// A constant.\n    Constant(T),\n    /// An entry of the blackboard.\n    Entry(Entry),\n}\n\n",
     );
     source
 }
