@@ -159,7 +159,7 @@ mod report {
     }
 }
 
-/// What docs/paper.md says about the two trees.
+/// The statements of docs/paper.md about the two trees.
 mod comparison {
     use super::*;
     use host_sim::campaign::CampaignRow;

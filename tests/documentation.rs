@@ -112,7 +112,7 @@ fn every_statement_about_the_paper_names_its_test() {
     assert!(rows.len() > 50, "only {} rows: are they still found?", rows.len());
 }
 
-/// What docs/your-robot.md shows is what is built for the chip and flown, and all of that is shown.
+/// The code in docs/your-robot.md is built for the chip and flown, and it is complete.
 #[test]
 fn a_robot_of_your_own_is_the_one_that_is_flown() {
     let document = read(&root().join("docs/your-robot.md"));

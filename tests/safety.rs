@@ -15,7 +15,7 @@ use tests::rig::overhear;
 
 const RUNS: u64 = 200;
 
-/// How many missions with errands, which take longer.
+/// The number of missions with errands, which take longer.
 const LONG_RUNS: u64 = 150;
 
 type Team<'m> = NavigatorFlight<'m, 49, 2, 16>;

@@ -301,7 +301,7 @@ mod shift {
     }
 }
 
-/// What events and drives do to a team.
+/// The effects of events and drives on a team.
 mod events {
     use super::*;
     use host_sim::FlightEvent;

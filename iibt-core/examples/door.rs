@@ -50,7 +50,7 @@ static ENTER: Tree<Skill, 13, Full> = tree! {
 struct Robot {
     door_open: bool,
     door_locked: bool,
-    /// How far the robot is through the door, of 3.
+    /// The robot's progress through the door, of 3.
     way: u8,
     pushed: Option<Instant>,
     wheels_turn: bool,

@@ -67,7 +67,7 @@ struct Boxes {
     found: bool,
     /// The command to the hand.
     command: Option<usize>,
-    /// Why: the terms of each action in the last decision.
+    /// The terms of each action in the last decision.
     why: [Terms; 3],
 }
 

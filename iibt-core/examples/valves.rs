@@ -78,7 +78,7 @@ struct Robot {
     node: InferenceNode<Valve>,
     roster: Roster<Announcement>,
     turns: u32,
-    /// How many turns the valve sticks.
+    /// The turns for which the valve sticks.
     sticks: u32,
 }
 

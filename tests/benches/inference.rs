@@ -1,4 +1,4 @@
-//! What inference costs: `cargo bench -p tests --bench inference`.
+//! The cost of inference: `cargo bench -p tests --bench inference`.
 //!
 //! Instructions as callgrind counts them, which do not depend on the machine's load, and the best
 //! of many runs by the clock, each beside a plain dense implementation in the same run; then how
@@ -16,7 +16,7 @@ use std::process::Command;
 use std::time::Instant;
 use tests::dense::Dense;
 
-/// How often a case is run under callgrind.
+/// The number of runs of a case under callgrind.
 const REPETITIONS: u32 = 10;
 
 fn main() {

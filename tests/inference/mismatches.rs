@@ -1,5 +1,5 @@
-//! What does not fit is refused with a message that names the table, its index and the limit, and
-//! is no event of the world.
+//! Arguments that do not fit are refused with a message that names the table, its index and the
+//! limit, and never as an event of the world.
 
 use iibt_core::inference::{
     Agent, Argument, Beliefs, Candidates, DecisionError, Evaluation, Evidence, Factor, Habits, IdentityNoise,

@@ -13,7 +13,7 @@ use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::{Halt, Leaves, Memory, Status, Tree};
 use serde::{Deserialize, Serialize};
 
-/// What both doors have in common: a leaf that is open or shut, and a switch that is right nine
+/// The parts that both doors share: a leaf that is open or shut, and a switch that is right nine
 /// times in ten.
 const DOOR: Role = Role {
     name: "door",
@@ -59,7 +59,7 @@ const fn aim(preference: &'static [f32]) -> Aim<'static> {
     Aim { name: "end", done: &[0], preference, teammates: Wish::AsAnnounced, target: None }
 }
 
-/// What a door tells the other: what its task announces, and the charge of its battery.
+/// A message between the doors: the announcement of its task, and the charge of its battery.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Said {
     /// The task's part.
@@ -79,7 +79,7 @@ impl AsRef<Announcement> for Said {
     }
 }
 
-/// What a leaf of the tree stands for.
+/// The leaves of the tree.
 #[derive(Clone, Copy)]
 enum Leaf {
     BothCharged,
@@ -114,9 +114,9 @@ impl Door {
     }
 }
 
-/// What a door asks of its hardware beside a link, a clock and a battery.
+/// The hardware that a door needs besides a link, a clock and a battery.
 pub trait DoorHardware {
-    /// What the switch reads: 0 for open, 1 for shut.
+    /// The reading of the switch: 0 for open, 1 for shut.
     fn switch(&mut self) -> u8;
     /// Whether the drive is still moving the leaf.
     fn is_moving(&mut self) -> bool;

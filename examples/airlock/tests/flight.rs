@@ -10,7 +10,7 @@ use std::error::Error;
 /// The parts of one door, as the world fills and reads them.
 #[derive(Clone, Copy)]
 struct Parts {
-    /// What the switch reads: 0 for open, 1 for shut.
+    /// The reading of the switch: 0 for open, 1 for shut.
     switch: u8,
     charge: u8,
     /// The ticks until the drive stops.

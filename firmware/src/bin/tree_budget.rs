@@ -28,7 +28,7 @@ mod leaves {
     }
 
     impl TreeRobot {
-        /// What a leaf does is no part of what a tree costs: it is code once, and called.
+        /// The work of a leaf is no part of the cost of a tree: it is code once, and called.
         #[inline(never)]
         fn look(&mut self, leaf: Leaf) -> bool {
             self.calls = self.calls.wrapping_add(1);

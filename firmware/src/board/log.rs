@@ -28,7 +28,7 @@ pub(super) fn start(port: Tx<USART1>) {
     enable(Interrupt::USART1);
 }
 
-/// Gives up the frame that was being logged when the robot failed, so that the failure can be
+/// Abandons the frame that was being logged when the robot failed, so that the failure can be
 /// logged.
 pub(super) fn abandon() {
     FRAME.with(|frame| frame.depth = 0);

@@ -10,7 +10,7 @@ use super::Cell;
 pub(super) struct OpenList<const S: usize> {
     heap: [Entry; S],
     len: usize,
-    /// Where in the heap each cell is, or [`ABSENT`].
+    /// The place of each cell in the heap, or [`ABSENT`].
     place: [u16; S],
 }
 

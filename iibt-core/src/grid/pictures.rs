@@ -1,4 +1,4 @@
-//! What the tests of this room draw with: maps in, paths out, and repeatable random numbers.
+//! Drawing support for the tests of this module: maps in, paths out, and repeatable random numbers.
 
 use super::{Cell, Map, Path, words};
 use std::string::{String, ToString};

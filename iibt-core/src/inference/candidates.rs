@@ -46,7 +46,7 @@ pub struct Candidates<'a> {
 pub enum Combinations<'a> {
     /// All of them, the last control's sequences running fastest.
     All,
-    /// These: for each joint policy the number of a sequence for each control.
+    /// The listed ones: for each joint policy the number of a sequence for each control.
     Listed(&'a [u16]),
 }
 
@@ -211,7 +211,7 @@ impl<'a> Candidates<'a> {
         *self.policy(control, sequence)
     }
 
-    /// The same where it is.
+    /// The sequence of this number, if there is one.
     pub(super) fn policy(&self, control: usize, sequence: usize) -> &'a Policy {
         const STAY: &Policy = &Policy::EMPTY;
         self.sequences.get(control).and_then(|list| list.get(sequence)).unwrap_or(STAY)

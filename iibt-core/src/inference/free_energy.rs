@@ -165,7 +165,8 @@ impl Scoring {
     /// each modality's own, as in JAX pymdp, cpp-AIF and tira.
     pub const JAX_PYMDP: Self = Self { timing: PreferenceTiming::EveryStep, ..Self::DEFAULT };
 
-    /// The same with the joint gain, as in numpy pymdp, SPM and ActiveInference.jl.
+    /// As [`JAX_PYMDP`](Self::JAX_PYMDP) with the joint gain, as in numpy pymdp, SPM and
+    /// ActiveInference.jl.
     pub const NUMPY_PYMDP: Self = Self { gain: Gain::Joint, ..Self::JAX_PYMDP };
 
     /// ln E - F - γ G, the log of the policy posterior up to a constant (equation 7), from -G;

@@ -71,7 +71,7 @@ impl<'m> Outcomes<'_, 'm> {
         self.members.iter().map(move |(number, modality)| (modality, outcome(number)))
     }
 
-    /// Goes on to the next combination; `false` after the last.
+    /// Moves to the next combination; `false` after the last.
     fn advance(&mut self) -> bool {
         for (number, modality) in self.members.iter() {
             let Some(now) = self.now.get_mut(number) else { continue };
@@ -110,7 +110,7 @@ impl<'m> Outcomes<'_, 'm> {
         rest * expected.entropy() - mass * math::p_ln_p(rest)
     }
 
-    /// The same for any modalities, by a visit of every combination of the states of the
+    /// The entropy for any modalities, by a visit of every combination of the states of the
     /// component's factors.
     fn entropy_by_states<const S: usize, const G: usize>(
         &self,

@@ -182,10 +182,10 @@ fn add(sums: &mut [f32], at: Option<&usize>, term: f32) {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TableError {
-    /// It has no values, no conditions, too many conditions, or a dimension without entries.
+    /// No values, no conditions, too many conditions, or a dimension without entries.
     #[error("a dimension is empty, or there are too many")]
     Empty,
-    /// It has this many entries, which is not what its shape asks for.
+    /// A number of entries, given here, that does not fit the shape.
     #[error("the table has {0} entries, which its shape does not ask for")]
     Length(usize),
     /// An entry is negative or not finite, at this place of the table.

@@ -66,7 +66,7 @@ pub const MAX_MODALITIES: usize = 40;
 pub struct Model<'a> {
     factors: &'a [Factor<'a>],
     modalities: &'a [Modality<'a>],
-    /// Where each factor's states begin in a flat list.
+    /// The offset of each factor's states in a flat list.
     offsets: [u16; MAX_FACTORS + 1],
     /// The group of each factor: factors that move together.
     groups: [u8; MAX_FACTORS],
@@ -230,7 +230,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The same, to write to.
+    /// A factor's part of a flat list of states, mutably.
     #[inline]
     pub(super) fn part_mut<'b>(&self, flat: &'b mut [f32], factor: usize) -> &'b mut [f32] {
         match (self.offsets.get(factor), self.offsets.get(factor + 1)) {
@@ -303,7 +303,7 @@ impl<'a> Model<'a> {
         evidence.check(number, self.modalities.get(number).ok_or(unknown)?.shape().values())
     }
 
-    /// The same for the first modalities of the model, one after the other.
+    /// Checks the evidence of the first modalities of the model, one after the other.
     pub(super) fn check_all_evidence(&self, evidence: &[Evidence]) -> Result<(), OutOfRange> {
         at_most(Argument::Evidence, 0, evidence.len(), self.modalities.len())?;
         let mut pairs = self.modalities.iter().zip(evidence).enumerate();

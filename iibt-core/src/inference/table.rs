@@ -46,7 +46,7 @@ pub(super) fn contract(row: &[f32], beliefs: &[&[f32]]) -> f32 {
     contract_with(row, beliefs, &|p| p)
 }
 
-/// The same of a function of the entries.
+/// Contracts a function of the entries.
 pub(super) fn contract_with(row: &[f32], beliefs: &[&[f32]], of: &impl Fn(f32) -> f32) -> f32 {
     match beliefs {
         [] => 0.0,

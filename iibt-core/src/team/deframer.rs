@@ -37,8 +37,8 @@ impl Deframer {
         Self { buffer: [0; MAX_FRAME - 2], length: 0, overlong: false, dropped: 0 }
     }
 
-    /// Takes one byte; at a delimiter, gives what came since the last one, without either, unless
-    /// it is empty or too long for a frame.
+    /// Takes one byte; at a delimiter, returns the bytes since the last one, without delimiters,
+    /// unless they are none or too many for a frame.
     pub fn feed(&mut self, byte: u8) -> Option<&[u8]> {
         if byte == 0 {
             return self.cut();

@@ -86,7 +86,7 @@ impl Limits {
         Self::new(Duration(fresh_for), Duration(fresh_for.saturating_mul(2)))
     }
 
-    /// The same for a period that is never too long: up to 65 seconds on a clock of milliseconds.
+    /// The limits for a period that is never too long: up to 65 seconds on a clock of milliseconds.
     #[must_use]
     pub const fn every(period: NonZero<u16>) -> Self {
         let fresh_for = period.get() as u32 * Self::FRESH_BEACONS;

@@ -249,7 +249,8 @@ pub(super) const fn never_ticked<L>(rows: &[Row<L>], can: &mut [u8]) -> Option<u
     found
 }
 
-/// What the node in row `at` can return, and the first of its children that it never ticks.
+/// The statuses that the node in row `at` can return, and the first of its children that it never
+/// ticks.
 const fn outcomes<L>(rows: &[Row<L>], can: &[u8], at: usize) -> (u8, usize) {
     const NO_ROW: usize = NONE as usize;
     let child = if at + 1 < rows.len() { can[at + 1] } else { 0 };

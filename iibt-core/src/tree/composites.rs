@@ -117,8 +117,8 @@ impl<L, K: Kinds> Visit<'_, L, K> {
         decision.with_extra(tally.word())
     }
 
-    /// Goes on to the next child of a parallel node that has not ended, or waits for those that are
-    /// running.
+    /// Continues with the next child of a parallel node that has not ended, or waits for those that
+    /// are running.
     fn tallied(&self, child: usize, status: Status, children: u8) -> VisitOutcome {
         let tally = ChildCounts::read(self.extra).after(status);
         let decision = match self.unfinished(self.sibling(child)) {

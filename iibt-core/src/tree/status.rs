@@ -27,7 +27,8 @@ pub enum Status {
 }
 
 impl Status {
-    /// Which of a row's links follows: 0 after a success, 1 after a failure, more after the others.
+    /// The index of the row's link that follows: 0 after a success, 1 after a failure, more after
+    /// the others.
     pub(super) const fn end(self) -> usize {
         (self as usize).wrapping_sub(Self::Success as usize)
     }
@@ -95,9 +96,9 @@ impl From<bool> for Status {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Halt {
-    /// It has stopped.
+    /// The action has stopped.
     Done,
-    /// It has not stopped and is asked again at the next tick.
+    /// The action has not stopped and is asked again at the next tick.
     Pending,
 }
 
@@ -164,6 +165,6 @@ pub enum Next {
     /// At this time a timer of the tree, or an action that knows when, is due; an event may come
     /// before.
     At(Instant),
-    /// When an event changes what a leaf returns; the tree waits for no time.
+    /// After an event that changes what a leaf returns; the tree waits for no time.
     Event,
 }

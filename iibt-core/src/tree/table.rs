@@ -155,7 +155,7 @@ impl<L, const N: usize, K: Kinds> Tree<L, N, K> {
     /// The number of nodes.
     pub const NODES: usize = N;
 
-    /// The same tree, without its size in its type.
+    /// Borrows the tree without its size in its type.
     ///
     /// ```
     /// use iibt_core::tree::{Tree, TreeRef};

@@ -15,7 +15,7 @@ type Flaw = Option<(usize, &'static str)>;
 /// The tolerance for the sum of a column, as in the tables of `inference`.
 const TOLERANCE: f32 = 1e-4;
 
-/// Goes over the rows of a list, which a `for` loop cannot do in a `const fn`.
+/// Iterates over the rows of a list, which a `for` loop cannot do in a `const fn`.
 macro_rules! each {
     ($at:ident in $rows:expr, $body:block) => {
         let mut $at = 0;

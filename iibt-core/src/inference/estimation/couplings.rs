@@ -28,7 +28,7 @@ impl<'a, 'm, 'e> Couplings<'a, 'm, 'e> {
         })
     }
 
-    /// Takes out everything that is coupled, directly or not, to the first member.
+    /// Removes everything that is coupled, directly or not, to the first member.
     pub(super) fn take_component(&mut self) -> Option<Self> {
         Some(Self { members: self.members.take_component()?, ..*self })
     }

@@ -38,8 +38,8 @@ impl<'a, const S: usize, const G: usize, const R: usize> Rows<'a, S, G, R> {
         action_of(problem, factor, usize::from(candidate.policy), step)
     }
 
-    /// Which of these modalities are observed at a step, a bit for each: what several groups bring
-    /// about together is not before the first of them arrives, nor after.
+    /// The modalities among these that are observed at a step, a bit for each: an outcome of
+    /// several groups is observed only when the first of them arrives.
     pub(super) fn observed(
         &self,
         problem: &Problem<'_, S, G>,

@@ -117,7 +117,7 @@ impl<'a, const S: usize, const C: usize, const U: usize> TransitionCounts<'a, S,
         true
     }
 
-    /// The same by the outer product of the beliefs, b(s', s) := b(s', s) + η q(s') q(s), as in
+    /// Learns by the outer product of the beliefs, b(s', s) := b(s', s) + η q(s') q(s), as in
     /// pymdp, and in SPM, which leaves counts of zero at zero.
     ///
     /// Returns `false`, and learns nothing, as [`learn`](Self::learn) does.

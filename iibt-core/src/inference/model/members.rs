@@ -28,8 +28,7 @@ impl<'a, 'm> Members<'a, 'm> {
         self.iter().fold(0, |all, (number, _)| all | self.model.scope(number))
     }
 
-    /// Takes out the first member and all that have factors in common with it, directly or by way
-    /// of others.
+    /// Removes the first member and all that share factors with it, directly or through others.
     pub(in crate::inference) fn take_component(&mut self) -> Option<Self> {
         let mut component = Self { bits: self.bits & self.bits.wrapping_neg(), ..*self };
         // One that is left alone is not looked at.
