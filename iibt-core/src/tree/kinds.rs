@@ -23,7 +23,7 @@ pub trait Kinds: sealed::Sealed + Copy + core::fmt::Debug + Eq {
     type Extra: sealed::Extra;
 }
 
-/// Sequences and fallbacks, with memory and reactive, inverters, and leaves: 4 bytes of RAM a node.
+/// Sequences and fallbacks, also reactive, inverters, and leaves: 4 bytes of RAM per node.
 ///
 /// It leaves out two more things. [`Halt::Pending`](super::Halt::Pending) counts as done, and
 /// [`Status::Skipped`](super::Status::Skipped) is passed on like a success.

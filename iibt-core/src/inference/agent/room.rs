@@ -5,7 +5,7 @@ use crate::inference::model::{MAX_FACTORS, Model};
 
 /// The sizes of an [`Agent`](super::Agent), derived from a model and its candidates.
 ///
-/// [`agent!`](crate::agent) and [`Agent!`](crate::Agent) work them out; nobody has to write them.
+/// [`agent!`](crate::agent) and [`Agent!`](crate::Agent) derive them, so you need not write them.
 ///
 /// ```
 /// use iibt_core::inference::{Factor, IdentityNoise, Modality, Model, NextState, Room};
