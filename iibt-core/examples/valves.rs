@@ -5,65 +5,42 @@
 #[macro_use]
 mod chip;
 
-use iibt_core::iibt::rules::Raise;
+use iibt_core::iibt::InferenceNode;
 use iibt_core::iibt::table::{
-    Accuracy, Aim, Announcement, Effect, Fact, HiddenFactor, Holds, Labels, Operator, Percept, Postcondition,
-    Reads, Remedy, Role, Sensor, TableTask, Tables, Wish,
+    Aim, Announcement, Fact, HiddenFactor, Operator, Percept, Reads, Remedy, Role, Sensor, TableTask, Tables,
 };
-use iibt_core::iibt::{InferenceNode, Literal};
 use iibt_core::team::{Envelope, Limits, Member, RobotId, Roster, Stamp};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
 
-const STATES: [&str; 2] = ["open", "closed"];
 const OPEN: u8 = 0;
 const CLOSED: u8 = 1;
 const TURN: u8 = 0;
 const IDLE: u8 = 1;
 
-const IS_CLOSED: Fact = Fact { name: "closed", holds: Holds::Sure { factor: 0, states: &[CLOSED] } };
-const R2_IDLE: Fact = Fact { name: "R2 idle", holds: Holds::Doing { robot: 1, operators: &[IDLE] } };
-const INLET_CLOSED: Fact =
-    Fact { name: "inlet closed", holds: Holds::Announced { robot: 0, factor: 0, states: &[CLOSED] } };
+const IS_CLOSED: Fact = Fact::sure("closed", 0, &[CLOSED]);
+const R2_IDLE: Fact = Fact::doing("R2 idle", 1, &[IDLE]);
+const INLET_CLOSED: Fact = Fact::announced("inlet closed", 0, 0, &[CLOSED]);
 
 /// A turn closes the valve four times in five. It needs fact 1, the turn, and forbids fact 0, a
 /// closed valve.
-const TURN_IT: Operator = Operator {
-    name: "turn",
-    requires: &[1],
-    forbids: &[0],
-    brings: Postcondition::State(CLOSED, 0.8),
-    effects: &[Effect::set(0, CLOSED)],
-    success: 0.8,
-    ..Operator::IDLE
+const TURN_IT: Operator =
+    Operator { requires: &[1], forbids: &[0], ..Operator::bringing("turn", CLOSED, 0.8) };
+
+/// A robot with a valve.
+const VALVE: Role = Role {
+    sensors: &[Sensor::even("position", Reads::Factor(0), 0.9)],
+    operators: &[TURN_IT, Operator::IDLE],
+    idle: IDLE,
+    // While it is the other's turn, the valve is better left open.
+    remedies: &[Remedy::above_all(1, OPEN)],
+    aims: &[Aim::new("close", &[0], &[0.0, 1.0])],
+    ..Role::of(&[HiddenFactor::unknown("valve", &["open", "closed"])])
 };
 
 /// A robot whose valve may be turned when the second of its facts holds.
 const fn role(name: &'static str, facts: &'static [Fact<'static>]) -> Role<'static> {
-    Role {
-        name,
-        factors: &[HiddenFactor { name: "valve", states: &STATES, prior: &[0.5, 0.5] }],
-        states: Labels { names: &STATES, factors: &[0], table: &[OPEN, CLOSED] },
-        sensors: &[Sensor { name: "position", reads: Reads::Factor(0), accuracy: Accuracy::Even(0.9) }],
-        operators: &[TURN_IT, Operator::IDLE],
-        idle: IDLE,
-        facts,
-        // While it is the other's turn, the valve is better left open.
-        remedies: &[Remedy {
-            missing: Literal { variable: 1, value: true },
-            state: OPEN,
-            raise: Raise::AboveAll,
-            target: None,
-        }],
-        aims: &[Aim {
-            name: "close",
-            done: &[0],
-            preference: &[0.0, 1.0],
-            teammates: Wish::AsAnnounced,
-            target: None,
-        }],
-        outcome: None,
-    }
+    Role { name, facts, ..VALVE }
 }
 
 static VALVES: Tables =

@@ -26,12 +26,11 @@
 //! # A door that one robot opens
 //!
 //! ```
-//! use iibt_core::iibt::rules::Raise;
+//! use iibt_core::iibt::InferenceNode;
 //! use iibt_core::iibt::table::{
-//!     Accuracy, Aim, Effect, Fact, Given, HiddenFactor, Holds, Labels, Operator, Percept,
-//!     Postcondition, Reads, Remedy, Role, Sensor, TableTask, Tables, To, Wish,
+//!     Accuracy, Aim, Effect, Fact, Given, HiddenFactor, Labels, Operator, Percept, Postcondition,
+//!     Reads, Remedy, Role, Sensor, TableTask, Tables,
 //! };
-//! use iibt_core::iibt::{Literal, InferenceNode};
 //! use iibt_core::team::{Limits, Member, RobotId, Roster};
 //! use iibt_core::time::{Duration, Instant};
 //! use iibt_core::tree::Status;
@@ -49,17 +48,13 @@
 //!
 //! static DOOR: Tables = Tables::new(&[Role {
 //!     name: "porter",
-//!     factors: &[
-//!         HiddenFactor { name: "place", states: &["far", "near"], prior: &[1.0, 0.0] },
-//!         HiddenFactor { name: "door", states: &["shut", "open"], prior: &[0.9, 0.1] },
-//!     ],
 //!     states: Labels {
 //!         names: &["away", "at the door", "door open"],
 //!         factors: &[0, 1],
 //!         table: &[0, 2, 1, 2], // far and shut, far and open, near and shut, near and open
 //!     },
 //!     sensors: &[
-//!         Sensor { name: "odometer", reads: Reads::Factor(0), accuracy: Accuracy::Even(0.95) },
+//!         Sensor::even("odometer", Reads::Factor(0), 0.95),
 //!         Sensor {
 //!             name: "camera",
 //!             reads: Reads::Factor(1),
@@ -80,35 +75,20 @@
 //!             requires: &[IS_NEAR],
 //!             forbids: &[IS_OPEN],
 //!             brings: Postcondition::State(2, 0.7),
-//!             effects: &[Effect {
-//!                 given: &[Given::own(0, NEAR)],
-//!                 factor: 1,
-//!                 to: To::State(OPEN),
-//!             }],
+//!             effects: &[Effect { given: &[Given::own(0, NEAR)], ..Effect::set(1, OPEN) }],
 //!             success: 0.7,
 //!             ..Operator::IDLE
 //!         },
 //!         Operator::IDLE,
 //!     ],
 //!     idle: 2,
-//!     facts: &[
-//!         Fact { name: "near", holds: Holds::Sure { factor: 0, states: &[NEAR] } },
-//!         Fact { name: "open", holds: Holds::Sure { factor: 1, states: &[OPEN] } },
-//!     ],
-//!     remedies: &[Remedy {
-//!         missing: Literal { variable: IS_NEAR, value: true },
-//!         state: 1,
-//!         raise: Raise::AboveAll,
-//!         target: None,
-//!     }],
-//!     aims: &[Aim {
-//!         name: "open it",
-//!         done: &[IS_OPEN],
-//!         preference: &[0.0, 0.0, 1.0],
-//!         teammates: Wish::AsAnnounced,
-//!         target: None,
-//!     }],
-//!     outcome: None,
+//!     facts: &[Fact::sure("near", 0, &[NEAR]), Fact::sure("open", 1, &[OPEN])],
+//!     remedies: &[Remedy::above_all(IS_NEAR, 1)],
+//!     aims: &[Aim::new("open it", &[IS_OPEN], &[0.0, 0.0, 1.0])],
+//!     ..Role::of(&[
+//!         HiddenFactor::known("place", &["far", "near"]),
+//!         HiddenFactor { name: "door", states: &["shut", "open"], prior: &[0.9, 0.1] },
+//!     ])
 //! }]);
 //!
 //! // The sizes of the task are those of its tables.
@@ -150,21 +130,9 @@
 //! # use iibt_core::iibt::table::*;
 //! static WRONG: Tables = Tables::new(&[Role {
 //!     name: "porter",
-//!     factors: &[HiddenFactor { name: "door", states: &["shut", "open"], prior: &[0.9, 0.1] }],
-//!     states: Labels { names: &["shut", "open"], factors: &[0], table: &[0, 1] },
-//!     sensors: &[],
-//!     operators: &[Operator::IDLE],
-//!     idle: 0,
-//!     facts: &[Fact { name: "open", holds: Holds::Sure { factor: 2, states: &[1] } }],
-//!     remedies: &[],
-//!     aims: &[Aim {
-//!         name: "open it",
-//!         done: &[0],
-//!         preference: &[0.0, 1.0],
-//!         teammates: Wish::AsAnnounced,
-//!         target: None,
-//!     }],
-//!     outcome: None,
+//!     facts: &[Fact::sure("open", 2, &[1])],
+//!     aims: &[Aim::new("open it", &[0], &[0.0, 1.0])],
+//!     ..Role::of(&[HiddenFactor::unknown("door", &["shut", "open"])])
 //! }]);
 //! # let _ = &WRONG;
 //! ```

@@ -251,8 +251,32 @@ pub struct JointOutcome<'a> {
     pub possible: Option<u8>,
 }
 
-impl Role<'_> {
-    /// The number of states of all factors together.
+impl<'a> Role<'a> {
+    /// A role that has only factors, for the other tables to be filled in: a struct update.
+    ///
+    /// Its semantic states are the states of the first factor, and its first operator is the idle
+    /// one.
+    #[must_use]
+    pub const fn of(factors: &'a [HiddenFactor<'a>]) -> Self {
+        let states = match factors {
+            [first, ..] => Labels::of_factor(0, first.states),
+            [] => Labels::of_factor(0, &[]),
+        };
+        Self {
+            name: "",
+            factors,
+            states,
+            sensors: &[],
+            operators: &[Operator::IDLE],
+            idle: 0,
+            facts: &[],
+            remedies: &[],
+            aims: &[],
+            outcome: None,
+        }
+    }
+
+    /// How many states all factors have together.
     #[must_use]
     pub const fn tracked(&self) -> usize {
         let (mut sum, mut factor) = (0, 0);
@@ -264,7 +288,34 @@ impl Role<'_> {
     }
 }
 
+impl<'a> HiddenFactor<'a> {
+    /// A factor of which nothing is known at the start: each state is equally likely.
+    #[must_use]
+    pub const fn unknown<const N: usize>(name: &'a str, states: &'a [&'a str; N]) -> Self {
+        Self { name, states, prior: const { &[1.0 / N as f32; N] } }
+    }
+
+    /// A factor that is known to be in its first state at the start.
+    #[must_use]
+    pub const fn known<const N: usize>(name: &'a str, states: &'a [&'a str; N]) -> Self {
+        let prior = const {
+            let mut prior = [0.0; N];
+            if let [first, ..] = prior.as_mut_slice() {
+                *first = 1.0;
+            }
+            &{ prior }
+        };
+        Self { name, states, prior }
+    }
+}
+
 impl<'a> Labels<'a> {
+    /// The states of one factor, with the names that they have there.
+    #[must_use]
+    pub const fn of_factor(factor: u8, states: &'a [&'a str]) -> Self {
+        Self { names: states, factors: run(NUMBERS, factor, 1), table: run(NUMBERS, 0, states.len()) }
+    }
+
     /// The label of a combination of the states of all factors of the role; label zero outside the
     /// table.
     #[must_use]
@@ -277,8 +328,33 @@ impl<'a> Labels<'a> {
     }
 }
 
+impl<'a> Sensor<'a> {
+    /// A sensor that is right with this probability; each wrong reading has an equal share of the
+    /// rest.
+    #[must_use]
+    pub const fn even(name: &'a str, reads: Reads<'a>, right: f32) -> Self {
+        Self { name, reads, accuracy: Accuracy::Even(right) }
+    }
+}
+
 impl<'a> Operator<'a> {
-    /// The operator that does and needs nothing.
+    /// An operator that brings the first factor into a state with this probability, where the
+    /// semantic states are those of that factor, as in [`Role::of`].
+    #[must_use]
+    pub const fn bringing(name: &'a str, state: u8, success: f32) -> Self {
+        const SETS: &[Effect<'static>] = &{
+            let (mut sets, mut state) = ([Effect::set(0, 0); MAX_STATES], 0);
+            while state < MAX_STATES {
+                sets[state] = Effect::set(0, state as u8);
+                state += 1;
+            }
+            sets
+        };
+        let (brings, effects) = (Postcondition::State(state, success), run(SETS, state, 1));
+        Self { name, brings, effects, success, ..Self::IDLE }
+    }
+
+    /// The operator that does nothing and needs nothing.
     pub const IDLE: Self = Self {
         name: "idle",
         requires: &[],
@@ -331,6 +407,43 @@ impl<'a> Effect<'a> {
     }
 }
 
+impl<'a> Fact<'a> {
+    /// The robot is sure that its factor is in one of these states.
+    #[must_use]
+    pub const fn sure(name: &'a str, factor: u8, states: &'a [u8]) -> Self {
+        Self { name, holds: Holds::Sure { factor, states } }
+    }
+
+    /// A teammate has announced that it is sure of one of these states of its factor.
+    #[must_use]
+    pub const fn announced(name: &'a str, robot: u8, factor: u8, states: &'a [u8]) -> Self {
+        Self { name, holds: Holds::Announced { robot, factor, states } }
+    }
+
+    /// A teammate has announced that one of these operators is under way.
+    #[must_use]
+    pub const fn doing(name: &'a str, robot: u8, operators: &'a [u8]) -> Self {
+        Self { name, holds: Holds::Doing { robot, operators } }
+    }
+}
+
+impl Remedy {
+    /// While a fact is missing, prefer a semantic state above all else.
+    #[must_use]
+    pub const fn above_all(missing: u8, state: u8) -> Self {
+        let missing = Literal { variable: missing, value: true };
+        Self { missing, state, raise: Raise::AboveAll, target: None }
+    }
+}
+
+impl<'a> Aim<'a> {
+    /// An aim without a target whose teammates are to do what they announce.
+    #[must_use]
+    pub const fn new(name: &'a str, done: &'a [u8], preference: &'a [f32]) -> Self {
+        Self { name, done, preference, teammates: Wish::AsAnnounced, target: None }
+    }
+}
+
 impl Given {
     /// A factor of the robot itself is in this state.
     #[must_use]
@@ -343,4 +456,14 @@ impl Given {
     pub const fn of(robot: u8, factor: u8, state: u8) -> Self {
         Self { robot: Some(robot), factor, state }
     }
+}
+
+/// The numbers of states and factors.
+const NUMBERS: &[u8] = &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14];
+
+/// `count` rows from one on, or as many as there are.
+const fn run<T>(rows: &[T], from: u8, count: usize) -> &[T] {
+    let Some((_, rest)) = rows.split_at_checked(from as usize) else { return &[] };
+    let Some((run, _)) = rest.split_at_checked(count) else { return rest };
+    run
 }
