@@ -126,4 +126,7 @@ fn a_robot_of_your_own_is_the_one_that_is_flown() {
         shown += if robot.contains(block) { block.lines().count() } else { 0 };
     }
     assert!(shown + 15 > robot.lines().filter(|line| !line.is_empty()).count(), "{shown} lines are shown");
+    let code = robot.lines().map(str::trim_start).filter(|line| !line.is_empty() && !line.starts_with("//"));
+    let lines = code.count();
+    assert!(document.contains(&format!("The robot has {lines} lines")) && lines <= 60, "it has {lines}");
 }

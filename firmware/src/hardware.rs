@@ -6,6 +6,7 @@
 //! together in a [`Body`](crate::adapters::Body); the simulator implements them on its world.
 
 use iibt_core::grid::{Cell, Move};
+use iibt_core::iibt::table::Command;
 use iibt_core::time::Instant;
 
 /// A broadcast link of bytes to and from all teammates; the controller does the framing.
@@ -71,6 +72,22 @@ pub trait Scanner {
 pub trait Battery {
     /// Returns the charge in percent, 0 to 100.
     fn charge(&mut self) -> u8;
+}
+
+/// The sensors and actuators of a robot whose task is written as tables, by the numbers that they
+/// have there.
+#[doc(alias = "gripper")]
+#[doc(alias = "actuator")]
+pub trait Equipment {
+    /// Returns what a sensor reads, `None` while it is silent; asked once a tick.
+    fn read(&mut self, sensor: usize) -> Option<u8>;
+
+    /// Returns whether an operator is still under way; asked once a tick. What the sensors read
+    /// meanwhile is not used.
+    fn is_busy(&mut self) -> bool;
+
+    /// Begins an operator.
+    fn begin(&mut self, command: Command);
 }
 
 /// A monotonic clock, which may wrap.

@@ -8,7 +8,7 @@
 //!
 //! [`Controller`] runs any [`Robot`] on any hardware: a board, the simulator or a test stands
 //! behind it, and what is simulated is what is flashed. [`Navigator`] is the robot that goes to
-//! goals on a grid with its team.
+//! goals on a grid with its team, [`TableRobot`] one whose task is written as tables.
 #![no_std]
 
 #[cfg(test)]
@@ -23,11 +23,14 @@ pub mod hardware;
 mod link_report;
 pub mod missions;
 mod navigator;
+pub mod prelude;
 mod robot;
 mod settings;
+mod table_robot;
 
 pub use controller::Controller;
 pub use link_report::LinkReport;
 pub use navigator::{Navigator, Thresholds};
 pub use robot::Robot;
 pub use settings::Settings;
+pub use table_robot::{Skills, TableRobot, TaskLeaf, Turn};

@@ -26,7 +26,7 @@ pub use read::TableMission;
 pub use world::{Goal, Truth};
 
 pub(crate) use flight::{TaskFlight, Worker};
-pub(crate) use robot::{TaskRobot, Ticked, Turn};
+pub(crate) use robot::{HostRobot, TIMEOUT};
 pub(crate) use station::Station;
 
 use iibt_core::iibt::table::TableTask;

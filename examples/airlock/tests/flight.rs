@@ -1,10 +1,8 @@
 //! The robot of docs/your-robot.md, flown.
 
-use airlock::{Door, DoorHardware};
-use firmware::hardware::Battery;
+use airlock::{AIRLOCK, Door, DoorSkills, TREE};
+use firmware::prelude::*;
 use host_sim::{Radio, Testbed};
-use iibt_core::team::RobotId;
-use iibt_core::tree::Status;
 use std::error::Error;
 
 /// The parts of one door, as the world fills and reads them.
@@ -17,14 +15,14 @@ struct Parts {
     moving: u8,
 }
 
-impl DoorHardware for Parts {
-    fn switch(&mut self) -> u8 {
-        self.switch
+impl Equipment for Parts {
+    fn read(&mut self, _: usize) -> Option<u8> {
+        Some(self.switch)
     }
-    fn is_moving(&mut self) -> bool {
+    fn is_busy(&mut self) -> bool {
         self.moving > 0
     }
-    fn start(&mut self) {
+    fn begin(&mut self, _: Command) {
         self.moving = 3;
     }
 }
@@ -41,8 +39,9 @@ impl Battery for Parts {
 fn fly(loss: f64, charge: u8) -> Result<Option<u32>, Box<dyn Error>> {
     let mut doors = [0, 1]; // in truth: the inner one is open
     let mut tries = [0, 0];
+    let door = |robot| Door::new(&AIRLOCK, RobotId(robot), &TREE, DoorSkills::default(), Duration(200));
     let parts = |switch| Parts { switch, charge, moving: 0 };
-    let team = [(Door::new(RobotId(0))?, parts(0)), (Door::new(RobotId(1))?, parts(1))];
+    let team = [(door(0)?, parts(0)), (door(1)?, parts(1))];
     let mut testbed = Testbed::new(team, Radio { loss, ..Radio::default() }, 7)?;
     for tick in 0..200 {
         for (robot, truth) in doors.iter_mut().enumerate() {

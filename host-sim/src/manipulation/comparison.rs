@@ -3,8 +3,7 @@
 
 use super::campaign::{CampaignRuns, Findings};
 use super::run::RunError;
-use super::tables::Order;
-use super::terms::{Disturbances, RunTerms, Trees, Trust};
+use super::terms::{Disturbances, Order, Terms, Trees, Trust};
 use serde::Serialize;
 
 /// A contender.

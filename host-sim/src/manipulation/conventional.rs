@@ -1,6 +1,8 @@
 //! The skills of conventional trees: conditions on the settled state, and actions that end when
 //! their result is settled.
 
+use super::record::Thought;
+use super::run::Hand;
 use super::sense::Sense;
 use super::skill::Skill;
 use super::tables::{EMPTY, GRIP, HOLD, HOLDS, IDLE, MOVE_TO, PICK, PLACE, PLACED, PUT, PUT_DOWN};
@@ -34,10 +36,6 @@ impl<'t> Conventional<'t> {
         let memory = vec![NodeMemory::NEW; tree.len()];
         let skills = Skills { percept, sense, teammate: None, doing: None, command: None };
         Self { tree, memory, skills }
-    }
-
-    pub(super) fn running(&self) -> Option<Skill> {
-        self.tree.running(&self.memory).copied()
     }
 }
 
@@ -91,6 +89,16 @@ impl Robot<Station> for Conventional<'_> {
 impl<'t> Worker<'t> for Conventional<'t> {
     fn task(&self) -> Option<&HostTask<'t>> {
         None
+    }
+}
+
+impl<'t> Hand<'t> for Conventional<'t> {
+    fn thought(&self) -> Option<Thought> {
+        None
+    }
+
+    fn leaf(&self) -> Option<&'static str> {
+        self.tree.running(&self.memory).map(|skill| skill.name())
     }
 }
 

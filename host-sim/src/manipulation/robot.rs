@@ -1,109 +1,71 @@
-//! The leaves of a tree with inference nodes.
+//! The leaves of figure 14, and the robots that run it.
 
 use super::record::Thought;
-use super::skill::Skill;
-use super::tables::{EMPTY, GOAL_C, GRIP, HOLDS, MOVE_TO, Order, PLACE, PLACED};
-use crate::task::{HostTask, TaskRobot, Ticked, Turn};
-use crate::tree::BoundTree;
-use iibt_core::iibt::Task as _;
-use iibt_core::iibt::table::{Announcement, Command};
-use iibt_core::time::Instant;
-use iibt_core::tree::{Full, Halt, Leaves, NodeMemory, Status};
+use super::run::Hand;
+use super::skill::place;
+use super::tables::{AT_MEETING, EMPTY, GOAL_C, GRIP, HOLDS, MOVE_TO, PLACE, PLACED, TO_HOLD, TO_PLACE};
+use super::terms::Order;
+use crate::task::{HostRobot, Station};
+use crate::tree::LeafNode;
+use firmware::{Skills, TaskLeaf, Turn};
+use iibt_core::tree::Status;
 
-/// A robot whose tree has inference nodes.
-pub(super) type Inferring<'t> = TaskRobot<'t, Inference>;
+/// The plain leaf MoveTo, with its place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MoveTo(u8);
 
-/// The tree of such a robot.
-pub(super) struct Inference {
-    tree: BoundTree<Skill>,
-    memory: Vec<NodeMemory<Full>>,
-    order: Order,
-}
-
-impl<'t> Inferring<'t> {
-    pub(super) fn of(tree: BoundTree<Skill>, task: HostTask<'t>, order: Order) -> Self {
-        let memory = vec![NodeMemory::NEW; tree.len()];
-        Self::new(Inference { tree, memory, order }, task)
-    }
-
-    /// Its beliefs and decision after a tick.
-    pub(super) fn thought(&self) -> Thought {
-        Thought::of(&self.task, self.node.raised())
-    }
-
-    pub(super) fn running(&self) -> Option<Skill> {
-        self.tree.tree.running(&self.tree.memory).copied()
+/// The leaf that a file names.
+pub(super) fn leaf(leaf: &LeafNode, _: usize) -> Result<TaskLeaf<MoveTo>, String> {
+    match leaf.kind.as_str() {
+        "HoldBottle" | "HoldPlate" => Ok(TaskLeaf::Aim(TO_HOLD)),
+        "PlaceBottle" => Ok(TaskLeaf::Aim(TO_PLACE)),
+        "IsReached" if place(leaf, "place")? == GOAL_C => Ok(TaskLeaf::Fact(AT_MEETING)),
+        "MoveTo" => place(leaf, "goal").map(|place| TaskLeaf::Own(MoveTo(place))),
+        id => Err(format!("the robots that infer have no leaf '{id}' here")),
     }
 }
 
-impl Ticked for Inference {
-    fn tick(&mut self, turn: Turn<'_, '_>, now: Instant) -> Status {
-        let mut leaves = Ticking { turn, order: self.order };
-        self.tree.tick(&mut self.memory, &mut leaves, now).status
-    }
-}
+/// What such a robot does by itself: it moves, and may wait for its turn to.
+pub(super) struct Mover(pub(super) Order);
 
-/// The leaves in a tick.
-struct Ticking<'k, 't> {
-    turn: Turn<'k, 't>,
-    order: Order,
-}
+impl Skills<Station> for Mover {
+    type Leaf = MoveTo;
+    type Message = ();
 
-impl Ticking<'_, '_> {
-    fn is_at(&self, place: u8) -> bool {
-        !self.turn.percept.busy && self.turn.task.sure(PLACE.into()) == Some(place.into())
-    }
-
-    /// The plain leaf MoveTo(place). It leaves for the meeting place when, in turn, the teammate
-    /// has its object too; it fails when the robot is sure to have nothing to bring there, so that
-    /// the tree begins again.
-    fn go(&mut self, place: u8) -> Status {
-        if !self.turn.task.is_settled() {
+    /// Leaves for the meeting place when, in turn, the teammate has its object too; fails when the
+    /// robot is sure to have nothing to bring there, so that the tree begins again.
+    fn on_running(&mut self, &MoveTo(place): &MoveTo, turn: &mut Turn<'_, ()>) -> Status {
+        if !turn.is_settled {
             return Status::Running;
         }
         let meets = place == GOAL_C;
-        if meets && self.turn.task.sure(GRIP.into()) == Some(EMPTY.into()) {
+        if meets && turn.sure(GRIP) == Some(EMPTY) {
             return Status::Failure;
         }
-        if self.is_at(place) {
+        if turn.sure(PLACE) == Some(place) {
             return Status::Success;
         }
-        let brings =
-            |said: Announcement| said.state(GRIP.into()).is_some_and(|grip| [HOLDS, PLACED].contains(&grip));
-        let leaves = self.order == Order::Together
-            || (0..2).filter_map(|robot| self.turn.task.teammate(robot)).any(brings);
-        if self.turn.peers.all_connected() && (!meets || leaves) {
-            self.turn.task.begin(Command { operator: MOVE_TO, target: Some(place) });
+        let mut grips = turn.peers.fresh().filter_map(|peer| peer.message().state(GRIP.into()));
+        let leaves = !meets || self.0 == Order::Together || grips.any(|grip| [HOLDS, PLACED].contains(&grip));
+        if turn.peers.all_connected() && leaves {
+            turn.begin(MOVE_TO, Some(place));
         }
         Status::Running
     }
+
+    fn message(&self) {}
 }
 
-impl Leaves<Skill> for Ticking<'_, '_> {
-    fn condition(&mut self, leaf: &Skill, _: Instant) -> bool {
-        matches!(*leaf, Skill::IsReached(place) if self.is_at(place))
+impl<'t> Hand<'t> for HostRobot<'t, Mover> {
+    fn thought(&self) -> Option<Thought> {
+        Some(Thought::of(self.task(), self.node().raised()))
     }
 
-    fn on_start(&mut self, leaf: &Skill, now: Instant) -> Status {
-        if let Skill::Infer(aim) = *leaf {
-            self.turn.task.pursue(aim);
-        }
-        self.on_running(leaf, now)
-    }
-
-    fn on_running(&mut self, leaf: &Skill, now: Instant) -> Status {
-        match *leaf {
-            Skill::Infer(_) => self.turn.infer(now),
-            Skill::MoveTo(place) => self.go(place),
-            _ => Status::Failure,
-        }
-    }
-
-    fn on_halted(&mut self, leaf: &Skill, _: Instant) -> Halt {
-        match leaf {
-            Skill::Infer(_) => self.turn.node.halt(self.turn.task),
-            _ => self.turn.task.wait(),
-        }
-        Halt::Done
+    fn leaf(&self) -> Option<&'static str> {
+        Some(match self.running()? {
+            TaskLeaf::Aim(TO_HOLD) => "Hold",
+            TaskLeaf::Aim(_) => "PlaceOn",
+            _ => "MoveTo",
+        })
     }
 }

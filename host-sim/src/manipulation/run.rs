@@ -1,10 +1,8 @@
 //! A run: the mission flown with two trees, and its record.
 
 use super::conventional::Conventional;
-use super::record::{
-    ActionCounts, Decided, RobotTick, Run, Thought, TickRecord, operator_name, place_name, state_name,
-};
-use super::robot::Inferring;
+use super::record::{Actions, Decided, RobotTick, Run, Thought, Tick, operator_name, place_name, state_name};
+use super::robot::{Mover, leaf};
 use super::sense::Sense;
 use super::skill::Skill;
 use super::tables::{
@@ -12,15 +10,13 @@ use super::tables::{
 };
 use super::terms::{Disturbances, RunTerms, Trees, Trust};
 use crate::scenario;
-use crate::task::{Flown, Goal, HostTask, Station, TaskFlight, Truth, Worker};
-use crate::tree::{BoundTree, Diagnostic};
+use crate::task::{Flown, Goal, HostRobot, HostTask, TIMEOUT, TaskFlight, Truth, Worker};
+use crate::tree::Diagnostic;
 use bumpalo::Bump;
-use firmware::Robot;
-use iibt_core::iibt::table::{Announcement, Tables, TablesError};
-use iibt_core::team::{Invalid, MemberError, Peers, RobotId};
-use iibt_core::time::Instant;
-use iibt_core::tree::Status;
-use thiserror::Error;
+use iibt_core::iibt::table::{Tables, TablesError};
+use iibt_core::team::{MemberError, RobotId};
+use iibt_core::tree::{NodeMemory, Status};
+use std::fmt;
 
 /// The detail of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,11 +53,45 @@ pub fn run(terms: &RunTerms, detail: Detail) -> Result<Run, RunError> {
     let arena = Bump::new();
     let tables = tables(&arena, terms.order, terms.preset)?;
     let truth = truth(&tables, terms.disturbances);
-    let [left, right] = terms.trees.bind()?;
-    let robots = vec![Hand::new(terms, &tables, 0, left)?, Hand::new(terms, &tables, 1, right)?];
+    let robots = [RobotId(0), RobotId(1)];
+    if terms.trees == Trees::Inference {
+        let trees = terms.trees.bind(leaf).map_err(RunError::Tree)?;
+        let robots = robots.into_iter().zip(&trees).map(|(robot, tree)| {
+            let (tree, memory) = (tree.by_ref(), vec![NodeMemory::NEW; tree.len()]);
+            HostRobot::with_memory(&tables, robot, tree, memory, Mover(terms.order), TIMEOUT)
+        });
+        return fly(terms, detail, &tables, &truth, robots);
+    }
+    let trees = terms.trees.bind(Skill::of).map_err(RunError::Tree)?;
+    let robots = robots.into_iter().zip(trees).map(|(robot, tree)| {
+        let sense = match terms.trust {
+            Trust::Equal(enough) => Sense::debounced(enough),
+            Trust::Belief => Sense::believed(&tables, robot.index(), HostTask::new(&tables, robot)?),
+        };
+        Ok(Conventional::new(tree, sense))
+    });
+    fly(terms, detail, &tables, &truth, robots)
+}
+
+/// A robot that takes part, whatever its tree.
+pub(super) trait Hand<'t>: Worker<'t> {
+    /// What it thinks after a tick, if it infers.
+    fn thought(&self) -> Option<Thought>;
+    /// The leaf that is running.
+    fn leaf(&self) -> Option<&'static str>;
+}
+
+fn fly<'t, R: Hand<'t>>(
+    terms: &Terms,
+    detail: Detail,
+    tables: &'t Tables<'t>,
+    truth: &'t Truth,
+    robots: impl Iterator<Item = Result<R, TablesError>>,
+) -> Result<Run, RunError> {
+    let robots = robots.collect::<Result<_, _>>().map_err(RunError::Tables)?;
     let radio = scenario::Radio { loss: terms.disturbances.loss, ..scenario::Radio::default() };
     let mut history = Vec::new();
-    let flight = TaskFlight::new(&tables, &truth, radio, terms.seed, robots)?;
+    let flight = TaskFlight::new(tables, truth, radio, terms.seed, robots).map_err(RunError::Team)?;
     let flown = flight.fly(terms.max_ticks, |statuses| statuses[0] == Status::Success, &mut |flight| {
         if detail == Detail::History {
             history.push(noted(flight));
@@ -96,101 +126,7 @@ fn truth(tables: &Tables<'_>, of: Disturbances) -> Truth {
     }
 }
 
-/// One robot with its tree.
-enum Hand<'t> {
-    Inferring(Box<Inferring<'t>>),
-    Conventional(Box<Conventional<'t>>),
-}
-
-impl<'t> Hand<'t> {
-    fn new(
-        terms: &RunTerms,
-        tables: &'t Tables<'t>,
-        index: u8,
-        tree: BoundTree<Skill>,
-    ) -> Result<Self, RunError> {
-        let task = || HostTask::new(tables, RobotId(index));
-        let sense = match (terms.trees, terms.trust) {
-            (Trees::Inference, _) => {
-                return Ok(Self::Inferring(Box::new(Inferring::of(tree, task()?, terms.order))));
-            }
-            (_, Trust::Equal(enough)) => Sense::debounced(enough),
-            (_, Trust::Belief) => Sense::believed(tables, index.into(), task()?),
-        };
-        Ok(Self::Conventional(Box::new(Conventional::new(tree, sense))))
-    }
-
-    fn thought(&self) -> Option<Thought> {
-        match self {
-            Self::Inferring(robot) => Some(robot.thought()),
-            Self::Conventional(_) => None,
-        }
-    }
-
-    fn running(&self) -> Option<Skill> {
-        match self {
-            Self::Inferring(robot) => robot.running(),
-            Self::Conventional(robot) => robot.running(),
-        }
-    }
-}
-
-impl Robot<Station> for Hand<'_> {
-    type Message = Announcement;
-
-    fn mission(&self) -> u64 {
-        match self {
-            Self::Inferring(robot) => robot.mission(),
-            Self::Conventional(robot) => robot.mission(),
-        }
-    }
-
-    fn accepts(&self, said: &Announcement) -> Result<(), Invalid> {
-        match self {
-            Self::Inferring(robot) => robot.accepts(said),
-            Self::Conventional(robot) => robot.accepts(said),
-        }
-    }
-
-    fn sense(&mut self, station: &mut Station, now: Instant) {
-        match self {
-            Self::Inferring(robot) => robot.sense(station, now),
-            Self::Conventional(robot) => robot.sense(station, now),
-        }
-    }
-
-    fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
-        match self {
-            Self::Inferring(robot) => robot.tick(peers, now),
-            Self::Conventional(robot) => robot.tick(peers, now),
-        }
-    }
-
-    fn act(&mut self, station: &mut Station) {
-        match self {
-            Self::Inferring(robot) => robot.act(station),
-            Self::Conventional(robot) => robot.act(station),
-        }
-    }
-
-    fn message(&self) -> Announcement {
-        match self {
-            Self::Inferring(robot) => robot.message(),
-            Self::Conventional(robot) => robot.message(),
-        }
-    }
-}
-
-impl<'t> Worker<'t> for Hand<'t> {
-    fn task(&self) -> Option<&HostTask<'t>> {
-        match self {
-            Self::Inferring(robot) => robot.task(),
-            Self::Conventional(robot) => robot.task(),
-        }
-    }
-}
-
-fn noted<'t>(flight: &TaskFlight<'t, Hand<'t>>) -> TickRecord {
+fn noted<'t, R: Hand<'t>>(flight: &TaskFlight<'t, R>) -> Tick {
     let world = &flight.world;
     let robots = [0, 1].map(|index| {
         let (robot, place) = (flight.robots().nth(index), world.state(index, PLACE.into()));
@@ -211,7 +147,7 @@ fn noted<'t>(flight: &TaskFlight<'t, Hand<'t>>) -> TickRecord {
                 Status::Failure => "failure",
                 Status::Running | Status::Skipped => "running",
             },
-            leaf: robot.and_then(Hand::running).map(Skill::name),
+            leaf: robot.and_then(Hand::leaf),
             thought: robot.and_then(Hand::thought),
         }
     });

@@ -1,13 +1,11 @@
-//! The leaves of the handling trees, by the names they have in the files.
+//! The leaves of conventional trees, by the names they have in the files.
 
-use super::tables::{GOAL_A, GOAL_B, GOAL_C, TO_HOLD, TO_PLACE};
+use super::tables::{GOAL_A, GOAL_B, GOAL_C};
 use crate::tree::LeafNode;
 
 /// The skill of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Skill {
-    /// An inference node with an aim.
-    Infer(usize),
     IsReached(u8),
     MoveTo(u8),
     IsHolding,
@@ -30,8 +28,6 @@ impl Skill {
     /// The skill of robot `own` that a leaf names.
     pub(super) fn of(leaf: &LeafNode, own: usize) -> Result<Self, String> {
         match leaf.kind.as_str() {
-            "HoldBottle" | "HoldPlate" => Ok(Self::Infer(TO_HOLD)),
-            "PlaceBottle" => Ok(Self::Infer(TO_PLACE)),
             "IsReached" => place(leaf, "place").map(Self::IsReached),
             "MoveTo" => place(leaf, "goal").map(Self::MoveTo),
             "IsHolding" => own_thing(leaf, own).map(|()| Self::IsHolding),
@@ -50,8 +46,6 @@ impl Skill {
     /// The name on the screen.
     pub(super) const fn name(self) -> &'static str {
         match self {
-            Self::Infer(TO_HOLD) => "Hold",
-            Self::Infer(_) => "PlaceOn",
             Self::IsReached(_) => "IsReached",
             Self::MoveTo(_) => "MoveTo",
             Self::IsHolding => "IsHolding",
@@ -72,7 +66,7 @@ fn port<'l>(leaf: &'l LeafNode, name: &str) -> Result<&'l str, String> {
 }
 
 /// A place by its name, or by the thing that is there to begin with.
-fn place(leaf: &LeafNode, name: &str) -> Result<u8, String> {
+pub(super) fn place(leaf: &LeafNode, name: &str) -> Result<u8, String> {
     match leaf.port(name) {
         Some("goal A" | "bottle") => Ok(GOAL_A),
         Some("goal B" | "plate") => Ok(GOAL_B),

@@ -1,8 +1,7 @@
 //! The paper's section 6.2 as tables: a bottle, a plate, and two robots.
 
+use super::terms::{Order, Preset};
 use bumpalo::Bump;
-use iibt_core::iibt::Literal;
-use iibt_core::iibt::rules::Raise;
 use iibt_core::iibt::table::{
     Accuracy, Aim, Effect, Fact, Given, HiddenFactor, Holds, JointOutcome, Labels, Operator, Postcondition,
     Reads, Remedy, Role, Sensor, Tables, TablesError, To, Wish,
@@ -57,7 +56,7 @@ pub const TO_PLACE: usize = 1;
 /// The facts. What is not held is fetched before it is brought anywhere, so holding comes first.
 const HOLDING: u8 = 0;
 const AT_SOURCE: u8 = 1;
-const AT_MEETING: u8 = 2;
+pub(super) const AT_MEETING: u8 = 2;
 const AT_TARGET: u8 = 3;
 const IS_PLACED: u8 = 4;
 const HAS_OBJECT: u8 = 5;
@@ -66,73 +65,46 @@ const PEER_HAS: u8 = 7;
 const PEER_THERE: u8 = 8;
 const PEER_HOLDS: u8 = 9;
 
-const STATES: [&str; 4] = ["loc", "hold", "place", "free"];
+/// C of a teammate that is to be free.
 const FREED: &[f32] = &[0.0, 0.0, 0.0, 1.0];
 
 /// Equation 8 with its columns normalised: 0.9 of 0.975. As printed they sum to 0.975 and are no
 /// distributions.
 pub const SENSOR: f32 = 0.9 / 0.975;
 
-/// The modelled probability that an action succeeds, in state inference.
-const RELIABILITY: f32 = 0.9;
-
-/// f_L: a missing precondition is preferred above everything else, l = max(C) + 1. Nothing that a
-/// robot can do makes its teammate free or ready, so it wants to be free itself until then.
-const fn above_all(variable: u8, state: u8, target: Option<u8>) -> Remedy {
-    Remedy { missing: Literal { variable, value: true }, state, raise: Raise::AboveAll, target }
-}
-
-const fn aim(
-    name: &'static str,
-    done: &'static [u8],
-    preference: &'static [f32],
-    teammates: Wish<'static>,
-    target: u8,
-) -> Aim<'static> {
-    Aim { name, done, preference, teammates, target: Some(target) }
-}
+/// An action, and how likely it is taken to succeed when a robot works out what came of it.
+const ACTION: Operator = Operator { success: 0.9, ..Operator::IDLE };
 
 /// A robot that takes its object from `source`, acts when the facts `turn` hold, and can place it
 /// by `places`.
 macro_rules! role {
-    ($name:literal, $source:expr, $peer:expr, $turn:tt, $labels:expr, $places:expr, $outcome:expr, $wish:expr) => {
+    ($name:literal, $source:expr, $peer:expr, [$($turn:ident),*], $labels:expr, $places:expr, $outcome:expr, $wish:expr) => {
         Role {
             name: $name,
-            factors: &[
-                HiddenFactor {
-                    name: "place",
-                    states: &["elsewhere", "goal A", "goal B", "goal C"],
-                    prior: &[1.0, 0.0, 0.0, 0.0],
-                },
-                HiddenFactor { name: "grip", states: &["empty", "holds", "placed"], prior: &[1.0, 0.0, 0.0] },
-            ],
-            states: Labels { names: &STATES, factors: &[GRIP, PLACE], table: $labels },
+            states: Labels { names: &["loc", "hold", "place", "free"], factors: &[GRIP, PLACE], table: $labels },
             sensors: &[
-                Sensor { name: "localiser", reads: Reads::Factor(PLACE), accuracy: Accuracy::Even(SENSOR) },
-                Sensor { name: "state", reads: Reads::State, accuracy: Accuracy::Even(SENSOR) },
+                Sensor::even("localiser", Reads::Factor(PLACE), SENSOR),
+                Sensor::even("state", Reads::State, SENSOR),
             ],
             operators: &[
                 Operator {
                     name: "moveTo",
-                    requires: &$turn,
+                    requires: &[$($turn),*],
                     forbids: &[AT_TARGET],
                     brings: Postcondition::Reset(LOC, 1.0, FREE),
                     effects: &[Effect { given: &[], factor: PLACE, to: To::Target }],
-                    success: RELIABILITY,
-                    ..Operator::IDLE
+                    ..ACTION
                 },
                 Operator {
                     name: "pick",
-                    requires: role!(@with AT_SOURCE, $turn),
+                    requires: &[AT_SOURCE, $($turn),*],
                     forbids: &[HOLDING],
                     brings: Postcondition::Reset(HOLD, 1.0, FREE),
                     effects: &[Effect {
                         given: &[Given::own(GRIP, EMPTY), Given::own(PLACE, $source)],
-                        factor: GRIP,
-                        to: To::State(HOLDS),
+                        ..Effect::set(GRIP, HOLDS)
                     }],
-                    success: RELIABILITY,
-                    ..Operator::IDLE
+                    ..ACTION
                 },
                 Operator {
                     name: "place",
@@ -140,65 +112,60 @@ macro_rules! role {
                     forbids: &[IS_PLACED],
                     brings: Postcondition::Reset(PUT, 1.0, FREE),
                     effects: $places,
-                    success: RELIABILITY,
-                    ..Operator::IDLE
+                    ..ACTION
                 },
                 Operator { brings: Postcondition::Reset(FREE, 1.0, FREE), ..Operator::IDLE },
             ],
             idle: IDLE,
             facts: &[
-                Fact { name: "IsHolding", holds: Holds::Sure { factor: GRIP, states: &[HOLDS] } },
-                Fact { name: "IsReached(source)", holds: Holds::Sure { factor: PLACE, states: &[$source] } },
-                Fact { name: "IsReached(goal C)", holds: Holds::Sure { factor: PLACE, states: &[GOAL_C] } },
+                Fact::sure("IsHolding", GRIP, &[HOLDS]),
+                Fact::sure("IsReached(source)", PLACE, &[$source]),
+                Fact::sure("IsReached(goal C)", PLACE, &[GOAL_C]),
                 Fact { name: "IsReached(target)", holds: Holds::AtTarget { factor: PLACE } },
-                Fact { name: "IsPlaced", holds: Holds::Sure { factor: GRIP, states: &[PLACED] } },
-                Fact { name: "has its object", holds: Holds::Sure { factor: GRIP, states: &[HOLDS, PLACED] } },
-                Fact { name: "teammate idle", holds: Holds::Doing { robot: $peer, operators: &[IDLE] } },
-                Fact {
-                    name: "teammate has its object",
-                    holds: Holds::Announced { robot: $peer, factor: GRIP, states: &[HOLDS, PLACED] },
-                },
-                Fact {
-                    name: "teammate at goal C",
-                    holds: Holds::Announced { robot: $peer, factor: PLACE, states: &[GOAL_C] },
-                },
-                Fact {
-                    name: "teammate holds",
-                    holds: Holds::Announced { robot: $peer, factor: GRIP, states: &[HOLDS] },
-                },
+                Fact::sure("IsPlaced", GRIP, &[PLACED]),
+                Fact::sure("has its object", GRIP, &[HOLDS, PLACED]),
+                Fact::doing("teammate idle", $peer, &[IDLE]),
+                Fact::announced("teammate has its object", $peer, GRIP, &[HOLDS, PLACED]),
+                Fact::announced("teammate at goal C", $peer, PLACE, &[GOAL_C]),
+                Fact::announced("teammate holds", $peer, GRIP, &[HOLDS]),
             ],
+            // f_L: every precondition that is missing is wanted above all else, l = max(C) + 1.
+            // Nothing that a robot can do makes its teammate free or ready, so it wants to be free
+            // itself until then.
             remedies: &[
-                above_all(HOLDING, HOLD, None),
-                above_all(AT_SOURCE, LOC, Some($source)),
-                above_all(AT_MEETING, LOC, Some(GOAL_C)),
-                above_all(IS_PLACED, PUT, None),
-                above_all(PEER_IDLE, FREE, None),
-                above_all(PEER_HAS, FREE, None),
-                above_all(PEER_THERE, FREE, None),
-                above_all(PEER_HOLDS, FREE, None),
+                Remedy::above_all(HOLDING, HOLD),
+                Remedy { target: Some($source), ..Remedy::above_all(AT_SOURCE, LOC) },
+                Remedy { target: Some(GOAL_C), ..Remedy::above_all(AT_MEETING, LOC) },
+                Remedy::above_all(IS_PLACED, PUT),
+                Remedy::above_all(PEER_IDLE, FREE),
+                Remedy::above_all(PEER_HAS, FREE),
+                Remedy::above_all(PEER_THERE, FREE),
+                Remedy::above_all(PEER_HOLDS, FREE),
             ],
             aims: &[
-                aim("hold", &[HAS_OBJECT], &[0.0, 1.0, 0.0, 0.0], $wish, $source),
-                aim("place", &[IS_PLACED], &[0.0, 0.0, 1.0, 0.0], $wish, GOAL_C),
+                Aim {
+                    teammates: $wish,
+                    target: Some($source),
+                    ..Aim::new("hold", &[HAS_OBJECT], &[0.0, 1.0, 0.0, 0.0])
+                },
+                Aim {
+                    teammates: $wish,
+                    target: Some(GOAL_C),
+                    ..Aim::new("place", &[IS_PLACED], &[0.0, 0.0, 1.0, 0.0])
+                },
             ],
             outcome: $outcome,
+            ..Role::of(&[
+                HiddenFactor::known("place", &["elsewhere", "goal A", "goal B", "goal C"]),
+                HiddenFactor::known("grip", &["empty", "holds", "placed"]),
+            ])
         }
     };
-    (@with $fact:ident, [$($turn:ident),*]) => { &[$fact, $($turn),*] };
 }
 
-#[rustfmt::skip]
-const BOTTLE: &[u8] = &[
-    FREE, LOC, FREE, FREE,
-    HOLD, HOLD, HOLD, HOLD,
-    PUT, PUT, PUT, PUT,
-];
-#[rustfmt::skip]
-const PLATE: &[u8] = &[
-    FREE, FREE, LOC, FREE,
-    HOLD, HOLD, HOLD, HOLD,
-    PUT, PUT, PUT, PUT,
-];
+/// The semantic states of empty, holding and placed at the four places.
+const BOTTLE: &[u8] = &[FREE, LOC, FREE, FREE, HOLD, HOLD, HOLD, HOLD, PUT, PUT, PUT, PUT];
+const PLATE: &[u8] = &[FREE, FREE, LOC, FREE, HOLD, HOLD, HOLD, HOLD, PUT, PUT, PUT, PUT];
 
 /// The bottle is placed on the plate that robot 1 holds still at goal C.
 const ON_PLATE: &[Effect] = &[Effect {
@@ -208,8 +175,7 @@ const ON_PLATE: &[Effect] = &[Effect {
         Given::own(GRIP, HOLDS),
         Given::own(PLACE, GOAL_C),
     ],
-    factor: GRIP,
-    to: To::State(PLACED),
+    ..Effect::set(GRIP, PLACED)
 }];
 
 /// The result (equation 9): null, success when robot 0 has placed and robot 1 has kept still,
@@ -221,15 +187,11 @@ const RESULT: Option<JointOutcome> = Some(JointOutcome {
     possible: Some(PUT_DOWN),
 });
 
-/// The teammate is to be free.
-const FREE_R1: Wish = Wish::Rows(&[FREED, &[]]);
-const FREE_R2: Wish = Wish::Rows(&[&[], FREED]);
-
 /// One after the other, as published: robot 0 is to be free and to have its bottle before robot 1
 /// begins.
 pub const IN_TURN: [Role; TEAM] = [
-    role!("R1", GOAL_A, 1, [PEER_IDLE], BOTTLE, ON_PLATE, RESULT, FREE_R2),
-    role!("R2", GOAL_B, 0, [PEER_IDLE, PEER_HAS], PLATE, &[], None, FREE_R1),
+    role!("R1", GOAL_A, 1, [PEER_IDLE], BOTTLE, ON_PLATE, RESULT, Wish::Rows(&[&[], FREED])),
+    role!("R2", GOAL_B, 0, [PEER_IDLE, PEER_HAS], PLATE, &[], None, Wish::Rows(&[FREED, &[]])),
 ];
 
 /// Both fetch at once.
@@ -237,37 +199,6 @@ pub const TOGETHER: [Role; TEAM] = [
     role!("R1", GOAL_A, 1, [], BOTTLE, ON_PLATE, RESULT, Wish::AsAnnounced),
     role!("R2", GOAL_B, 0, [], PLATE, &[], None, Wish::AsAnnounced),
 ];
-
-/// The order of fetching.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Order {
-    /// One after the other; both leave for the meeting place together.
-    #[default]
-    InTurn,
-    /// Both at once.
-    Together,
-}
-
-/// The parameters of the joint decision.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Preset {
-    /// The probability that a reading is right; each other reading has an equal share of the rest.
-    pub sensor: f32,
-    /// The probability, when policies are compared, that an action brings about its state; else the
-    /// robot is free.
-    pub success: f32,
-    /// γ, the precision.
-    pub precision: f32,
-}
-
-impl Preset {
-    /// No tuning: actions are judged by their results, and γ is one.
-    pub const DEFAULT: Self = Self { sensor: SENSOR, success: 1.0, precision: 1.0 };
-
-    /// The reported probabilities to a thousandth. The pair of success and precision is one of
-    /// several that give them.
-    pub const CALIBRATED: Self = Self { success: 0.863, precision: 1.381, ..Self::DEFAULT };
-}
 
 /// The tables with these numbers in them.
 ///

@@ -1,10 +1,41 @@
 //! The terms of a handling mission.
 
-use super::tables::{Order, Preset};
+use super::tables::SENSOR;
 use serde::Serialize;
 
-/// The trees of the robots.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+/// Who fetches when.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Order {
+    /// One after the other; both leave for the meeting place together.
+    #[default]
+    InTurn,
+    /// Both at once.
+    Together,
+}
+
+/// The numbers by which joint policies are judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preset {
+    /// How likely a reading is right; each of the others has an equal share of the rest.
+    pub sensor: f32,
+    /// How likely an action is taken to bring its state about when policies are compared; else the
+    /// robot is free.
+    pub success: f32,
+    /// γ, the precision.
+    pub precision: f32,
+}
+
+impl Preset {
+    /// Nothing tuned: actions are judged by what they bring about, and γ is one.
+    pub const DEFAULT: Self = Self { sensor: SENSOR, success: 1.0, precision: 1.0 };
+
+    /// The reported probabilities to a thousandth. The pair of success and precision is one of
+    /// several that give them.
+    pub const CALIBRATED: Self = Self { success: 0.863, precision: 1.381, ..Self::DEFAULT };
+}
+
+/// Which trees the robots run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Trees {
     /// Figure 14: inference nodes.

@@ -1,9 +1,8 @@
 //! The trees that the robots run: their files and sizes.
 
-use super::skill::Skill;
 use super::tables::TEAM;
 use super::terms::Trees;
-use crate::tree::{BoundTree, Diagnostic, Instance, library};
+use crate::tree::{BoundTree, Diagnostic, Instance, LeafNode, library};
 use serde::Serialize;
 
 /// The size of a robot's tree, as the paper's tables 6 and 7 count.
@@ -59,20 +58,19 @@ impl Trees {
         [0, 1].map(|robot| size(self.files()[robot], robot))
     }
 
-    /// The trees, bound to the skills.
-    pub(super) fn bind(self) -> Result<[BoundTree<Skill>; TEAM], Diagnostic> {
+    /// The trees, bound to the leaves that the robots have by these names.
+    pub(super) fn bind<L: Clone>(
+        self,
+        leaf: impl Fn(&LeafNode, usize) -> Result<L, String>,
+    ) -> Result<[BoundTree<L>; TEAM], Diagnostic> {
         let [first, second] = self.files();
-        Ok([bind(first, 0)?, bind(second, 1)?])
+        Ok([instance(first)?.bind(|node| leaf(node, 0))?, instance(second)?.bind(|node| leaf(node, 1))?])
     }
 }
 
 /// The built-in tree of a file; a test holds that all are sound.
 fn instance(name: &'static str) -> Result<Instance, Diagnostic> {
     library::instance(name).unwrap_or_else(|| unreachable!("{name} is built in"))
-}
-
-fn bind(name: &'static str, robot: usize) -> Result<BoundTree<Skill>, Diagnostic> {
-    instance(name)?.bind(|leaf| Skill::of(leaf, robot))
 }
 
 fn size(name: &'static str, robot: usize) -> TreeSize {

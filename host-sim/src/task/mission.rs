@@ -1,14 +1,12 @@
 //! Flights of a task file: each robot's tree is a sequence of its aims, an inference node each.
 
-use super::HostTask;
 use super::flight::{Flown, TaskFlight};
 use super::read::TableMission;
-use super::robot::{TaskRobot, Ticked, Turn};
+use super::robot::{Finished, HostRobot, TIMEOUT, tree_of};
 use iibt_core::iibt::table::TablesError;
 use iibt_core::team::{MemberError, RobotId};
-use iibt_core::time::Instant;
-use iibt_core::tree::Status;
-use thiserror::Error;
+use iibt_core::tree::{NodeMemory, Status};
+use std::fmt;
 
 /// Disturbances in place of those of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,6 +29,29 @@ pub enum TaskError {
     Team(#[from] MemberError),
 }
 
+impl fmt::Display for TaskError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Tables(error) => error.fmt(f),
+            Self::Team(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for TaskError {}
+
+impl From<TablesError> for TaskError {
+    fn from(error: TablesError) -> Self {
+        Self::Tables(error)
+    }
+}
+
+impl From<MemberError> for TaskError {
+    fn from(error: MemberError) -> Self {
+        Self::Team(error)
+    }
+}
+
 impl TableMission<'_> {
     /// Flies the task until all robots have reached their last aim, or to the limit.
     ///
@@ -47,14 +68,14 @@ impl TableMission<'_> {
             }
         }
         let radio = crate::scenario::Radio { loss: trouble.loss.unwrap_or(self.radio.loss), ..self.radio };
-        let robots: Result<Vec<_>, TaskError> = (0..self.tables.robots() as u8)
-            .map(|robot| {
-                let task = HostTask::new(&self.tables, RobotId(robot))?;
-                let aims = self.tables.roles()[usize::from(robot)].aims.len();
-                Ok(TaskRobot::new(Sequence { aims, aim: 0 }, task))
-            })
-            .collect();
-        let flight = TaskFlight::new(&self.tables, &truth, radio, seed, robots?)?;
+        let trees =
+            self.tables.roles().iter().map(|role| tree_of(role.aims)).collect::<Result<Vec<_>, _>>()?;
+        let robots = (0..).zip(&trees).map(|(robot, tree)| {
+            let (tree, memory) = (tree.by_ref(), vec![NodeMemory::NEW; tree.len()]);
+            HostRobot::with_memory(&self.tables, RobotId(robot), tree, memory, Finished(false), TIMEOUT)
+        });
+        let robots = robots.collect::<Result<_, _>>()?;
+        let flight = TaskFlight::new(&self.tables, &truth, radio, seed, robots)?;
         let done = |statuses: &[Status]| statuses.iter().all(|&status| status == Status::Success);
         Ok(flight.fly(self.limit, done, &mut |_| ()))
     }
@@ -87,29 +108,5 @@ impl TableMission<'_> {
         text + &format!(
             "{came}: {ticks} ticks, {actions} actions, {frames} frames of which {lost} were lost.\n"
         )
-    }
-}
-
-/// A robot's aims, one after the other.
-struct Sequence {
-    aims: usize,
-    /// The aim that is pursued; all are reached when there is no such aim.
-    aim: usize,
-}
-
-impl Ticked for Sequence {
-    fn tick(&mut self, mut turn: Turn<'_, '_>, now: Instant) -> Status {
-        while turn.task.pursue(self.aim) {
-            match turn.infer(now) {
-                Status::Success => self.aim += 1,
-                Status::Failure => {
-                    self.aim = 0;
-                    return Status::Failure;
-                }
-                status => return status,
-            }
-        }
-        debug_assert_eq!(self.aim, self.aims);
-        Status::Success
     }
 }

@@ -1,84 +1,52 @@
-//! A robot that works on a table task with an inference node.
+//! A robot that works on a table task, with a tree that is only known at run time.
 
 use super::flight::Worker;
 use super::{HostTask, Station};
-use firmware::Robot;
-use iibt_core::iibt::table::{Announcement, Percept};
-use iibt_core::iibt::{InferenceNode, Task as _};
-use iibt_core::team::{Invalid, Peers};
-use iibt_core::time::{Duration, Instant};
-use iibt_core::tree::Status;
+use firmware::{Skills, TableRobot, TaskLeaf, Turn};
+use iibt_core::iibt::table::{Aim, TablesError};
+use iibt_core::time::Duration;
+use iibt_core::tree::{Full, Node, NodeMemory, OwnedTree, Row, Status};
 
-/// The ticks for which a precondition may stay unmet before the node fails.
-const TIMEOUT: Duration = Duration(50);
+/// The ticks for which a precondition may stay unmet before an inference node fails.
+pub(crate) const TIMEOUT: Duration = Duration(50);
 
-/// The context of a tree in a tick.
-pub(crate) struct Turn<'k, 't> {
-    pub(crate) task: &'k mut HostTask<'t>,
-    pub(crate) node: &'k mut InferenceNode<HostTask<'t>>,
-    pub(crate) percept: &'k Percept,
-    pub(crate) peers: Peers<'k, Announcement>,
-}
+/// A robot with room for any task file.
+pub(crate) type HostRobot<'t, K> = TableRobot<'t, Station, K, Vec<NodeMemory<Full>>, 64, 4, 256, Full>;
 
-impl Turn<'_, '_> {
-    /// Ticks the inference node.
-    pub(crate) fn infer(&mut self, now: Instant) -> Status {
-        self.node.tick(self.task, self.percept, self.peers, now)
-    }
-}
-
-/// A tree in any form.
-pub(crate) trait Ticked {
-    /// Ticks it once.
-    fn tick(&mut self, turn: Turn<'_, '_>, now: Instant) -> Status;
-}
-
-/// A robot whose tree has inference nodes, of which one runs at a time.
-pub(crate) struct TaskRobot<'t, T> {
-    pub(crate) tree: T,
-    pub(crate) task: HostTask<'t>,
-    pub(crate) node: InferenceNode<HostTask<'t>>,
-    percept: Percept,
-}
-
-impl<'t, T> TaskRobot<'t, T> {
-    pub(crate) fn new(tree: T, task: HostTask<'t>) -> Self {
-        Self { tree, task, node: InferenceNode::new(TIMEOUT), percept: Percept::default() }
-    }
-}
-
-impl<T: Ticked> Robot<Station> for TaskRobot<'_, T> {
-    type Message = Announcement;
-
-    fn mission(&self) -> u64 {
-        self.task.mission()
-    }
-
-    fn accepts(&self, said: &Announcement) -> Result<(), Invalid> {
-        self.task.accepts(said)
-    }
-
-    fn sense(&mut self, station: &mut Station, _: Instant) {
-        self.percept = station.percept;
-    }
-
-    fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
-        let Self { tree, task, node, percept } = self;
-        task.observe(percept, peers);
-        tree.tick(Turn { task, node, percept, peers }, now)
-    }
-
-    fn act(&mut self, station: &mut Station) {
-        station.command = self.task.command();
-    }
-
-    fn message(&self) -> Announcement {
-        self.task.announcement()
-    }
-}
-
-impl<'t, T: Ticked> Worker<'t> for TaskRobot<'t, T> {
+impl<'t, K: Skills<Station, Message = ()>> Worker<'t> for HostRobot<'t, K> {
     fn task(&self) -> Option<&HostTask<'t>> {
-        Some(&self.task)
+        Some(self.task())
     }
+}
+
+/// The tree of a robot in a task file: its aims, one after the other, and then nothing more.
+pub(super) type AimsTree = OwnedTree<TaskLeaf<()>, Vec<Row<TaskLeaf<()>>>, Full>;
+
+pub(super) fn tree_of(aims: &[Aim<'_>]) -> Result<AimsTree, TablesError> {
+    let too_many = TablesError { role: None, table: "aims", row: None, reason: "a robot has at most 254" };
+    let children = u8::try_from(aims.len() + 1).map_err(|_| too_many)?;
+    let finished = TaskLeaf::Own(());
+    let mut nodes = vec![Node::Fallback(2), Node::Condition(finished), Node::Sequence(children)];
+    nodes.extend((0..aims.len()).map(|aim| Node::Inference(TaskLeaf::Aim(aim))));
+    nodes.push(Node::Action(finished));
+    OwnedTree::try_new(nodes.into_iter().map(Row::new).collect()).map_err(|_| too_many)
+}
+
+/// Whether the robot has reached its last aim.
+pub(super) struct Finished(pub(super) bool);
+
+impl Skills<Station> for Finished {
+    type Leaf = ();
+    type Message = ();
+
+    fn condition(&mut self, (): &(), _: &Turn<'_, ()>) -> bool {
+        self.0
+    }
+
+    fn on_running(&mut self, (): &(), _: &mut Turn<'_, ()>) -> Status {
+        self.0 = true;
+        Status::Success
+    }
+
+    fn message(&self) {}
 }

@@ -1,5 +1,6 @@
 //! The hardware of a robot that works on a table task.
 
+use firmware::hardware::Equipment;
 use iibt_core::iibt::table::{Command, MAX_SENSORS, Percept};
 use iibt_core::time::Instant;
 
@@ -17,5 +18,17 @@ impl Station {
     pub(super) fn sense(&mut self, tick: u32, busy: bool, readings: [Option<u8>; MAX_SENSORS]) {
         let readings = if busy { [None; MAX_SENSORS] } else { readings };
         *self = Self { percept: Percept { at: Instant(tick), readings, busy }, command: None };
+    }
+}
+
+impl Equipment for Station {
+    fn read(&mut self, sensor: usize) -> Option<u8> {
+        self.percept.readings[sensor]
+    }
+    fn is_busy(&mut self) -> bool {
+        self.percept.busy
+    }
+    fn begin(&mut self, command: Command) {
+        self.command = Some(command);
     }
 }

@@ -37,8 +37,9 @@ impl Context {
     /// a number given to it.
     #[must_use]
     pub const fn of<M: Message>(team: u32, mission: u64) -> Self {
-        let mut hash = Fnv1a::EMPTY.write(ENVELOPE.as_bytes()).write(M::SCHEMA.as_bytes());
-        hash = hash.write(&team.to_le_bytes()).write(&mission.to_le_bytes());
+        let hash = Fnv1a::EMPTY.write(ENVELOPE.as_bytes()).write(M::SCHEMA.as_bytes());
+        let hash = hash.write(M::PART_SCHEMA.as_bytes());
+        let hash = hash.write(&team.to_le_bytes()).write(&mission.to_le_bytes());
         Self(hash.finish())
     }
 

@@ -39,6 +39,10 @@ pub trait Message: Clone + Serialize + DeserializeOwned {
     /// robots whose images disagree reject each other instead of misreading.
     const SCHEMA: &'static str;
 
+    /// The description of the part that is of another type, in a message that is generic over it.
+    /// It is hashed with [`SCHEMA`](Self::SCHEMA).
+    const PART_SCHEMA: &'static str = "";
+
     /// The longest encoding in bytes. More than [`MAX_MESSAGE`](super::MAX_MESSAGE) fails the
     /// build.
     const MAX_BYTES: usize;
@@ -71,3 +75,9 @@ impl core::fmt::Display for Invalid {
 }
 
 impl core::error::Error for Invalid {}
+
+/// Nothing: the message of robots that only have to know of each other.
+impl Message for () {
+    const SCHEMA: &'static str = "nothing";
+    const MAX_BYTES: usize = 0;
+}

@@ -68,6 +68,18 @@ impl<const N: usize, K: Kinds> Memory<N, K> {
     }
 }
 
+impl<const N: usize, K: Kinds> AsRef<[NodeMemory<K>]> for Memory<N, K> {
+    fn as_ref(&self) -> &[NodeMemory<K>] {
+        &self.cells
+    }
+}
+
+impl<const N: usize, K: Kinds> AsMut<[NodeMemory<K>]> for Memory<N, K> {
+    fn as_mut(&mut self) -> &mut [NodeMemory<K>] {
+        &mut self.cells
+    }
+}
+
 impl<const N: usize, K: Kinds> Default for Memory<N, K> {
     fn default() -> Self {
         Self::new()

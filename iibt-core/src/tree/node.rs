@@ -381,7 +381,20 @@ impl<L> Node<L> {
         }
     }
 
-    /// Renames the leaf of the node, if it has one.
+    /// The name of its leaf, of its condition or of its choice, if it has one.
+    #[must_use]
+    pub const fn leaf(&self) -> Option<&L> {
+        match self {
+            Self::Action(leaf)
+            | Self::Inference(leaf)
+            | Self::Condition(leaf)
+            | Self::Switch(_, leaf)
+            | Self::Precondition { condition: leaf, .. } => Some(leaf),
+            _ => None,
+        }
+    }
+
+    /// The same node with another name for its leaf, if it has one.
     ///
     /// # Errors
     /// What `name` returns.

@@ -4,24 +4,38 @@ use super::definition::MAX_FACTORS;
 use crate::team::{Invalid, Message};
 use serde::{Deserialize, Serialize};
 
-/// The states a robot is sure of, its operator under way, and the probability of its decision: 3 to
-/// 7 bytes in a frame.
+/// Where a robot is sure to be, what it is doing, and how sure its decision was: 3 to 7 bytes in a
+/// frame, and those of `X`, which a robot adds for uses of its own.
 ///
 /// ```
 /// use iibt_core::iibt::table::Announcement;
+/// use iibt_core::team::Message;
+/// use serde::{Deserialize, Serialize};
 ///
-/// let said = Announcement::new([Some(3), None], 1, 0.75);
+/// /// The charge of a battery in percent.
+/// #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// struct Charge(u8);
+///
+/// impl Message for Charge {
+///     const SCHEMA: &'static str = "charge: percent u8";
+///     const MAX_BYTES: usize = 1;
+/// }
+///
+/// let said = Announcement::new([Some(3), None], 1, 0.75).with(Charge(80));
 /// assert_eq!((said.state(0), said.state(1), said.operator()), (Some(3), None, 1));
 /// assert!((said.probability() - 0.75).abs() < 0.002);
+/// assert_eq!((said.own, Announcement::<Charge>::MAX_BYTES), (Charge(80), 8));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Announcement {
+pub struct Announcement<X = ()> {
     /// Half a byte per factor, the first lowest: its state plus one, zero for one that is not
     /// known.
     states: u32,
     operator: u8,
     probability: u8,
+    /// What the robot adds for uses of its own.
+    pub own: X,
 }
 
 impl Announcement {
@@ -33,7 +47,17 @@ impl Announcement {
             let code = state.map_or(0, |state| (u32::from(state) + 1) & 0xf);
             packed | code << (4 * factor)
         });
-        Self { states: packed, operator, probability: (probability.clamp(0.0, 1.0) * 255.0 + 0.5) as u8 }
+        let probability = (probability.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        Self { states: packed, operator, probability, own: () }
+    }
+}
+
+impl<X> Announcement<X> {
+    /// The same announcement with another addition.
+    #[must_use]
+    pub fn with<Y>(&self, own: Y) -> Announcement<Y> {
+        let &Self { states, operator, probability, .. } = self;
+        Announcement { states, operator, probability, own }
     }
 
     /// The state of a factor; `None` where the sender is not sure, or does not have the factor.
@@ -56,21 +80,20 @@ impl Announcement {
     }
 }
 
-impl AsRef<Self> for Announcement {
-    fn as_ref(&self) -> &Self {
-        self
-    }
-}
-
-impl Message for Announcement {
-    const SCHEMA: &'static str = "iibt.table.announcement/1: states u32, operator u8, probability u8";
-    const MAX_BYTES: usize = 7;
+impl<X: Message> Message for Announcement<X> {
+    const SCHEMA: &'static str = "iibt.table.announcement/1: states u32, operator u8, probability u8; ";
+    const PART_SCHEMA: &'static str = X::SCHEMA;
+    const MAX_BYTES: usize = 7 + X::MAX_BYTES;
 
     fn validate(&self) -> Result<(), Invalid> {
         if usize::from(self.operator) < super::definition::MAX_OPERATORS {
-            Ok(())
+            self.own.validate()
         } else {
             Err(Invalid("the operator has a number of 16 or above"))
         }
+    }
+
+    fn takes_part(&self) -> bool {
+        self.own.takes_part()
     }
 }

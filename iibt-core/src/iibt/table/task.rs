@@ -80,10 +80,10 @@ pub struct JointDecision<const S: usize, const N: usize, const P: usize> {
 /// A robot's part of a task written as tables.
 ///
 /// `S`, `N` and `P` are the [`states`](Tables::states), [`robots`](Tables::robots) and
-/// [`policies`](Tables::policies) of the tables, or more. `M` is what the robots tell each other:
-/// the [`Announcement`], or a message of one's own that has one in it.
+/// [`policies`](Tables::policies) of the tables, or more. `X` is what the robots add to their
+/// [`Announcement`] for uses of their own.
 #[derive(Clone, Debug)]
-pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, M = Announcement> {
+pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, X = ()> {
     tables: &'a Tables<'a>,
     role: &'a Role<'a>,
     own: usize,
@@ -98,10 +98,10 @@ pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, M = Ann
     pending: Option<Command>,
     command: Option<Command>,
     decision: Option<JointDecision<S, N, P>>,
-    message: PhantomData<fn(M)>,
+    addition: PhantomData<fn(X)>,
 }
 
-impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, P, M> {
+impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, P, X> {
     /// Robot `robot` of the team at the start of the task, with its first aim.
     ///
     /// # Errors
@@ -133,7 +133,7 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
             pending: None,
             command: None,
             decision: None,
-            message: PhantomData,
+            addition: PhantomData,
         })
     }
 
@@ -144,7 +144,13 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
         found.is_some()
     }
 
-    /// Begins an operator that the node has not chosen, such as that of a plain leaf.
+    /// The robot's role.
+    #[must_use]
+    pub const fn role(&self) -> &'a Role<'a> {
+        self.role
+    }
+
+    /// Begins an operator that something else than the node has chosen: a plain leaf of the tree.
     pub fn begin(&mut self, command: Command) {
         (self.command, self.pending) = (Some(command), Some(command));
     }
@@ -232,7 +238,7 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
     ///
     /// # Errors
     /// [`Invalid`] when no role has the states and the operator that it names.
-    pub fn accepts(&self, said: &Announcement) -> Result<(), Invalid> {
+    pub fn accepts(&self, said: &Announcement<X>) -> Result<(), Invalid> {
         if self.tables.roles().iter().any(|role| is_of(said, role)) {
             Ok(())
         } else {
@@ -361,17 +367,14 @@ impl<'a, const S: usize, const N: usize, const P: usize, M> TableTask<'a, S, N, 
     }
 }
 
-impl<const S: usize, const N: usize, const P: usize, M> Task for TableTask<'_, S, N, P, M>
-where
-    M: Message + AsRef<Announcement>,
-{
+impl<const S: usize, const N: usize, const P: usize, X: Message> Task for TableTask<'_, S, N, P, X> {
     type Percept = Percept;
-    type Message = M;
+    type Message = Announcement<X>;
     type Preference = Wanted<S, N>;
     type Candidates = Offered<N>;
     type Policy = Plan;
 
-    fn observe(&mut self, percept: &Percept, peers: Peers<'_, M>) {
+    fn observe(&mut self, percept: &Percept, peers: Peers<'_, Announcement<X>>) {
         if self.observed == Some(percept.at) {
             return;
         }
@@ -380,7 +383,7 @@ where
         self.said = [None; N];
         for peer in peers.fresh() {
             if let Some(slot) = self.said.get_mut(peer.sender().index()) {
-                *slot = Some(*peer.message().as_ref());
+                *slot = Some(peer.message().with(()));
             }
         }
         if !percept.busy {
@@ -403,18 +406,23 @@ where
         Wanted { rows, target: self.aim.target }
     }
 
-    /// All operators in every tick; the preconditions restrict which of them may begin.
-    fn candidates(&mut self, preference: &Wanted<S, N>, peers: Peers<'_, M>) -> Offered<N> {
+    /// All operators, always: which of them may be begun, the preconditions say.
+    fn candidates(&mut self, preference: &Wanted<S, N>, peers: Peers<'_, Announcement<X>>) -> Offered<N> {
         let mut offered = Offered { target: preference.target, announced: [None; N] };
         for peer in peers.fresh() {
             if let Some(slot) = offered.announced.get_mut(peer.sender().index()) {
-                *slot = Some(peer.message().as_ref().operator());
+                *slot = Some(peer.message().operator());
             }
         }
         offered
     }
 
-    fn infer(&mut self, offered: &Offered<N>, preference: &Wanted<S, N>, _: Peers<'_, M>) -> Option<Plan> {
+    fn infer(
+        &mut self,
+        offered: &Offered<N>,
+        preference: &Wanted<S, N>,
+        _: Peers<'_, Announcement<X>>,
+    ) -> Option<Plan> {
         self.decision = None;
         if self.busy {
             return Some(Plan::Continue);
@@ -440,7 +448,7 @@ where
         }
     }
 
-    fn execute(&mut self, plan: Plan, offered: &Offered<N>, _: Peers<'_, M>) {
+    fn execute(&mut self, plan: Plan, offered: &Offered<N>, _: Peers<'_, Announcement<X>>) {
         let operator = self.part_of(plan);
         if operator != self.role.idle {
             let target =
@@ -466,8 +474,8 @@ fn operator_of(tables: &Tables<'_>, policy: u16, robot: usize) -> u8 {
     (rest % own) as u8
 }
 
-/// Whether a role has every state and operator that an announcement names.
-fn is_of(said: &Announcement, role: &Role<'_>) -> bool {
+/// Whether a role has all that an announcement names.
+fn is_of<X>(said: &Announcement<X>, role: &Role<'_>) -> bool {
     let known = |(number, factor): (usize, &HiddenFactor<'_>)| {
         said.state(number).is_none_or(|state| usize::from(state) < factor.states.len())
     };
