@@ -52,7 +52,7 @@ struct Reader<'a, 'f> {
     file: &'f File,
 }
 
-impl<'a> Reader<'a, '_> {
+impl<'a, 'f> Reader<'a, 'f> {
     fn mission(&self, name: &str) -> Read<TableMission<'a>> {
         let file = self.file;
         let roles = self.each(&file.robots, |robot| self.role(robot))?;
@@ -194,16 +194,14 @@ impl<'a> Reader<'a, '_> {
             Some((robot, name)) => (Some(Spanned::new(state.span(), robot.to_owned())), name),
             None => (None, name),
         };
-        let robot = of.as_ref().map(|of| self.robot(of)).transpose()?;
-        let holder = robot.map_or(own, |robot| self.file.robots[usize::from(robot)].get_ref());
+        let (robot, holder) = self.holder(of.as_ref(), own)?;
         let name = Spanned::new(state.span(), name.to_owned());
         let factor = index("factor", &name, &factor_names(holder))?;
         Ok(Given { robot, factor, state: index("state", state, &states_of(holder, factor))? })
     }
 
     fn fact(&self, fact: &file::Fact, own: &file::Robot) -> Read<Fact<'a>> {
-        let robot = fact.robot.as_ref().map(|robot| self.robot(robot)).transpose()?;
-        let holder = robot.map_or(own, |robot| self.file.robots[usize::from(robot)].get_ref());
+        let (robot, holder) = self.holder(fact.robot.as_ref(), own)?;
         let factor = |factor: &Text| index("factor", factor, &factor_names(holder));
         let holds = match (robot, &fact.factor, &fact.is, &fact.doing) {
             (_, Some(name), Some(is), None) => {
@@ -324,8 +322,7 @@ impl<'a> Reader<'a, '_> {
         }
         for goal in &self.file.goals {
             let goal = goal.get_ref();
-            let robot = self.robot(&goal.robot)?;
-            let holder = self.file.robots[usize::from(robot)].get_ref();
+            let (robot, holder) = self.robot(&goal.robot)?;
             let factor = index("factor", &goal.factor, &factor_names(holder))?;
             let states: Result<_, _> =
                 goal.is.iter().map(|state| index("state", state, &states_of(holder, factor))).collect();
@@ -353,10 +350,21 @@ impl<'a> Reader<'a, '_> {
         Fault::new(span.unwrap_or_else(|| robot.span()), error.reason)
     }
 
-    fn robot(&self, name: &Text) -> Read<u8> {
-        let names: Vec<&str> =
-            self.file.robots.iter().map(|robot| robot.get_ref().name.get_ref().as_str()).collect();
-        index("robot", name, &names)
+    /// The number and the tables of a robot by its name.
+    fn robot(&self, name: &Text) -> Read<(u8, &'f file::Robot)> {
+        let robots: Vec<_> = self.file.robots.iter().map(Spanned::get_ref).collect();
+        let names: Vec<&str> = robots.iter().map(|robot| robot.name.get_ref().as_str()).collect();
+        let number = index("robot", name, &names)?;
+        Ok((number, robots[usize::from(number)]))
+    }
+
+    /// The same for the robot that has a factor: the own one where none is named.
+    fn holder<'s>(&self, name: Option<&Text>, own: &'s file::Robot) -> Read<(Option<u8>, &'s file::Robot)>
+    where
+        'f: 's,
+    {
+        let Some(name) = name else { return Ok((None, own)) };
+        self.robot(name).map(|(number, robot)| (Some(number), robot))
     }
 
     fn text(&self, text: &Text) -> &'a str {

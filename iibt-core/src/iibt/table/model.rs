@@ -228,7 +228,17 @@ pub(super) fn track<const S: usize>(
     updated.unwrap_or(Ok(0.0))
 }
 
-/// The input of a joint decision.
+/// Every operator as a policy of one step, by its code.
+const EACH_ONCE: &[Policy; MAX_OPERATORS] = &{
+    let (mut policies, mut code) = ([Policy::EMPTY; MAX_OPERATORS], 0);
+    while code < MAX_OPERATORS {
+        policies[code] = Policy::of(&[code as Action]);
+        code += 1;
+    }
+    policies
+};
+
+/// What a joint decision is made from.
 pub(super) struct Question<'q, 'a, const S: usize, const N: usize> {
     pub(super) tables: &'a Tables<'a>,
     pub(super) own: usize,
@@ -266,12 +276,6 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
     }
 
     fn posterior<const P: usize>(&self, model: &Model, beliefs: &Beliefs<S, N>) -> Option<[f32; P]> {
-        let policies: [_; MAX_OPERATORS] = core::array::from_fn(|code| {
-            let mut policy = Policy::EMPTY;
-            // There is room, and the code is below 16.
-            let _ = policy.push(code as Action);
-            policy
-        });
         let mut sequences = Vec::<&[Policy], MAX_TEAM>::new();
         let (mut habits, mut values) = (Vec::<_, MAX_TEAM>::new(), Vec::<_, MAX_TEAM>::new());
         for (role, preference) in self.tables.roles().iter().zip(self.preferences) {
@@ -280,7 +284,7 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
                 let _ = habit.push(operator.habit);
             }
             // There is room for every operator and for every robot of the team.
-            let _ = sequences.push(policies.get(..role.operators.len()).unwrap_or(&[]));
+            let _ = sequences.push(EACH_ONCE.get(..role.operators.len()).unwrap_or(&[]));
             let _ = (habits.push(habit), values.push((preference.values(), role.states.names.len())));
         }
         let (mut ln_e, mut preferences) = (Vec::<&[f32], MAX_TEAM>::new(), Vec::<&[f32], MAX_TEAM>::new());
