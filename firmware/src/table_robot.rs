@@ -1,133 +1,83 @@
 //! A ready-made robot for tasks that are written as tables.
 
+mod leaves;
+mod skills;
+
+pub use skills::{Skills, TaskLeaf, Turn};
+
 use crate::Robot;
 use crate::hardware::Equipment;
 use core::marker::PhantomData;
-use iibt_core::iibt::table::{
-    Announcement, Command, MAX_FACTORS, MAX_SENSORS, Percept, TableTask, Tables, TablesError,
-};
-use iibt_core::iibt::{InferenceNode, Task};
-use iibt_core::team::{Invalid, Message, Peers, RobotId};
+use iibt_core::iibt::InferenceNode;
+use iibt_core::iibt::table::{Announcement, MAX_SENSORS, Percept, TableTask, Tables, TablesError};
+use iibt_core::team::{Invalid, Peers, RobotId};
 use iibt_core::time::{Duration, Instant};
-use iibt_core::tree::{Basic, Halt, Kinds, Leaves, Memory, NodeMemory, Status, Tree, TreeRef};
-
-/// A leaf of a [`TableRobot`]'s tree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TaskLeaf<L> {
-    /// The aim with this number in the robot's role. As an inference node, it pursues the aim; as a
-    /// condition, it holds when the aim is reached.
-    Aim(usize),
-    /// The fact with this number in the robot's role: a condition.
-    Fact(u8),
-    /// One of the robot's own [`Skills`].
-    Own(L),
-}
-
-/// What a robot has beside its tables: leaves and a part of the message of its own.
-///
-/// Nothing is needed but what the tree and the teammates ask for; `()` has no leaf and adds nothing
-/// to the message. The methods for leaves are those of [`Leaves`], whose contract they share.
-#[doc(alias = "blackboard")]
-pub trait Skills<H> {
-    /// The names of the robot's own leaves.
-    type Leaf;
-    /// What the robot adds to its [`Announcement`].
-    type Message: Message;
-
-    /// Reads what the tables do not know of: a battery, a button.
-    fn sense(&mut self, hardware: &mut H, now: Instant) {
-        let _ = (hardware, now);
-    }
-
-    /// Returns what to add to the announcement.
-    fn message(&self) -> Self::Message;
-
-    /// Returns whether a condition holds now.
-    fn condition(&mut self, leaf: &Self::Leaf, turn: &Turn<'_, Self::Message>) -> bool {
-        let _ = (leaf, turn);
-        false
-    }
-
-    /// Starts an action, by default as it continues.
-    fn on_start(&mut self, leaf: &Self::Leaf, turn: &mut Turn<'_, Self::Message>) -> Status {
-        self.on_running(leaf, turn)
-    }
-
-    /// Continues an action.
-    fn on_running(&mut self, leaf: &Self::Leaf, turn: &mut Turn<'_, Self::Message>) -> Status {
-        let _ = (leaf, turn);
-        Status::Failure
-    }
-
-    /// Stops an action. An operator that it has begun in this tick is not carried out.
-    fn on_halted(&mut self, leaf: &Self::Leaf, turn: &mut Turn<'_, Self::Message>) -> Halt {
-        let _ = (leaf, turn);
-        Halt::Done
-    }
-
-    /// Goes on stopping an action.
-    fn on_halting(&mut self, leaf: &Self::Leaf, turn: &mut Turn<'_, Self::Message>) -> Halt {
-        let _ = (leaf, turn);
-        Halt::Done
-    }
-
-    /// Returns the child that a `Switch` ticks.
-    fn case(&mut self, leaf: &Self::Leaf, turn: &Turn<'_, Self::Message>) -> usize {
-        let _ = (leaf, turn);
-        usize::MAX
-    }
-
-    /// Returns the time at which a running action wants its next tick.
-    fn deadline(&mut self, leaf: &Self::Leaf, turn: &Turn<'_, Self::Message>) -> Option<Instant> {
-        let _ = (leaf, turn);
-        None
-    }
-
-    /// Drives what the tables do not know of: a lamp, a horn.
-    fn act(&mut self, hardware: &mut H) {
-        let _ = hardware;
-    }
-}
-
-impl<H> Skills<H> for () {
-    type Leaf = ();
-    type Message = ();
-
-    fn message(&self) {}
-}
-
-/// One tick as the robot's own leaves see it.
-pub struct Turn<'k, X> {
-    /// The time of the tick.
-    pub now: Instant,
-    /// The teammates and what they have announced.
-    pub peers: Peers<'k, Announcement<X>>,
-    /// What was sensed.
-    pub percept: Percept,
-    /// Whether the robot is sure of all its factors, and no operator is under way.
-    pub is_settled: bool,
-    sure: [Option<u8>; MAX_FACTORS],
-    begun: Option<Command>,
-}
-
-impl<X> Turn<'_, X> {
-    /// Returns the state that a hidden factor is in, where the robot is sure of it.
-    #[must_use]
-    pub fn sure(&self, factor: u8) -> Option<u8> {
-        self.sure.get(usize::from(factor)).copied().flatten()
-    }
-
-    /// Begins an operator, towards a target if it has one.
-    pub const fn begin(&mut self, operator: u8, target: Option<u8>) {
-        self.begun = Some(Command { operator, target });
-    }
-}
+use iibt_core::tree::{Basic, Kinds, Memory, NodeMemory, Status, Tree, TreeRef};
+use leaves::{Parts, Ticking};
 
 /// A robot whose task is written as tables, with any tree and with [`Skills`] `K` of its own.
 ///
 /// It reads the sensors and carries out the operators of its tables through [`Equipment`]. The
 /// memory `M` is a [`Memory`] of the tree; `S`, `N` and `P` are the sizes of a [`TableTask`]. Its
 /// inference nodes share one preference and timeout, so that one of them runs at a time.
+///
+/// ```
+/// use core::num::NonZero;
+/// use firmware::prelude::*;
+/// use iibt_core::team::{Key, Member};
+///
+/// static VALVE: Tables = Tables::new(&[Role {
+///     name: "valve",
+///     sensors: &[Sensor::even("position", Reads::Factor(0), 0.9)],
+///     operators: &[Operator::IDLE, Operator::bringing("close", 1, 0.8)],
+///     facts: &[Fact::sure("closed", 0, &[1])],
+///     aims: &[Aim::new("close", &[0], &[0.0, 1.0])],
+///     ..Role::of(&[HiddenFactor::unknown("valve", &["open", "closed"])])
+/// }]);
+///
+/// static TREE: Tree<TaskLeaf<()>, 3> = tree! {
+///     Fallback { Condition(TaskLeaf::Fact(0)), Inference(TaskLeaf::Aim(0)) }
+/// };
+///
+/// /// A valve that sticks at the first turn.
+/// #[derive(Default)]
+/// struct Bench {
+///     turns: u32,
+///     now: u32,
+/// }
+///
+/// impl Equipment for Bench {
+///     fn read(&mut self, _: usize) -> Option<u8> {
+///         Some(u8::from(self.turns > 1))
+///     }
+///     fn is_busy(&mut self) -> bool {
+///         false
+///     }
+///     fn begin(&mut self, command: Command) {
+///         assert_eq!(command.operator, 1);
+///         self.turns += 1;
+///     }
+/// }
+/// # impl Link for Bench {
+/// #     fn receive(&mut self) -> Option<u8> { None }
+/// #     fn send(&mut self, _: &[u8]) -> bool { true }
+/// # }
+/// # impl Clock for Bench {
+/// #     fn now(&mut self) -> Instant { self.now += 1; Instant(self.now) }
+/// # }
+/// // and a `Link` and a `Clock`
+///
+/// let member = Member::new(RobotId(0), 1)?;
+/// let settings = Settings::new(member, Key::new(*b"sixteen bytes..."), 1, NonZero::<u16>::MIN);
+/// type Robot = table_robot!(VALVE, Bench, (), 3);
+/// let robot = Robot::new(&VALVE, member.robot(), &TREE, (), Duration(100))?;
+/// let mut controller = Controller::new(robot, settings, Bench::default());
+/// let ticks = (1..50).find(|_| controller.tick() == Status::Success);
+/// assert!(ticks.is_some_and(|ticks| ticks < 20));
+/// assert_eq!(controller.hardware().turns, 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "blackboard")]
 pub struct TableRobot<
     't,
     H,
@@ -156,13 +106,6 @@ macro_rules! table_robot {
             { $tables.states() }, { $tables.robots() }, { $tables.policies() } $(, $set)?
         >
     };
-}
-
-/// What the leaves work with.
-struct Parts<K, T: Task> {
-    skills: K,
-    task: T,
-    node: InferenceNode<T>,
 }
 
 impl<'t, H, K, const NODES: usize, const S: usize, const N: usize, const P: usize, Set>
@@ -226,11 +169,6 @@ where
         &self.parts.node
     }
 
-    /// Returns the robot's own skills.
-    pub const fn skills(&self) -> &K {
-        &self.parts.skills
-    }
-
     /// Returns the leaf that is running.
     pub fn running(&self) -> Option<&'t TaskLeaf<K::Leaf>> {
         self.tree.running(self.memory.as_ref())
@@ -287,17 +225,7 @@ where
 
     fn tick(&mut self, peers: Peers<'_, Self::Message>, now: Instant) -> Status {
         let Self { tree, memory, parts, percept, .. } = self;
-        let task = &mut parts.task;
-        task.observe(percept, peers);
-        let turn = Turn {
-            now,
-            peers,
-            percept: *percept,
-            is_settled: task.is_settled(),
-            sure: core::array::from_fn(|factor| task.sure(factor).map(|state| state as u8)),
-            begun: None,
-        };
-        tree.tick(memory.as_mut(), &mut Ticking { parts, turn, hardware: PhantomData }, now).status
+        tree.tick(memory.as_mut(), &mut Ticking::new(parts, percept, peers, now), now).status
     }
 
     fn act(&mut self, hardware: &mut H) {
@@ -312,86 +240,187 @@ where
     }
 }
 
-/// The leaves in a tick.
-struct Ticking<'r, 't, 'k, H, K: Skills<H>, const S: usize, const N: usize, const P: usize> {
-    parts: &'r mut Parts<K, TableTask<'t, S, N, P, K::Message>>,
-    turn: Turn<'k, K::Message>,
-    hardware: PhantomData<fn(&mut H)>,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use iibt_core::iibt::table::{Aim, Command, Fact, HiddenFactor, Operator, Reads, Role, Sensor};
+    use iibt_core::team::{Limits, Member, Message, Roster};
+    use iibt_core::tree;
+    use iibt_core::tree::{Full, Halt};
+    use serde::{Deserialize, Serialize};
+    use std::string::ToString;
+    use std::vec;
+    use std::vec::Vec;
 
-impl<'k, H, K: Skills<H>, const S: usize, const N: usize, const P: usize> Ticking<'_, '_, 'k, H, K, S, N, P> {
-    fn pursue(&mut self, aim: usize) -> Status {
-        let (Parts { task, node, .. }, Turn { percept, peers, now, .. }) = (&mut *self.parts, &self.turn);
-        if task.pursue(aim) { node.tick(task, percept, *peers, *now) } else { Status::Failure }
+    const TURN: u8 = 1;
+
+    static VALVE: Tables = Tables::new(&[Role {
+        name: "valve",
+        sensors: &[Sensor::even("position", Reads::Factor(0), 0.999)],
+        operators: &[Operator::IDLE, Operator::bringing("turn", 1, 0.8)],
+        facts: &[Fact::sure("closed", 0, &[1])],
+        aims: &[Aim::new("close", &[0], &[0.0, 1.0])],
+        ..Role::of(&[HiddenFactor::unknown("valve", &["open", "closed"])])
+    }]);
+
+    /// The leaves are what the skills are told to return.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    enum Leaf {
+        Turn,
+        Choose,
+        Return(Status),
     }
 
-    /// Calls a skill, and takes up the operator that it begins.
-    fn call<T>(&mut self, skill: impl FnOnce(&mut K, &mut Turn<'k, K::Message>) -> T) -> T {
-        let result = skill(&mut self.parts.skills, &mut self.turn);
-        if let Some(command) = self.turn.begun.take() {
-            self.parts.task.begin(command);
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    struct Choice(usize);
+
+    impl Message for Choice {
+        const SCHEMA: &'static str = "choice usize";
+        const MAX_BYTES: usize = 5;
+    }
+
+    /// Which child is chosen, and what was asked.
+    struct Asked(usize, Vec<&'static str>);
+
+    impl Skills<Valve> for Asked {
+        type Leaf = Leaf;
+        type Message = Choice;
+
+        fn sense(&mut self, _: &mut Valve, _: Instant) {
+            self.1.push("sense");
         }
-        result
-    }
-}
-
-impl<H, K: Skills<H>, const S: usize, const N: usize, const P: usize> Leaves<TaskLeaf<K::Leaf>>
-    for Ticking<'_, '_, '_, H, K, S, N, P>
-{
-    fn condition(&mut self, leaf: &TaskLeaf<K::Leaf>, _: Instant) -> bool {
-        match leaf {
-            TaskLeaf::Aim(aim) => self.parts.task.pursue(*aim) && self.parts.task.is_done(),
-            TaskLeaf::Fact(fact) => self.parts.task.logic(None).is(*fact),
-            TaskLeaf::Own(own) => self.parts.skills.condition(own, &self.turn),
+        fn message(&self) -> Choice {
+            Choice(self.0)
         }
-    }
-
-    fn on_start(&mut self, leaf: &TaskLeaf<K::Leaf>, now: Instant) -> Status {
-        match leaf {
-            TaskLeaf::Own(own) => self.call(|skills, turn| skills.on_start(own, turn)),
-            _ => self.on_running(leaf, now),
-        }
-    }
-
-    fn on_running(&mut self, leaf: &TaskLeaf<K::Leaf>, now: Instant) -> Status {
-        match leaf {
-            TaskLeaf::Aim(aim) => self.pursue(*aim),
-            TaskLeaf::Fact(_) => Status::from(self.condition(leaf, now)),
-            TaskLeaf::Own(own) => self.call(|skills, turn| skills.on_running(own, turn)),
-        }
-    }
-
-    fn on_halted(&mut self, leaf: &TaskLeaf<K::Leaf>, _: Instant) -> Halt {
-        match leaf {
-            TaskLeaf::Own(own) => {
-                self.parts.task.wait();
-                self.call(|skills, turn| skills.on_halted(own, turn))
+        fn on_running(&mut self, leaf: &Leaf, turn: &mut Turn<'_, Choice>) -> Status {
+            self.1.push("run");
+            match *leaf {
+                Leaf::Turn if turn.is_settled && turn.sure(0) == Some(0) => turn.begin(TURN, None),
+                Leaf::Return(status) => return status,
+                _ => {}
             }
-            _ => {
-                self.parts.node.halt(&mut self.parts.task);
-                Halt::Done
+            Status::Running
+        }
+        fn on_halted(&mut self, _: &Leaf, _: &mut Turn<'_, Choice>) -> Halt {
+            self.1.push("halt");
+            Halt::Pending
+        }
+        fn on_halting(&mut self, _: &Leaf, _: &mut Turn<'_, Choice>) -> Halt {
+            self.1.push("still");
+            Halt::Done
+        }
+        fn case(&mut self, _: &Leaf, _: &Turn<'_, Choice>) -> usize {
+            self.0
+        }
+        fn act(&mut self, _: &mut Valve) {
+            self.1.push("act");
+        }
+    }
+
+    /// What it reads, and the operators that it began.
+    #[derive(Default)]
+    struct Valve(u8, Vec<u8>);
+
+    impl Equipment for Valve {
+        fn read(&mut self, sensor: usize) -> Option<u8> {
+            assert_eq!(sensor, 0, "the tables have one sensor");
+            Some(self.0)
+        }
+        fn is_busy(&mut self) -> bool {
+            false
+        }
+        fn begin(&mut self, command: Command) {
+            self.1.push(command.operator);
+        }
+    }
+
+    type OneValve<const NODES: usize> = TableRobot<'static, Valve, Asked, Memory<NODES, Full>, 2, 1, 2, Full>;
+
+    fn robot<const NODES: usize>(
+        tree: &'static Tree<TaskLeaf<Leaf>, NODES, Full>,
+    ) -> Result<OneValve<NODES>, TablesError> {
+        TableRobot::new(&VALVE, RobotId(0), tree, Asked(0, vec![]), Duration(100))
+    }
+
+    /// Ticks a robot that is alone, as the controller does.
+    fn tick<const NODES: usize>(robot: &mut OneValve<NODES>, valve: &mut Valve, now: u32) -> Status {
+        let (member, limits) = (Member::new(RobotId(0), 1), Limits::for_beacons(Duration(1)));
+        let alone = Roster::new(member.expect("a team of one"), limits.expect("a tick is short"));
+        robot.sense(valve, Instant(now));
+        let status = robot.tick(alone.at(Instant(now)), Instant(now));
+        robot.act(valve);
+        status
+    }
+
+    #[test]
+    fn a_tree_that_does_not_fit_its_tables_is_refused() {
+        static AIM: Tree<TaskLeaf<Leaf>, 1, Full> = tree! { Inference(TaskLeaf::Aim(1)) };
+        static FACT: Tree<TaskLeaf<Leaf>, 2, Full> =
+            tree! { Precondition(TaskLeaf::Fact(7), Status::Skipped) { Action(TaskLeaf::Own(Leaf::Turn)) } };
+        let error = robot(&AIM).err().map(|error| error.to_string());
+        assert_eq!(error.as_deref(), Some("roles[0].aims[1]: the tree names one that there is not"));
+        let error = robot(&FACT).err().map(|error| error.to_string());
+        assert_eq!(error.as_deref(), Some("roles[0].facts[7]: the tree names one that there is not"));
+
+        static SOUND: Tree<TaskLeaf<()>, 1> = tree! { Inference(TaskLeaf::Aim(0)) };
+        let of = |nodes| {
+            let memory = vec![NodeMemory::NEW; nodes];
+            let (id, timeout) = (RobotId(0), Duration(100));
+            let robot: Result<TableRobot<'_, Valve, (), _, 2, 1, 2>, _> =
+                TableRobot::with_memory(&VALVE, id, SOUND.by_ref(), memory, (), timeout);
+            robot.err().map(|error| error.to_string())
+        };
+        assert_eq!(of(2).as_deref(), Some("tree: its memory has not an element for each node"));
+        assert_eq!(of(1), None);
+    }
+
+    #[test]
+    fn own_leaves_live_as_those_of_any_tree() {
+        static TREE: Tree<TaskLeaf<Leaf>, 4, Full> = tree! {
+            Switch(TaskLeaf::Own(Leaf::Choose)) {
+                Action(TaskLeaf::Own(Leaf::Turn)),
+                Action(TaskLeaf::Own(Leaf::Return(Status::Success))),
+                AlwaysFailure(),
             }
-        }
+        };
+        let (mut robot, mut valve) = (robot(&TREE).expect("it fits"), Valve::default());
+        let mut asked = |robot: &mut OneValve<4>, case, now| {
+            robot.parts.skills.0 = case;
+            let status = tick(robot, &mut valve, now);
+            (status, core::mem::take(&mut robot.parts.skills.1), valve.1.len())
+        };
+        assert_eq!(asked(&mut robot, 0, 0), (Status::Running, vec!["sense", "run", "act"], 1));
+        assert_eq!(robot.running(), Some(&TaskLeaf::Own(Leaf::Turn)));
+        assert_eq!(robot.message().own, Choice(0));
+        assert_eq!(asked(&mut robot, 1, 1), (Status::Running, vec!["sense", "halt", "act"], 1));
+        let (status, calls, _) = asked(&mut robot, 1, 2);
+        assert_eq!((status, calls), (Status::Success, vec!["sense", "still", "run", "act"]));
     }
 
-    fn on_halting(&mut self, leaf: &TaskLeaf<K::Leaf>, _: Instant) -> Halt {
-        match leaf {
-            TaskLeaf::Own(own) => self.call(|skills, turn| skills.on_halting(own, turn)),
-            _ => Halt::Done,
-        }
+    #[test]
+    fn an_operator_that_is_halted_in_its_tick_is_not_carried_out() {
+        static TREE: Tree<TaskLeaf<Leaf>, 3, Full> = tree! {
+            Parallel(2, 1) {
+                Action(TaskLeaf::Own(Leaf::Turn)), Action(TaskLeaf::Own(Leaf::Return(Status::Failure)))
+            }
+        };
+        let (mut robot, mut valve) = (robot(&TREE).expect("it fits"), Valve::default());
+        tick(&mut robot, &mut valve, 0);
+        assert_eq!(valve.1, [0; 0]);
+        assert!(robot.parts.skills.1.contains(&"halt"), "{:?}", robot.parts.skills.1);
     }
 
-    fn case(&mut self, leaf: &TaskLeaf<K::Leaf>, _: Instant) -> usize {
-        match leaf {
-            TaskLeaf::Own(own) => self.parts.skills.case(own, &self.turn),
-            _ => usize::MAX,
-        }
-    }
-
-    fn deadline(&mut self, leaf: &TaskLeaf<K::Leaf>, _: Instant) -> Option<Instant> {
-        match leaf {
-            TaskLeaf::Own(own) => self.parts.skills.deadline(own, &self.turn),
-            _ => None,
-        }
+    #[test]
+    fn an_aim_is_a_condition_and_an_inference_node() {
+        static TREE: Tree<TaskLeaf<Leaf>, 4, Full> = tree! {
+            Fallback { Condition(TaskLeaf::Aim(0)), ForceFailure { Inference(TaskLeaf::Aim(0)) } }
+        };
+        let (mut robot, mut valve) = (robot(&TREE).expect("it fits"), Valve::default());
+        assert_eq!(tick(&mut robot, &mut valve, 0), Status::Running);
+        assert_eq!((robot.running(), &valve.1), (Some(&TaskLeaf::Aim(0)), &vec![TURN]));
+        valve.0 = 1;
+        assert_eq!(tick(&mut robot, &mut valve, 1), Status::Failure, "of the node, which has succeeded");
+        assert_eq!(tick(&mut robot, &mut valve, 2), Status::Success, "by the condition");
+        assert_eq!(valve.1.len(), 1);
     }
 }

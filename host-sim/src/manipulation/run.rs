@@ -16,7 +16,7 @@ use bumpalo::Bump;
 use iibt_core::iibt::table::{Tables, TablesError};
 use iibt_core::team::{MemberError, RobotId};
 use iibt_core::tree::{NodeMemory, Status};
-use std::fmt;
+use thiserror::Error;
 
 /// The detail of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +27,7 @@ pub enum Detail {
     History,
 }
 
-/// The reason why a run is refused.
+/// Why there is no such run.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum RunError {
     /// A tree cannot be run by these robots.
@@ -55,14 +55,14 @@ pub fn run(terms: &RunTerms, detail: Detail) -> Result<Run, RunError> {
     let truth = truth(&tables, terms.disturbances);
     let robots = [RobotId(0), RobotId(1)];
     if terms.trees == Trees::Inference {
-        let trees = terms.trees.bind(leaf).map_err(RunError::Tree)?;
+        let trees = terms.trees.bind(leaf)?;
         let robots = robots.into_iter().zip(&trees).map(|(robot, tree)| {
             let (tree, memory) = (tree.by_ref(), vec![NodeMemory::NEW; tree.len()]);
             HostRobot::with_memory(&tables, robot, tree, memory, Mover(terms.order), TIMEOUT)
         });
         return fly(terms, detail, &tables, &truth, robots);
     }
-    let trees = terms.trees.bind(Skill::of).map_err(RunError::Tree)?;
+    let trees = terms.trees.bind(Skill::of)?;
     let robots = robots.into_iter().zip(trees).map(|(robot, tree)| {
         let sense = match terms.trust {
             Trust::Equal(enough) => Sense::debounced(enough),
@@ -88,10 +88,10 @@ fn fly<'t, R: Hand<'t>>(
     truth: &'t Truth,
     robots: impl Iterator<Item = Result<R, TablesError>>,
 ) -> Result<Run, RunError> {
-    let robots = robots.collect::<Result<_, _>>().map_err(RunError::Tables)?;
+    let robots = robots.collect::<Result<_, TablesError>>()?;
     let radio = scenario::Radio { loss: terms.disturbances.loss, ..scenario::Radio::default() };
     let mut history = Vec::new();
-    let flight = TaskFlight::new(tables, truth, radio, terms.seed, robots).map_err(RunError::Team)?;
+    let flight = TaskFlight::new(tables, truth, radio, terms.seed, robots)?;
     let flown = flight.fly(terms.max_ticks, |statuses| statuses[0] == Status::Success, &mut |flight| {
         if detail == Detail::History {
             history.push(noted(flight));

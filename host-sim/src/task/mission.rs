@@ -6,7 +6,7 @@ use super::robot::{Finished, HostRobot, TIMEOUT, tree_of};
 use iibt_core::iibt::table::TablesError;
 use iibt_core::team::{MemberError, RobotId};
 use iibt_core::tree::{NodeMemory, Status};
-use std::fmt;
+use thiserror::Error;
 
 /// Disturbances in place of those of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,7 +19,7 @@ pub struct Trouble {
     pub loss: Option<f64>,
 }
 
-/// The reason why a task cannot be flown.
+/// Why a task is not flown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error(transparent)]
 pub enum TaskError {
@@ -27,29 +27,6 @@ pub enum TaskError {
     Tables(#[from] TablesError),
     /// There is no such team.
     Team(#[from] MemberError),
-}
-
-impl fmt::Display for TaskError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Tables(error) => error.fmt(f),
-            Self::Team(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for TaskError {}
-
-impl From<TablesError> for TaskError {
-    fn from(error: TablesError) -> Self {
-        Self::Tables(error)
-    }
-}
-
-impl From<MemberError> for TaskError {
-    fn from(error: MemberError) -> Self {
-        Self::Team(error)
-    }
 }
 
 impl TableMission<'_> {

@@ -97,3 +97,34 @@ impl<X: Message> Message for Announcement<X> {
         self.own.takes_part()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::team::Context;
+
+    #[derive(Clone, Copy, Serialize, Deserialize)]
+    struct Charge(u8);
+
+    impl Message for Charge {
+        const SCHEMA: &'static str = "charge u8";
+        const MAX_BYTES: usize = 1;
+
+        fn validate(&self) -> Result<(), Invalid> {
+            if self.0 <= 100 { Ok(()) } else { Err(Invalid("more than full")) }
+        }
+        fn takes_part(&self) -> bool {
+            self.0 > 20
+        }
+    }
+
+    #[test]
+    fn an_addition_is_part_of_the_layout_and_of_what_is_checked() {
+        assert_ne!(Context::of::<Announcement<Charge>>(1, 1), Context::of::<Announcement>(1, 1));
+        let said = Announcement::new([Some(3)], 1, 1.0);
+        let with = |percent| said.with(Charge(percent));
+        assert!(said.validate().is_ok() && with(100).validate().is_ok());
+        assert_eq!(with(101).validate(), Err(Invalid("more than full")));
+        assert!(with(21).takes_part() && !with(20).takes_part());
+    }
+}
