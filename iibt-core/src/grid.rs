@@ -15,6 +15,7 @@
 //! | how to arrive later | [`Path::with_waits`] |
 //! | how to arrive at step T past moving teammates | [`TimedPlanner::sweep`] |
 //! | do two paths get in each other's way | [`first_conflict`] |
+//! | where does a whole team go | [`joint`] |
 //!
 //! Every planner works in an arena whose size is in its type, gives the same path for the same
 //! input on every machine, and reports input that makes no sense as a typed error.
@@ -23,6 +24,7 @@ mod alternatives;
 mod cell;
 mod conflict;
 mod drawing;
+pub mod joint;
 mod map;
 mod open_list;
 mod path;

@@ -1,0 +1,11 @@
+//! Joint plans: one path for each robot of a team, so that no two ever get in each other's way.
+//!
+//! All planners here are deterministic and use integers only, so that robots that plan from equal
+//! [`Problem`]s have equal plans. Each works in an arena whose size is in its type and can stop
+//! after any work unit and go on later.
+
+mod plan;
+mod problem;
+
+pub use plan::{Arrival, Failure, JointConflict, JointConflictKind, JointPlan};
+pub use problem::{Errand, Problem, ProblemError, Target};

@@ -1,0 +1,156 @@
+//! What a team is to plan: where its robots stand and what each of them is for.
+
+use super::super::{Cell, CellSet, Map};
+use core::fmt;
+
+/// Where a robot is to end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Target {
+    /// On any open goal; where fewer are needed than there are robots, anywhere.
+    Any,
+    /// On this very cell: a charger, a way-point, a goal of its own.
+    Own(Cell),
+    /// Where it stands. For the others it is a wall.
+    Stand,
+}
+
+/// Where a robot stands and where it is to end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Errand {
+    /// The cell it stands on.
+    pub from: Cell,
+    /// Where it is to end.
+    pub target: Target,
+}
+
+/// All that a joint plan depends on, beside the sizes of the planner.
+///
+/// ```
+/// use iibt_core::grid::joint::{Errand, Problem, ProblemError, Target};
+/// use iibt_core::grid::{Cell, CellSet, Map, words};
+///
+/// let map = Map::<{ words(7, 7) }>::new(7, 7)?;
+/// let errands = [
+///     Errand { from: Cell(28), target: Target::Any },
+///     Errand { from: Cell(48), target: Target::Own(Cell(0)) },
+/// ];
+/// let mut problem =
+///     Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &[Cell(24)], need: 1 };
+/// assert_eq!(problem.check(8), Ok(()));
+/// assert_eq!(problem.check(1), Err(ProblemError::TooManyRobots));
+/// let crowded = [errands[1]; 2];
+/// problem.errands = &crowded;
+/// assert_eq!(problem.check(8), Err(ProblemError::SharedStart { cell: Cell(48) }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "MAPF")]
+#[doc(alias = "multi-agent path finding")]
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<'a, const W: usize> {
+    /// The terrain.
+    pub map: &'a Map<W>,
+    /// Cells that no robot may enter: obstacles, keep-outs, hypotheses. A robot that stands on one
+    /// may leave it.
+    pub closed: CellSet<W>,
+    /// One for each robot, in the order of the members.
+    pub errands: &'a [Errand],
+    /// The goals that no robot owns: fewer than robots, as many or more.
+    pub goals: &'a [Cell],
+    /// On how many of the goals a robot must end.
+    pub need: usize,
+}
+
+/// Why a problem makes no sense.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ProblemError {
+    /// More robots than the planner has room for.
+    TooManyRobots,
+    /// A robot is not on the map.
+    StartOutside {
+        /// Where it says it stands.
+        cell: Cell,
+    },
+    /// Two robots are on one cell.
+    SharedStart {
+        /// The cell.
+        cell: Cell,
+    },
+    /// A robot's own target or a goal is not on the map.
+    TargetOutside {
+        /// The target.
+        cell: Cell,
+    },
+    /// Two robots own one target.
+    SharedTarget {
+        /// The target.
+        cell: Cell,
+    },
+}
+
+impl<const W: usize> Problem<'_, W> {
+    /// Whether the problem makes sense to a planner of at most `robots` robots.
+    ///
+    /// # Errors
+    /// The first [`ProblemError`] in the order of its variants.
+    pub fn check(&self, robots: usize) -> Result<(), ProblemError> {
+        if self.errands.len() > robots {
+            return Err(ProblemError::TooManyRobots);
+        }
+        let outside = |cell: &Cell| !self.map.contains(*cell);
+        if let Some(cell) = self.starts().find(outside) {
+            return Err(ProblemError::StartOutside { cell });
+        }
+        if let Some(cell) = repeated::<W>(self.starts()) {
+            return Err(ProblemError::SharedStart { cell });
+        }
+        if let Some(cell) = self.owned().chain(self.goals.iter().copied()).find(outside) {
+            return Err(ProblemError::TargetOutside { cell });
+        }
+        repeated::<W>(self.owned()).map_or(Ok(()), |cell| Err(ProblemError::SharedTarget { cell }))
+    }
+
+    /// The cells that the robots stand on, in their order.
+    pub fn starts(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.errands.iter().map(|errand| errand.from)
+    }
+
+    /// The targets that robots own, in the order of the robots.
+    pub fn owned(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.errands.iter().filter_map(|errand| match errand.target {
+            Target::Own(cell) => Some(cell),
+            Target::Any | Target::Stand => None,
+        })
+    }
+
+    /// The cells that a robot may enter: free on the map, not closed, and nobody stands there to
+    /// stay.
+    #[must_use]
+    pub fn enterable(&self) -> CellSet<W> {
+        let standing = self.errands.iter().filter(|errand| errand.target == Target::Stand);
+        let standing = standing.map(|errand| errand.from).collect();
+        self.map.free_cells().without(&self.closed).without(&standing)
+    }
+}
+
+/// The first cell that comes a second time.
+fn repeated<const W: usize>(mut cells: impl Iterator<Item = Cell>) -> Option<Cell> {
+    let mut seen = CellSet::<W>::EMPTY;
+    cells.find(|&cell| !seen.insert(cell))
+}
+
+impl fmt::Display for ProblemError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooManyRobots => f.write_str("more robots than the planner has room for"),
+            Self::StartOutside { cell } => write!(f, "a robot on cell {}, which the map has not", cell.0),
+            Self::SharedStart { cell } => write!(f, "two robots on cell {}", cell.0),
+            Self::TargetOutside { cell } => write!(f, "a target {}, which the map has not", cell.0),
+            Self::SharedTarget { cell } => write!(f, "two robots own the target {}", cell.0),
+        }
+    }
+}
+
+impl core::error::Error for ProblemError {}
