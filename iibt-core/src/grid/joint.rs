@@ -4,8 +4,16 @@
 //! [`Problem`]s have equal plans. Each works in an arena whose size is in its type and can stop
 //! after any work unit and go on later.
 
+mod execution;
+mod flow;
+mod network;
 mod plan;
+mod planner;
 mod problem;
+mod survey;
+mod walk;
 
+pub use execution::Execution;
 pub use plan::{Arrival, Failure, JointConflict, JointConflictKind, JointPlan};
+pub use planner::Planner;
 pub use problem::{Errand, Problem, ProblemError, Target};

@@ -4,6 +4,7 @@ use super::{CellSet, Map, Move};
 
 /// The free cells of a map, and its outer columns, where a move to the side must not come out on
 /// the other side.
+#[derive(Clone, Debug)]
 pub(super) struct Spread<const W: usize> {
     width: usize,
     free: CellSet<W>,
@@ -13,16 +14,30 @@ pub(super) struct Spread<const W: usize> {
 
 impl<const W: usize> Spread<W> {
     pub(super) fn over(map: &Map<W>) -> Self {
+        Self::within(map, map.free_cells())
+    }
+
+    /// The spread of a map without cells.
+    pub(super) const NOTHING: Self =
+        Self { width: 0, free: CellSet::EMPTY, first_column: CellSet::EMPTY, last_column: CellSet::EMPTY };
+
+    /// The same with other free cells than the map's.
+    pub(super) fn within(map: &Map<W>, free: CellSet<W>) -> Self {
         let at_border = |side| {
             let cells = CellSet::<W>::first(map.len());
             cells.iter().filter(|&cell| map.neighbour(cell, side) == cell).collect()
         };
         Self {
             width: map.width().into(),
-            free: map.free_cells(),
+            free,
             first_column: at_border(Move::Left),
             last_column: at_border(Move::Right),
         }
+    }
+
+    /// The free cells.
+    pub(super) fn cells(&self) -> &CellSet<W> {
+        &self.free
     }
 
     /// The free cells that one move, a wait included, reaches from some cell of the set.

@@ -97,7 +97,9 @@ impl<const N: usize> JointPlan<N> {
             short_by: 0,
             arrival: Arrival::Staggered,
         };
-        plan.paths.get_mut(..paths.len())?.copy_from_slice(paths);
+        for (slot, &path) in plan.paths.get_mut(..paths.len())?.iter_mut().zip(paths) {
+            *slot = path;
+        }
         Some(plan)
     }
 

@@ -125,13 +125,27 @@ impl<const W: usize> Problem<'_, W> {
         })
     }
 
+    /// The cells that robots of the team end on whatever the others do: where they stand to stay, and
+    /// the targets they own.
+    #[must_use]
+    pub fn held(&self) -> CellSet<W> {
+        self.standing().chain(self.owned()).collect()
+    }
+
+    /// The cells that the robots stand on that may end on any goal, in their order.
+    pub fn free_starts(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.errands.iter().filter(|errand| errand.target == Target::Any).map(|errand| errand.from)
+    }
+
+    fn standing(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.errands.iter().filter(|errand| errand.target == Target::Stand).map(|errand| errand.from)
+    }
+
     /// The cells that a robot may enter: free on the map, not closed, and nobody stands there to
     /// stay.
     #[must_use]
     pub fn enterable(&self) -> CellSet<W> {
-        let standing = self.errands.iter().filter(|errand| errand.target == Target::Stand);
-        let standing = standing.map(|errand| errand.from).collect();
-        self.map.free_cells().without(&self.closed).without(&standing)
+        self.map.free_cells().without(&self.closed).without(&self.standing().collect())
     }
 }
 

@@ -1,0 +1,323 @@
+//! A maximum flow in the time-expanded grid: one path for each robot to a cell of a set.
+//!
+//! Robots that may end on any goal are a flow from their cells to the goals through a network with
+//! one node for each cell and step, each of capacity one (Yu and LaValle, Multi-agent Path Planning
+//! and Network Flow, WAFR 2012). The nodes that a search reaches are sets of cells, one for each
+//! layer, so that a step of the search for all cells of a layer takes a few operations on words.
+//!
+//! The search for one more path runs from the goals at layer 0 back to the starts at layer `T`:
+//! ```text
+//! reached[t+1] = (cells from which a step leads into reached[t]) - (cells of paths at t+1)
+//! ```
+//! A path of the flow that it comes to at layer `t+1` can be led elsewhere from there, so that its
+//! cells at all layers below can be given to another robot: they are reached too. `T` grows by one
+//! when no start is reached: the flow waits one step more at its starts, and all that is reached
+//! stays so. The first `need` paths end on goals, the others on any cell that is left; a path that
+//! is led elsewhere never gives its goal up, only to the path that takes its place.
+//!
+//! How the new path is found in the sets is in [`walk`](super::walk).
+
+use super::super::{Cell, CellSet, Map};
+use super::network::Network;
+use super::walk::Walk;
+
+/// Where a search has come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// From the goals to the starts.
+    Search,
+    /// Along a new path, from its start.
+    Walk,
+    /// As before, up to the moment at which the path of a robot was come to above a layer.
+    Replay { path: usize, layer: usize },
+    /// All robots have paths.
+    Found,
+    /// There are none of at most `latest` steps, or the search outgrew its arena.
+    Failed,
+}
+
+/// What one search is to find.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Query<const W: usize> {
+    /// Where the first `need` paths end.
+    pub(super) goals: CellSet<W>,
+    /// How many paths end on goals.
+    pub(super) need: usize,
+    /// The fewest steps to try.
+    pub(super) first: usize,
+    /// The most steps to try.
+    pub(super) latest: usize,
+}
+
+/// A row of cells, one for each layer or step.
+pub(super) type Row<const L: usize> = [Cell; L];
+
+/// No cell: larger than the number of any cell of a map.
+const NOWHERE: Cell = Cell(u16::MAX);
+
+/// One flow of at most `N` robots over `W` words of cells and at most `L - 1` steps.
+#[derive(Clone, Debug)]
+pub(super) struct Flow<const W: usize, const L: usize, const N: usize> {
+    pub(super) network: Network<W>,
+    query: Query<W>,
+    starts: [Cell; N],
+    robots: usize,
+    /// The paths of the flow by layer, and after them those that are fixed by step, from the end of
+    /// the table on.
+    pub(super) paths: [Row<L>; N],
+    /// How many paths there are in the flow, and how many fixed ones.
+    pub(super) matched: usize,
+    fixed: usize,
+    /// The number of steps now.
+    pub(super) steps: usize,
+    reached: [CellSet<W>; L],
+    /// The layers below which the cells of each path are reached.
+    touched: [usize; N],
+    /// The highest layer whose reached cells are known.
+    level: usize,
+    pub(super) walk: Walk<L, N>,
+    stage: Stage,
+}
+
+impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
+    /// The most steps of a plan.
+    pub(super) const LATEST: usize =
+        if L > crate::actions::HORIZON { crate::actions::HORIZON } else { L - 1 };
+
+    pub(super) const fn new() -> Self {
+        Self {
+            network: Network::NOTHING,
+            query: Query { goals: CellSet::EMPTY, need: 0, first: 0, latest: 0 },
+            starts: [NOWHERE; N],
+            robots: 0,
+            paths: [[NOWHERE; L]; N],
+            matched: 0,
+            fixed: 0,
+            steps: 0,
+            reached: [CellSet::EMPTY; L],
+            touched: [0; N],
+            level: 0,
+            walk: Walk::new(),
+            stage: Stage::Failed,
+        }
+    }
+
+    /// Begins a search for the robots at `starts`, which keep clear of the fixed paths.
+    pub(super) fn begin(&mut self, starts: impl IntoIterator<Item = Cell>, query: Query<W>) {
+        self.robots = 0;
+        for (slot, start) in self.starts.iter_mut().zip(starts) {
+            *slot = start;
+            self.robots += 1;
+        }
+        self.query = query;
+        self.query.latest = query.latest.min(Self::LATEST);
+        self.steps = query.first;
+        self.matched = 0;
+        self.stage = if self.steps > self.query.latest { Stage::Failed } else { self.next_search() };
+    }
+
+    /// Fixes the path of a robot that is not in the flow, as its cell at every step.
+    pub(super) fn fix(&mut self, mut cells: impl Iterator<Item = Cell>) {
+        let Some(row) = self.paths.iter_mut().nth_back(self.fixed) else { return };
+        for slot in row {
+            *slot = cells.next().unwrap_or(NOWHERE);
+        }
+        self.fixed += 1;
+    }
+
+    /// Forgets the fixed paths from the given one on.
+    pub(super) fn unfix(&mut self, from: usize) {
+        self.fixed = self.fixed.min(from);
+    }
+
+    /// Goes on with the search: `Some(true)` when all robots have paths, `Some(false)` when there
+    /// are none, `None` when the budget is used up. Takes one unit for each layer and each walk.
+    pub(super) fn work(&mut self, map: &Map<W>, budget: &mut u32) -> Option<bool> {
+        loop {
+            match self.stage {
+                Stage::Found => return Some(true),
+                Stage::Failed => return Some(false),
+                Stage::Search | Stage::Walk | Stage::Replay { .. } => {}
+            }
+            *budget = budget.checked_sub(1)?;
+            self.stage = match self.stage {
+                Stage::Search => self.search(),
+                Stage::Walk => self.follow(map),
+                Stage::Replay { path, layer } => self.replay(path, layer),
+                done => done,
+            };
+        }
+    }
+
+    /// How many paths end on goals when the search has failed.
+    pub(super) fn reached_goals(&self) -> usize {
+        self.matched.min(self.query.need)
+    }
+
+    /// The cells of a robot of the flow at every step from the start on, when it has a path.
+    pub(super) fn path_from(&self, start: Cell) -> Option<impl Iterator<Item = Cell> + '_> {
+        let mut rows = self.flow_rows();
+        let row = rows.find(|row| cell(row, self.steps) == start)?;
+        Some(row.get(..=self.steps)?.iter().rev().copied())
+    }
+
+    /// A table that no search needs once it has ended.
+    pub(super) fn scratch(&mut self) -> &mut [Row<L>; N] {
+        self.walk.scratch()
+    }
+
+    /// Looks for one more path.
+    pub(super) fn next_search(&mut self) -> Stage {
+        if self.matched == self.robots {
+            return Stage::Found;
+        }
+        self.restart();
+        Stage::Search
+    }
+
+    /// Forgets what was reached.
+    pub(super) fn restart(&mut self) {
+        for layer in self.reached.iter_mut().take(self.steps + 1) {
+            *layer = CellSet::EMPTY;
+        }
+        let ends = self.open_ends().without(&self.fixed_cells(0));
+        if let Some(arrival) = self.reached.first_mut() {
+            *arrival = ends;
+        }
+        self.touched = [0; N];
+        self.level = 0;
+    }
+
+    /// The path of the flow that is on a cell at a layer.
+    pub(super) fn path_on(&self, at: Cell, layer: usize) -> Option<usize> {
+        self.flow_rows().position(|row| cell(row, layer) == at)
+    }
+
+    /// The cells reached at a layer.
+    pub(super) fn reached(&self, layer: usize) -> CellSet<W> {
+        self.reached.get(layer).copied().unwrap_or(CellSet::EMPTY)
+    }
+
+    fn flow_rows(&self) -> impl Iterator<Item = &Row<L>> {
+        self.paths.iter().take(self.matched)
+    }
+
+    /// Where one more path may end.
+    fn open_ends(&self) -> CellSet<W> {
+        let ends = if self.matched < self.query.need { &self.query.goals } else { self.network.passable() };
+        ends.without(&self.flow_rows().map(|row| cell(row, 0)).collect())
+    }
+
+    /// The cells that the fixed paths leave to nobody at a layer: where they are at its step, one
+    /// before and one after.
+    fn fixed_cells(&self, layer: usize) -> CellSet<W> {
+        let step = self.steps.saturating_sub(layer);
+        let steps = step.saturating_sub(1)..=step + 1;
+        let rows = self.paths.iter().rev().take(self.fixed);
+        rows.flat_map(|row| steps.clone().map(|step| cell(row, step.min(L - 1)))).collect()
+    }
+
+    fn search(&mut self) -> Stage {
+        if self.level < self.steps {
+            self.sweep(None);
+        }
+        if self.level < self.steps {
+            return Stage::Search;
+        }
+        match self.start_reached() {
+            Some(start) => {
+                self.set_out(start);
+                Stage::Walk
+            }
+            None if self.steps >= self.query.latest => Stage::Failed,
+            None => self.lengthen(),
+        }
+    }
+
+    fn replay(&mut self, path: usize, layer: usize) -> Stage {
+        if self.level >= self.steps {
+            return Stage::Failed; // never: the same search came to the path before
+        }
+        match self.sweep(Some((path, layer))) {
+            Some(at) => self.lead_elsewhere(path, layer, at),
+            None => Stage::Replay { path, layer },
+        }
+    }
+
+    /// The first robot without a path whose start is reached.
+    fn start_reached(&self) -> Option<Cell> {
+        let reached = self.reached(self.steps);
+        let mut starts = self.starts.iter().take(self.robots).copied();
+        starts.find(|&start| reached.contains(start) && self.path_on(start, self.steps).is_none())
+    }
+
+    /// One step more, in which the paths of the flow wait at their starts. Fixed paths move along with
+    /// the number of steps, so that the flow around them begins anew.
+    fn lengthen(&mut self) -> Stage {
+        let last = self.steps;
+        self.steps += 1;
+        if self.fixed > 0 {
+            self.matched = 0;
+            return self.next_search();
+        }
+        for row in self.paths.iter_mut().take(self.matched) {
+            let start = cell(row, last);
+            set(row, last + 1, start);
+        }
+        if let Some(layer) = self.reached.get_mut(last + 1) {
+            *layer = CellSet::EMPTY;
+        }
+        Stage::Search
+    }
+
+    /// Reaches from the highest known layer to the next one. Returns that one when a path is come to
+    /// there which is to stop the search above a layer.
+    fn sweep(&mut self, stop: Option<(usize, usize)>) -> Option<usize> {
+        let next = self.level + 1;
+        let from = self.network.before(&self.reached(self.level), self.level);
+        let mut taken = self.fixed_cells(next);
+        let mut lowest = next;
+        for path in 0..self.matched {
+            let at = self.paths.get(path).map_or(NOWHERE, |row| cell(row, next));
+            if from.contains(at) {
+                taken.insert(at);
+                let above = self.touched.get(path).copied().unwrap_or(next);
+                if above < next && stop.is_some_and(|(stop, layer)| stop == path && next > layer) {
+                    return Some(next);
+                }
+                lowest = lowest.min(self.touch(path, next));
+            }
+        }
+        if let Some(layer) = self.reached.get_mut(next) {
+            *layer = layer.union(&from.without(&taken));
+        }
+        self.level = lowest;
+        None
+    }
+
+    /// Reaches the cells of a path below a layer; returns the lowest layer at which that is new.
+    fn touch(&mut self, path: usize, layer: usize) -> usize {
+        let (Some(row), Some(touched)) = (self.paths.get(path), self.touched.get_mut(path)) else {
+            return layer;
+        };
+        let lowest = (*touched).min(layer);
+        let new = row.iter().zip(&mut self.reached).take(layer).skip(lowest);
+        for (&at, reached) in new {
+            reached.insert(at);
+        }
+        *touched = (*touched).max(layer);
+        lowest
+    }
+}
+
+/// The cell of a row at a layer or step.
+pub(super) fn cell<const L: usize>(row: &Row<L>, at: usize) -> Cell {
+    row.get(at).copied().unwrap_or(NOWHERE)
+}
+
+/// Sets the cell of a row.
+pub(super) fn set<const L: usize>(row: &mut Row<L>, at: usize, to: Cell) {
+    if let Some(slot) = row.get_mut(at) {
+        *slot = to;
+    }
+}

@@ -1,0 +1,206 @@
+//! Which cells can be left for which ones in a step: the arcs of the flow.
+//!
+//! The cells are coloured like a chessboard. In the steps of one parity robots enter cells of one
+//! colour only, in the others cells of the other colour. In such a step a cell is entered or left
+//! and never both, so that nobody follows, swaps or rotates whatever paths the flow consists of. A
+//! plan is at most one step longer for it: each move of any plan without following can be put off
+//! to the next step of its colour without changing the order of the moves.
+//!
+//! Time runs backwards here: layer 0 is the arrival, layer `T` the start.
+
+use super::super::spread::Spread;
+use super::super::{Cell, CellSet, Map};
+use super::{Problem, Target};
+
+/// Which cells may be entered in which steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Turn {
+    /// Black cells on even layers, white ones on odd layers.
+    #[default]
+    BlackLast,
+    /// White cells on even layers, black ones on odd layers.
+    WhiteLast,
+    /// All cells at all times: for one robot alone.
+    Both,
+}
+
+impl Turn {
+    /// The other of two colours.
+    pub(super) fn other(self) -> Self {
+        match self {
+            Self::BlackLast => Self::WhiteLast,
+            Self::WhiteLast => Self::BlackLast,
+            Self::Both => Self::Both,
+        }
+    }
+}
+
+/// The ground of a problem, and the rules of one search on it.
+#[derive(Clone, Debug)]
+pub(super) struct Network<const W: usize> {
+    spread: Spread<W>,
+    /// Cells that may be entered; a robot may also stand where it starts.
+    enterable: CellSet<W>,
+    black: CellSet<W>,
+    turn: Turn,
+    /// Cells on which no robot may wait in the last two steps if they could still be entered.
+    entered_last: CellSet<W>,
+}
+
+impl<const W: usize> Network<W> {
+    /// The network of a map without cells.
+    pub(super) const NOTHING: Self = Self {
+        spread: Spread::NOTHING,
+        enterable: CellSet::EMPTY,
+        black: CellSet::EMPTY,
+        turn: Turn::BlackLast,
+        entered_last: CellSet::EMPTY,
+    };
+
+    pub(super) fn of(problem: &Problem<'_, W>) -> Self {
+        let enterable = problem.enterable();
+        let movers = problem.errands.iter().filter(|errand| errand.target != Target::Stand);
+        let starts = movers.map(|errand| errand.from).collect();
+        Self {
+            spread: Spread::within(problem.map, enterable.union(&starts)),
+            enterable,
+            black: black_cells(problem.map),
+            turn: Turn::default(),
+            entered_last: CellSet::EMPTY,
+        }
+    }
+
+    /// Sets the rules of the next search. Robots enter the cells of `entered_last` in the last two
+    /// steps or not at all.
+    pub(super) fn set_rules(&mut self, turn: Turn, entered_last: CellSet<W>) {
+        (self.turn, self.entered_last) = (turn, entered_last);
+    }
+
+    /// The cells on which a robot can be.
+    pub(super) fn passable(&self) -> &CellSet<W> {
+        self.spread.cells()
+    }
+
+    /// The cells that a robot may enter.
+    pub(super) fn enterable(&self) -> &CellSet<W> {
+        &self.enterable
+    }
+
+    /// The cells of a layer that can be entered in the step that leads to it.
+    pub(super) fn entered(&self, cells: &CellSet<W>, layer: usize) -> CellSet<W> {
+        let open = cells.intersection(&self.enterable);
+        let is_black = (self.turn == Turn::BlackLast) == layer.is_multiple_of(2);
+        match self.turn {
+            Turn::Both => open,
+            _ if is_black => open.intersection(&self.black),
+            _ => open.without(&self.black),
+        }
+    }
+
+    /// The cells from which a step leads into the cells of a layer, waits included.
+    pub(super) fn before(&self, cells: &CellSet<W>, layer: usize) -> CellSet<W> {
+        let from = self.spread.from(&self.entered(cells, layer)).union(cells);
+        if layer < 2 { from.without(&self.entered(&self.entered_last, layer)) } else { from }
+    }
+
+    /// Whether a robot may stay on a cell in the step that leads to a layer.
+    pub(super) fn may_wait(&self, cell: Cell, layer: usize) -> bool {
+        layer >= 2 || !self.entered(&self.entered_last, layer).contains(cell)
+    }
+
+    /// The cells from which one move at any time leads into some of these, and these.
+    pub(super) fn around(&self, cells: &CellSet<W>) -> CellSet<W> {
+        self.spread.from(&cells.intersection(&self.enterable)).union(cells)
+    }
+
+    /// The turn in which a robot at `cell` can move in the first of `steps` steps.
+    pub(super) fn turn_of(&self, cell: Cell, steps: usize) -> Turn {
+        let enters_black = !self.black.contains(cell);
+        let last_layer_is_even = steps.saturating_sub(1).is_multiple_of(2);
+        if enters_black == last_layer_is_even { Turn::BlackLast } else { Turn::WhiteLast }
+    }
+}
+
+fn black_cells<const W: usize>(map: &Map<W>) -> CellSet<W> {
+    let rows = (0..map.height()).map(|row| (row, row * map.width()));
+    let cells = rows.flat_map(|(row, first)| {
+        (0..map.width())
+            .filter(move |column| (row + column).is_multiple_of(2))
+            .map(move |column| first + column)
+    });
+    cells.map(Cell).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::pictures::drawn;
+    use super::super::Errand;
+    use super::*;
+    use std::vec::Vec;
+
+    fn network(errands: &[Errand], closed: &[u16]) -> Network<32> {
+        let map = drawn(&["...", "...", "..."]);
+        let closed = closed.iter().copied().map(Cell).collect();
+        Network::of(&Problem { map: &map, closed, errands, goals: &[], need: 0 })
+    }
+
+    fn cells(set: &CellSet<32>) -> Vec<u16> {
+        set.iter().map(|cell| cell.0).collect()
+    }
+
+    fn at(cell: u16) -> CellSet<32> {
+        [Cell(cell)].into_iter().collect()
+    }
+
+    #[test]
+    fn a_cell_is_entered_in_the_steps_of_its_colour() {
+        let mut network = network(&[], &[]);
+        assert_eq!(cells(&network.before(&at(4), 0)), [1, 3, 4, 5, 7]);
+        assert_eq!(cells(&network.before(&at(4), 1)), [4]);
+        assert_eq!(cells(&network.before(&at(1), 1)), [0, 1, 2, 4]);
+        network.set_rules(Turn::WhiteLast, CellSet::EMPTY);
+        assert_eq!(cells(&network.before(&at(4), 0)), [4]);
+        network.set_rules(Turn::Both, CellSet::EMPTY);
+        assert_eq!(cells(&network.before(&at(4), 0)), [1, 3, 4, 5, 7]);
+        assert_eq!(cells(&network.before(&at(4), 1)), [1, 3, 4, 5, 7]);
+    }
+
+    #[test]
+    fn a_goal_is_entered_in_the_last_step_of_its_colour() {
+        let mut network = network(&[], &[]);
+        network.set_rules(Turn::BlackLast, at(4).union(&at(1)));
+        assert_eq!(cells(&network.before(&at(4), 0)), [1, 3, 5, 7]);
+        assert_eq!(cells(&network.before(&at(1), 0)), [1]);
+        assert_eq!(cells(&network.before(&at(1), 1)), [0, 2, 4]);
+        assert_eq!(cells(&network.before(&at(4), 2)), [1, 3, 4, 5, 7]);
+        assert!(!network.may_wait(Cell(4), 0) && network.may_wait(Cell(4), 1));
+    }
+
+    #[test]
+    fn a_closed_cell_is_left_and_not_entered() {
+        let errands = [Errand { from: Cell(4), target: Target::Any }];
+        let network = network(&errands, &[4, 8]);
+        assert_eq!(cells(&network.before(&at(1), 1)), [0, 1, 2, 4]);
+        assert_eq!(cells(&network.before(&at(4), 0)), [4]);
+        assert!(!network.passable().contains(Cell(8)));
+    }
+
+    #[test]
+    fn a_robot_that_stands_is_a_wall() {
+        let errands = [Errand { from: Cell(4), target: Target::Stand }];
+        assert_eq!(cells(&network(&errands, &[]).around(&at(1))), [0, 1, 2]);
+        assert!(!network(&errands, &[]).enterable().contains(Cell(4)));
+    }
+
+    #[test]
+    fn the_first_step_is_the_robots_turn() {
+        let mut network = network(&[], &[]);
+        for (cell, steps) in [(0, 1), (0, 2), (1, 1), (1, 2)] {
+            network.set_rules(network.turn_of(Cell(cell), steps), CellSet::EMPTY);
+            let next = [Cell(1), Cell(4), Cell(0)].into_iter().collect();
+            let before = network.before(&next, steps - 1);
+            assert!(network.entered(&next, steps - 1).iter().all(|to| to.0 % 2 != cell % 2), "{cell}");
+            assert!(before.contains(Cell(cell)));
+        }
+    }
+}

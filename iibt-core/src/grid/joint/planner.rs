@@ -1,0 +1,354 @@
+//! One joint plan for a problem, by the cheapest search that has one.
+
+use super::super::{Cell, CellSet, Map, Move, Path};
+use super::flow::{Flow, Query};
+use super::network::{Network, Turn};
+use super::survey::Survey;
+use super::{Arrival, Failure, JointPlan, Problem, Target, execution};
+
+/// How many steps later a plan may be for all robots to arrive together.
+const LATER_TOGETHER: usize = 4;
+
+/// Which of the plans for a problem is asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Choice {
+    /// In these turns only.
+    pub(super) turn: Option<Turn>,
+    /// Without this one of the goals.
+    pub(super) without: Option<Cell>,
+    /// In at most so many steps.
+    pub(super) latest: Option<usize>,
+}
+
+/// Finds the joint plan of fewest steps in which robots take turns by the colour of their cells; see
+/// the [module](super).
+///
+/// `W` are the words of a set of cells, `L` one more than the most steps, `N` the most robots, `M`
+/// the nodes of the search for targets that several robots own.
+///
+/// ```
+/// use iibt_core::grid::joint::{Errand, Planner, Problem, Target};
+/// use iibt_core::grid::{Cell, CellSet, Map};
+///
+/// // Two robots into a dead end: the first one has to go in first.
+/// let map = Map::<1>::drawn(".#####\n......\n.#####").map_err(|_| "no map")?;
+/// let errands = [0, 12].map(|from| Errand { from: Cell(from), target: Target::Any });
+/// let goals = [10, 11].map(Cell);
+/// let problem = Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &goals, need: 2 };
+///
+/// let mut planner = Planner::<1, 33, 8, 64>::new();
+/// planner.start();
+/// let mut ticks = 0;
+/// let plan = loop {
+///     let mut budget = 10; // work units of one tick
+///     ticks += 1;
+///     if let Some(plan) = planner.work(&problem, &mut budget) {
+///         break plan?;
+///     }
+/// };
+/// assert!(ticks > 1 && plan.conflict(&map).is_none() && plan.following(&map).is_none());
+/// assert_eq!(plan.steps(), 7);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Planner<const W: usize, const L: usize, const N: usize, const M: usize> {
+    pub(super) flow: Flow<W, L, N>,
+    survey: Survey<W>,
+    stage: Stage<N>,
+    choice: Choice,
+    /// Where the robots of the flow end, how many of them on goals, and how many goals fewer than
+    /// needed that is.
+    goals: CellSet<W>,
+    need: usize,
+    short_by: usize,
+    /// The fewest steps to try, and the most goals that a failed attempt came to.
+    fewest_steps: usize,
+    most_reached: usize,
+    attempt: Attempt,
+    /// The best plan so far that arrives together, and the best one at all.
+    together: Found<N>,
+    plain: Found<N>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Stage<const N: usize> {
+    Begin,
+    Survey,
+    Flow,
+    /// Whether the robots of this plan arrive together indeed.
+    Execute(JointPlan<N>),
+    Choose,
+    Done(Result<JointPlan<N>, Failure>),
+}
+
+/// A plan and the turns in which it was found.
+type Found<const N: usize> = Option<(JointPlan<N>, Turn)>;
+
+/// One search for a flow.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Attempt {
+    kind: Kind,
+    turn: Turn,
+    is_second: bool,
+}
+
+/// Which plans an attempt looks for, in the order of the attempts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Kind {
+    /// Those that arrive together and are so short that no plan at all is much shorter.
+    #[default]
+    SoonTogether,
+    /// Any.
+    Plain,
+    /// Those that arrive together and are not much longer than the plain one.
+    LateTogether,
+}
+
+impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, L, N, M> {
+    const SIZES: () = assert!(L >= 2 && L <= 256 && N >= 1 && N <= 32);
+
+    /// A planner, ready for the first problem.
+    #[must_use]
+    pub const fn new() -> Self {
+        let () = Self::SIZES;
+        Self {
+            flow: Flow::new(),
+            survey: Survey::begin(CellSet::EMPTY, CellSet::EMPTY, 0),
+            stage: Stage::Begin,
+            choice: Choice { turn: None, without: None, latest: None },
+            goals: CellSet::EMPTY,
+            need: 0,
+            short_by: 0,
+            fewest_steps: 0,
+            most_reached: 0,
+            attempt: Attempt { kind: Kind::SoonTogether, turn: Turn::BlackLast, is_second: false },
+            together: None,
+            plain: None,
+        }
+    }
+
+    /// Begins anew, for another problem.
+    pub fn start(&mut self) {
+        self.start_with(Choice::default());
+    }
+
+    /// Goes on with the plan for a problem, which must be the same from one start to the next.
+    ///
+    /// Takes one unit from the budget for each layer of a search, for each change of a path, and for
+    /// each execution. Returns `None` when the budget is used up; the result does not depend on how the
+    /// work was cut.
+    ///
+    /// # Errors
+    /// Every [`Failure`].
+    pub fn work(
+        &mut self,
+        problem: &Problem<'_, W>,
+        budget: &mut u32,
+    ) -> Option<Result<JointPlan<N>, Failure>> {
+        loop {
+            match self.stage {
+                Stage::Done(result) => return Some(result),
+                Stage::Survey => {
+                    self.survey.work(&self.flow.network, budget)?;
+                    self.stage = self.surveyed(problem);
+                }
+                Stage::Flow => {
+                    let found = self.flow.work(problem.map, budget)?;
+                    self.stage = self.searched(problem, found);
+                }
+                Stage::Begin | Stage::Execute(_) | Stage::Choose => {
+                    *budget = budget.checked_sub(1)?;
+                    self.stage = self.unit(problem);
+                }
+            }
+        }
+    }
+
+    /// Begins anew with one of the plans for a problem.
+    pub(super) fn start_with(&mut self, choice: Choice) {
+        self.choice = choice;
+        self.stage = Stage::Begin;
+        (self.together, self.plain) = (None, None);
+    }
+
+    /// The turns of the last attempt.
+    pub(super) fn turn(&self) -> Turn {
+        self.attempt.turn
+    }
+
+    fn unit(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+        match self.stage {
+            Stage::Begin => self.begin(problem),
+            Stage::Execute(plan) => self.execute(problem, &plan),
+            Stage::Choose => self.choose(problem),
+            stage => stage,
+        }
+    }
+
+    fn begin(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+        if let Err(error) = problem.check(N) {
+            return Stage::Done(Err(Failure::Invalid(error)));
+        }
+        self.flow.network = Network::of(problem);
+        self.flow.unfix(0);
+        let goals: CellSet<W> = problem.goals.iter().copied().collect();
+        let held = problem.held();
+        let closed = held.union(&self.choice.without.into_iter().collect());
+        self.goals = goals.without(&closed).intersection(self.flow.network.enterable());
+        self.need = problem.need.saturating_sub(goals.intersection(&held).len());
+        self.survey = Survey::begin(problem.free_starts().collect(), self.goals, self.need);
+        Stage::Survey
+    }
+
+    fn surveyed(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+        let most = self.survey.reachable();
+        self.short_by = self.need.saturating_sub(most);
+        self.need = most;
+        self.fewest_steps = self.survey.fewest_steps();
+        if most == 0 {
+            return Stage::Done(self.nothing_to_reach(problem));
+        }
+        let farthest = self.survey.farthest().unwrap_or_default();
+        let turn = self.flow.network.turn_of(farthest, self.fewest_steps);
+        self.first_attempt(problem, Kind::SoonTogether, turn)
+    }
+
+    /// All stand: because no goal is needed, or because none can be reached.
+    fn nothing_to_reach(&self, problem: &Problem<'_, W>) -> Result<JointPlan<N>, Failure> {
+        if self.short_by > 0 && problem.free_starts().next().is_some() {
+            return Err(Failure::NoWay);
+        }
+        let plan = JointPlan::standing(problem.starts()).ok_or(Failure::NotFound)?;
+        Ok(plan.with_short_by(self.short_by))
+    }
+
+    fn first_attempt(&mut self, problem: &Problem<'_, W>, kind: Kind, turn: Turn) -> Stage<N> {
+        let turn = self.choice.turn.unwrap_or(turn);
+        self.attempt(problem, Attempt { kind, turn, is_second: false })
+    }
+
+    fn attempt(&mut self, problem: &Problem<'_, W>, attempt: Attempt) -> Stage<N> {
+        self.attempt = attempt;
+        let starts: CellSet<W> = problem.free_starts().collect();
+        let is_plain = attempt.kind == Kind::Plain;
+        let entered_last = if is_plain { CellSet::EMPTY } else { self.goals.without(&starts) };
+        self.flow.network.set_rules(attempt.turn, entered_last);
+        let (first, latest) = self.steps_to_try();
+        let query = Query { goals: self.goals, need: self.need, first, latest };
+        self.flow.begin(problem.free_starts(), query);
+        Stage::Flow
+    }
+
+    /// The fewest and the most steps of an attempt, which must have fewer than what was found before.
+    fn steps_to_try(&self) -> (usize, usize) {
+        let below = |found: &Found<N>| found.map_or(usize::MAX, |(plan, _)| plan.steps().saturating_sub(1));
+        let latest = self.choice.latest.unwrap_or(usize::MAX);
+        let fewest = self.fewest_steps;
+        let (first, most) = match self.attempt.kind {
+            Kind::Plain => (fewest, below(&self.plain)),
+            Kind::SoonTogether => (fewest, below(&self.together).min(fewest + LATER_TOGETHER)),
+            Kind::LateTogether => {
+                let plain = self.plain.map_or(0, |(plan, _)| plan.steps());
+                (fewest + LATER_TOGETHER + 1, below(&self.together).min(plain + LATER_TOGETHER))
+            }
+        };
+        (first, most.min(latest))
+    }
+
+    fn searched(&mut self, problem: &Problem<'_, W>, found: bool) -> Stage<N> {
+        if !found {
+            self.most_reached = self.most_reached.max(self.flow.reached_goals());
+            return self.next_attempt(problem);
+        }
+        let Some(plan) = self.read_plan(problem) else { return Stage::Done(Err(Failure::NotFound)) };
+        if self.attempt.kind != Kind::Plain {
+            return Stage::Execute(plan.arriving(Arrival::Together));
+        }
+        self.plain = Some((plan, self.attempt.turn));
+        self.next_attempt(problem)
+    }
+
+    fn execute(&mut self, problem: &Problem<'_, W>, plan: &JointPlan<N>) -> Stage<N> {
+        let execution = execution::run(plan, problem.map, self.flow.scratch());
+        if execution.is_some_and(|execution| execution.spread <= 1) {
+            self.together = Some((*plan, self.attempt.turn));
+        }
+        self.next_attempt(problem)
+    }
+
+    fn next_attempt(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+        let Attempt { kind, turn, is_second } = self.attempt;
+        if !is_second && self.choice.turn.is_none() {
+            return self.attempt(problem, Attempt { kind, turn: turn.other(), is_second: true });
+        }
+        match kind {
+            Kind::SoonTogether if self.together.is_some() => Stage::Choose,
+            Kind::SoonTogether => self.first_attempt(problem, Kind::Plain, turn.other()),
+            Kind::Plain if self.plain.is_none() => self.fewer_goals(problem),
+            Kind::Plain => self.first_attempt(problem, Kind::LateTogether, turn.other()),
+            Kind::LateTogether => Stage::Choose,
+        }
+    }
+
+    /// Goes on with as many goals as the failed attempts came to.
+    fn fewer_goals(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+        let need = self.most_reached.min(self.need.saturating_sub(1));
+        if need == 0 || self.choice != Choice::default() {
+            return Stage::Done(Err(Failure::NotFound));
+        }
+        self.short_by += self.need - need;
+        (self.need, self.most_reached, self.fewest_steps) = (need, 0, 0);
+        self.first_attempt(problem, Kind::SoonTogether, self.attempt.turn)
+    }
+
+    /// The plan that arrives together if there is one; else the plain one, with a barrier before the
+    /// last moves if it can be executed like that.
+    fn choose(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+        let Some((plan, turn)) = self.together.or(self.plain) else {
+            return Stage::Done(Err(Failure::NotFound));
+        };
+        self.attempt.turn = turn;
+        let together = plan.arriving(Arrival::Together);
+        let mut passes = || execution::run(&together, problem.map, self.flow.scratch()).is_some();
+        let plan = if plan.is_together() || passes() { together } else { plan };
+        Stage::Done(Ok(plan.with_short_by(self.short_by)))
+    }
+
+    /// The plan that the flow has found.
+    fn read_plan(&self, problem: &Problem<'_, W>) -> Option<JointPlan<N>> {
+        let mut paths = [Path::default(); N];
+        for (slot, errand) in paths.iter_mut().zip(problem.errands) {
+            *slot = match errand.target {
+                Target::Any => path_through(problem.map, self.flow.path_from(errand.from)?)?,
+                Target::Own(_) | Target::Stand => Path::at(errand.from),
+            };
+        }
+        JointPlan::new(paths.get(..problem.errands.len())?)
+    }
+}
+
+impl<const W: usize, const L: usize, const N: usize, const M: usize> Default for Planner<W, L, N, M> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The path through some cells, without the waits at its end.
+fn path_through<const W: usize>(map: &Map<W>, mut cells: impl Iterator<Item = Cell>) -> Option<Path> {
+    let mut here = cells.next()?;
+    let mut path = Path::at(here);
+    let mut waits = 0;
+    for next in cells {
+        match map.move_between(here, next)? {
+            Move::Wait => waits += 1,
+            step => {
+                for _ in 0..waits {
+                    path.push(Move::Wait).ok()?;
+                }
+                path.push(step).ok()?;
+                (here, waits) = (next, 0);
+            }
+        }
+    }
+    Some(path)
+}

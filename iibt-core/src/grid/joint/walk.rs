@@ -1,0 +1,164 @@
+//! The new path of a flow, read off the sets of cells that a search has reached.
+//!
+//! From the start, each step leads to a reached cell of the next lower layer. Where that is on a
+//! path of the flow, the new path takes the rest of it, and the one that it is taken from goes on
+//! from the layer at which the search came to it: the two change their upper parts, and the walk
+//! goes on there with the sets as they were at that moment. They are not stored; the search is
+//! replayed up to there.
+//!
+//! As a walk does not know which cell made which other one reached, it can come to a cell for the
+//! second time. All that it did since the first time is then undone.
+
+use super::super::{Cell, Map};
+use super::flow::{Flow, Row, Stage, cell, set};
+
+/// How often a new path may take the rest of another one.
+const MOST_CHANGES: usize = 32;
+
+/// A path took the rest of `path` below `layer`; that one goes on from layer `above`.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    path: u8,
+    layer: u8,
+    above: u8,
+}
+
+/// A path in the making.
+#[derive(Clone, Debug)]
+pub(super) struct Walk<const L: usize, const N: usize> {
+    /// The other paths as they will be.
+    paths: [Row<L>; N],
+    /// The new path above the layer of the walk.
+    tail: Row<L>,
+    /// What was walked since the last change.
+    segment: Row<L>,
+    changes: [Change; MOST_CHANGES],
+    changed: usize,
+    at: Cell,
+    layer: usize,
+}
+
+impl<const L: usize, const N: usize> Walk<L, N> {
+    pub(super) const fn new() -> Self {
+        Self {
+            paths: [[Cell(0); L]; N],
+            tail: [Cell(0); L],
+            segment: [Cell(0); L],
+            changes: [Change { path: 0, layer: 0, above: 0 }; MOST_CHANGES],
+            changed: 0,
+            at: Cell(0),
+            layer: 0,
+        }
+    }
+
+    pub(super) fn scratch(&mut self) -> &mut [Row<L>; N] {
+        &mut self.paths
+    }
+
+    /// Keeps the steps of the segment below `end`.
+    fn keep_segment(&mut self, end: usize) {
+        let walked = self.tail.iter_mut().zip(&self.segment).take(end).skip(self.layer);
+        for (kept, &at) in walked {
+            *kept = at;
+        }
+    }
+
+    /// Exchanges the parts of the new path and of another one above a layer.
+    fn exchange(&mut self, path: usize, layer: usize) {
+        let Some(row) = self.paths.get_mut(path) else { return };
+        for (ours, theirs) in self.tail.iter_mut().zip(row).skip(layer + 1) {
+            core::mem::swap(ours, theirs);
+        }
+    }
+
+    /// Undoes the last change; returns its layer.
+    fn undo(&mut self, before: &[Row<L>; N]) -> Option<usize> {
+        self.changed = self.changed.checked_sub(1)?;
+        let change = self.changes.get(self.changed).copied()?;
+        let (path, layer) = (usize::from(change.path), usize::from(change.layer));
+        self.exchange(path, layer);
+        let rows = self.paths.get_mut(path).zip(before.get(path))?;
+        for (now, &was) in rows.0.iter_mut().zip(rows.1).take(change.above.into()).skip(layer + 1) {
+            *now = was; // the walk went on over these
+        }
+        Some(layer)
+    }
+
+    /// Goes back to where the new path was on this cell at this layer before.
+    fn cut_loop(&mut self, before: &[Row<L>; N]) -> Option<()> {
+        loop {
+            let layer = self.undo(before)?;
+            if self.layer > layer && cell(&self.tail, self.layer) == self.at {
+                return Some(());
+            }
+        }
+    }
+}
+
+impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
+    /// Begins the path of the robot at `start`.
+    pub(super) fn set_out(&mut self, start: Cell) {
+        self.walk.paths = self.paths;
+        set(&mut self.walk.tail, self.steps, start);
+        self.walk.changed = 0;
+        (self.walk.at, self.walk.layer) = (start, self.steps);
+    }
+
+    /// Walks to an open end or to a path of the flow.
+    pub(super) fn follow(&mut self, map: &Map<W>) -> Stage {
+        let mut end = self.walk.layer;
+        while let Some(below) = self.walk.layer.checked_sub(1) {
+            let Some(next) = self.step_to(map, below) else { return Stage::Failed };
+            (self.walk.at, self.walk.layer) = (next, below);
+            set(&mut self.walk.segment, below, next);
+            if let Some(path) = self.path_on(next, below) {
+                self.walk.keep_segment(end);
+                self.restart();
+                return Stage::Replay { path, layer: below };
+            }
+            let mut others = self.walk.paths.iter().take(self.matched);
+            if others.any(|row| cell(row, below) == next) {
+                if self.walk.cut_loop(&self.paths).is_none() {
+                    return Stage::Failed; // never: it was there before
+                }
+                end = below;
+            }
+        }
+        self.walk.keep_segment(end);
+        self.add_path()
+    }
+
+    /// Takes the rest of a path; the walk goes on for that one.
+    pub(super) fn lead_elsewhere(&mut self, path: usize, layer: usize, above: usize) -> Stage {
+        let change = Change { path: path as u8, layer: layer as u8, above: above as u8 };
+        let Some(slot) = self.walk.changes.get_mut(self.walk.changed) else { return Stage::Failed };
+        *slot = change;
+        self.walk.changed += 1;
+        self.walk.exchange(path, layer);
+        (self.walk.at, self.walk.layer) = (cell(&self.walk.tail, above), above);
+        Stage::Walk
+    }
+
+    /// The cell of the next lower layer: the same if possible, else the first neighbour that is on no
+    /// path, else the first one.
+    fn step_to(&self, map: &Map<W>, below: usize) -> Option<Cell> {
+        let (at, reached) = (self.walk.at, self.reached(below));
+        if reached.contains(at) && self.network.may_wait(at, below) {
+            return Some(at);
+        }
+        let entered = self.network.entered(&reached, below);
+        let open = || map.free_neighbours(at).map(|(_, next)| next).filter(|&next| entered.contains(next));
+        open().find(|&next| self.path_on(next, below).is_none()).or_else(|| open().next())
+    }
+
+    fn add_path(&mut self) -> Stage {
+        for (row, new) in self.paths.iter_mut().zip(&self.walk.paths).take(self.matched) {
+            *row = *new;
+        }
+        if let Some(row) = self.paths.get_mut(self.matched) {
+            *row = self.walk.tail;
+        }
+        self.matched += 1;
+        self.next_search()
+    }
+}
