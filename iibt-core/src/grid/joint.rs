@@ -6,7 +6,9 @@
 
 mod execution;
 mod flow;
+mod list;
 mod network;
+mod owners;
 mod plan;
 mod planner;
 mod problem;
@@ -14,6 +16,7 @@ mod survey;
 mod walk;
 
 pub use execution::Execution;
+pub use list::{PolicyList, VERSION};
 pub use plan::{Arrival, Failure, JointConflict, JointConflictKind, JointPlan};
 pub use planner::Planner;
 pub use problem::{Errand, Problem, ProblemError, Target};

@@ -62,8 +62,7 @@ pub(super) struct Flow<const W: usize, const L: usize, const N: usize> {
     query: Query<W>,
     starts: [Cell; N],
     robots: usize,
-    /// The paths of the flow by layer, and after them those that are fixed by step, from the end of
-    /// the table on.
+    /// The paths of the flow by layer, and from the end of the table on those that are fixed.
     pub(super) paths: [Row<L>; N],
     /// How many paths there are in the flow, and how many fixed ones.
     pub(super) matched: usize,
@@ -116,11 +115,15 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         self.stage = if self.steps > self.query.latest { Stage::Failed } else { self.next_search() };
     }
 
-    /// Fixes the path of a robot that is not in the flow, as its cell at every step.
-    pub(super) fn fix(&mut self, mut cells: impl Iterator<Item = Cell>) {
-        let Some(row) = self.paths.iter_mut().nth_back(self.fixed) else { return };
-        for slot in row {
-            *slot = cells.next().unwrap_or(NOWHERE);
+    /// Fixes the path that was found for a robot alone, which ends `rest` steps before the others.
+    pub(super) fn fix(&mut self, rest: usize) {
+        let (Some(found), Some(row)) =
+            (self.paths.first().copied(), self.paths.iter_mut().nth_back(self.fixed))
+        else {
+            return;
+        };
+        for (layer, slot) in row.iter_mut().enumerate() {
+            *slot = cell(&found, layer.saturating_sub(rest).min(self.steps));
         }
         self.fixed += 1;
     }
@@ -159,6 +162,18 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         let mut rows = self.flow_rows();
         let row = rows.find(|row| cell(row, self.steps) == start)?;
         Some(row.get(..=self.steps)?.iter().rev().copied())
+    }
+
+    /// The cells of a fixed path at every step.
+    pub(super) fn fixed_path(&self, number: usize) -> Option<impl Iterator<Item = Cell> + '_> {
+        let row = self.paths.iter().nth_back(number)?;
+        Some(row.get(..=self.steps)?.iter().rev().copied())
+    }
+
+    /// Whether a failed search has come to all that it ever can: no step more reaches more.
+    pub(super) fn is_exhausted(&self) -> bool {
+        let before = self.steps.checked_sub(1).map(|before| self.reached(before));
+        before == Some(self.reached(self.steps))
     }
 
     /// A table that no search needs once it has ended.
@@ -208,13 +223,12 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         ends.without(&self.flow_rows().map(|row| cell(row, 0)).collect())
     }
 
-    /// The cells that the fixed paths leave to nobody at a layer: where they are at its step, one
-    /// before and one after.
+    /// The cells that the fixed paths leave to no other robot at a layer: where they are one step
+    /// before, then, and one step after.
     fn fixed_cells(&self, layer: usize) -> CellSet<W> {
-        let step = self.steps.saturating_sub(layer);
-        let steps = step.saturating_sub(1)..=step + 1;
         let rows = self.paths.iter().rev().take(self.fixed);
-        rows.flat_map(|row| steps.clone().map(|step| cell(row, step.min(L - 1)))).collect()
+        let around = |row: &Row<L>| [layer.saturating_sub(1), layer, layer + 1].map(|layer| cell(row, layer));
+        rows.flat_map(around).collect()
     }
 
     fn search(&mut self) -> Stage {
@@ -251,15 +265,10 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         starts.find(|&start| reached.contains(start) && self.path_on(start, self.steps).is_none())
     }
 
-    /// One step more, in which the paths of the flow wait at their starts. Fixed paths move along with
-    /// the number of steps, so that the flow around them begins anew.
+    /// One step more, in which all robots wait at their starts.
     fn lengthen(&mut self) -> Stage {
         let last = self.steps;
         self.steps += 1;
-        if self.fixed > 0 {
-            self.matched = 0;
-            return self.next_search();
-        }
         for row in self.paths.iter_mut().take(self.matched) {
             let start = cell(row, last);
             set(row, last + 1, start);

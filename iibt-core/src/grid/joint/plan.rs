@@ -88,15 +88,14 @@ pub struct JointConflict {
 }
 
 impl<const N: usize> JointPlan<N> {
+    /// The plan without robots.
+    pub(super) const NOBODY: Self =
+        Self { paths: [Path::at(Cell(0)); N], robots: 0, short_by: 0, arrival: Arrival::Staggered };
+
     /// The plan of these paths, staggered and short of nothing; `None` for more than `N` paths.
     #[must_use]
     pub fn new(paths: &[Path]) -> Option<Self> {
-        let mut plan = Self {
-            paths: [Path::default(); N],
-            robots: u8::try_from(paths.len()).ok()?,
-            short_by: 0,
-            arrival: Arrival::Staggered,
-        };
+        let mut plan = Self { robots: u8::try_from(paths.len()).ok()?, ..Self::NOBODY };
         for (slot, &path) in plan.paths.get_mut(..paths.len())?.iter_mut().zip(paths) {
             *slot = path;
         }
@@ -135,6 +134,10 @@ impl<const N: usize> JointPlan<N> {
     #[must_use]
     pub fn paths(&self) -> &[Path] {
         self.paths.get(..self.robots.into()).unwrap_or(&self.paths)
+    }
+
+    pub(super) fn paths_mut(&mut self) -> &mut [Path] {
+        self.paths.get_mut(..self.robots.into()).unwrap_or_default()
     }
 
     /// The steps of the longest path, 0 to [`HORIZON`](crate::actions::HORIZON).

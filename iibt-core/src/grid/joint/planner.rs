@@ -3,11 +3,12 @@
 use super::super::{Cell, CellSet, Map, Move, Path};
 use super::flow::{Flow, Query};
 use super::network::{Network, Turn};
+use super::owners::Precedence;
 use super::survey::Survey;
 use super::{Arrival, Failure, JointPlan, Problem, Target, execution};
 
 /// How many steps later a plan may be for all robots to arrive together.
-const LATER_TOGETHER: usize = 4;
+pub(super) const LATER_TOGETHER: usize = 4;
 
 /// Which of the plans for a problem is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,6 +19,10 @@ pub(super) struct Choice {
     pub(super) without: Option<Cell>,
     /// In at most so many steps.
     pub(super) latest: Option<usize>,
+    /// Short of at most so many goals.
+    pub(super) most_short: Option<usize>,
+    /// Whether it may be shorter for not arriving together.
+    pub(super) staggered: bool,
 }
 
 /// Finds the joint plan of fewest steps in which robots take turns by the colour of their cells; see
@@ -55,23 +60,26 @@ pub struct Planner<const W: usize, const L: usize, const N: usize, const M: usiz
     pub(super) flow: Flow<W, L, N>,
     survey: Survey<W>,
     stage: Stage<N>,
-    choice: Choice,
+    pub(super) choice: Choice,
     /// Where the robots of the flow end, how many of them on goals, and how many goals fewer than
     /// needed that is.
-    goals: CellSet<W>,
-    need: usize,
+    pub(super) goals: CellSet<W>,
+    pub(super) need: usize,
     short_by: usize,
     /// The fewest steps to try, and the most goals that a failed attempt came to.
-    fewest_steps: usize,
+    pub(super) fewest_steps: usize,
     most_reached: usize,
-    attempt: Attempt,
+    /// The units that the searches have taken since the start.
+    pub(super) spent: u32,
+    pub(super) attempt: Attempt,
+    pub(super) precedence: Precedence,
     /// The best plan so far that arrives together, and the best one at all.
     together: Found<N>,
-    plain: Found<N>,
+    pub(super) plain: Found<N>,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Stage<const N: usize> {
+pub(super) enum Stage<const N: usize> {
     Begin,
     Survey,
     Flow,
@@ -86,15 +94,15 @@ type Found<const N: usize> = Option<(JointPlan<N>, Turn)>;
 
 /// One search for a flow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Attempt {
-    kind: Kind,
-    turn: Turn,
-    is_second: bool,
+pub(super) struct Attempt {
+    pub(super) kind: Kind,
+    pub(super) turn: Turn,
+    pub(super) is_second: bool,
 }
 
 /// Which plans an attempt looks for, in the order of the attempts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Kind {
+pub(super) enum Kind {
     /// Those that arrive together and are so short that no plan at all is much shorter.
     #[default]
     SoonTogether,
@@ -102,9 +110,14 @@ enum Kind {
     Plain,
     /// Those that arrive together and are not much longer than the plain one.
     LateTogether,
+    /// The path of an owner alone, around those that are fixed before.
+    Owner(usize),
+    /// Those of the others around the fixed paths of the owners.
+    Around,
 }
 
 impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, L, N, M> {
+    pub(super) const LATEST: usize = Flow::<W, L, N>::LATEST;
     const SIZES: () = assert!(L >= 2 && L <= 256 && N >= 1 && N <= 32);
 
     /// A planner, ready for the first problem.
@@ -115,13 +128,15 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
             flow: Flow::new(),
             survey: Survey::begin(CellSet::EMPTY, CellSet::EMPTY, 0),
             stage: Stage::Begin,
-            choice: Choice { turn: None, without: None, latest: None },
+            choice: Choice { turn: None, without: None, latest: None, most_short: None, staggered: false },
             goals: CellSet::EMPTY,
             need: 0,
             short_by: 0,
             fewest_steps: 0,
             most_reached: 0,
+            spent: 0,
             attempt: Attempt { kind: Kind::SoonTogether, turn: Turn::BlackLast, is_second: false },
+            precedence: Precedence { second_first: false, rest: 0, steps: 0 },
             together: None,
             plain: None,
         }
@@ -153,7 +168,10 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
                     self.stage = self.surveyed(problem);
                 }
                 Stage::Flow => {
-                    let found = self.flow.work(problem.map, budget)?;
+                    let before = *budget;
+                    let found = self.flow.work(problem.map, budget);
+                    self.spent += before - *budget;
+                    let found = found?;
                     self.stage = self.searched(problem, found);
                 }
                 Stage::Begin | Stage::Execute(_) | Stage::Choose => {
@@ -168,10 +186,16 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     pub(super) fn start_with(&mut self, choice: Choice) {
         self.choice = choice;
         self.stage = Stage::Begin;
-        (self.together, self.plain) = (None, None);
+        (self.together, self.plain, self.most_reached, self.spent) = (None, None, 0, 0);
     }
 
-    /// The turns of the last attempt.
+    /// Whether a plan could have fewer steps than the one that was found if the robots did not arrive
+    /// together.
+    pub(super) fn may_be_shorter(&self) -> bool {
+        self.together.is_some_and(|(plan, _)| plan.steps() > self.fewest_steps)
+    }
+
+    /// The turns of the plan that was found.
     pub(super) fn turn(&self) -> Turn {
         self.attempt.turn
     }
@@ -205,12 +229,19 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
         self.short_by = self.need.saturating_sub(most);
         self.need = most;
         self.fewest_steps = self.survey.fewest_steps();
+        if self.choice.most_short.is_some_and(|most| self.short_by > most) {
+            return Stage::Done(Err(Failure::NotFound));
+        }
+        if problem.owned().next().is_some() {
+            return self.with_owners(problem);
+        }
         if most == 0 {
             return Stage::Done(self.nothing_to_reach(problem));
         }
         let farthest = self.survey.farthest().unwrap_or_default();
         let turn = self.flow.network.turn_of(farthest, self.fewest_steps);
-        self.first_attempt(problem, Kind::SoonTogether, turn)
+        let kind = if self.choice.staggered { Kind::Plain } else { Kind::SoonTogether };
+        self.first_attempt(problem, kind, turn)
     }
 
     /// All stand: because no goal is needed, or because none can be reached.
@@ -245,7 +276,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
         let latest = self.choice.latest.unwrap_or(usize::MAX);
         let fewest = self.fewest_steps;
         let (first, most) = match self.attempt.kind {
-            Kind::Plain => (fewest, below(&self.plain)),
+            Kind::Plain | Kind::Owner(_) | Kind::Around => (fewest, below(&self.plain)),
             Kind::SoonTogether => (fewest, below(&self.together).min(fewest + LATER_TOGETHER)),
             Kind::LateTogether => {
                 let plain = self.plain.map_or(0, |(plan, _)| plan.steps());
@@ -256,12 +287,15 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     }
 
     fn searched(&mut self, problem: &Problem<'_, W>, found: bool) -> Stage<N> {
+        if let Kind::Owner(row) = self.attempt.kind {
+            return self.owner_searched(problem, row, found);
+        }
         if !found {
             self.most_reached = self.most_reached.max(self.flow.reached_goals());
             return self.next_attempt(problem);
         }
         let Some(plan) = self.read_plan(problem) else { return Stage::Done(Err(Failure::NotFound)) };
-        if self.attempt.kind != Kind::Plain {
+        if matches!(self.attempt.kind, Kind::SoonTogether | Kind::LateTogether) {
             return Stage::Execute(plan.arriving(Arrival::Together));
         }
         self.plain = Some((plan, self.attempt.turn));
@@ -278,27 +312,35 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
 
     fn next_attempt(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
         let Attempt { kind, turn, is_second } = self.attempt;
+        if kind == Kind::Around {
+            return self.searched_around(problem);
+        }
         if !is_second && self.choice.turn.is_none() {
             return self.attempt(problem, Attempt { kind, turn: turn.other(), is_second: true });
         }
         match kind {
             Kind::SoonTogether if self.together.is_some() => Stage::Choose,
             Kind::SoonTogether => self.first_attempt(problem, Kind::Plain, turn.other()),
+            Kind::Plain if self.choice.staggered => Stage::Choose,
             Kind::Plain if self.plain.is_none() => self.fewer_goals(problem),
             Kind::Plain => self.first_attempt(problem, Kind::LateTogether, turn.other()),
-            Kind::LateTogether => Stage::Choose,
+            Kind::LateTogether | Kind::Owner(_) | Kind::Around => Stage::Choose,
         }
     }
 
     /// Goes on with as many goals as the failed attempts came to.
     fn fewer_goals(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
-        let need = self.most_reached.min(self.need.saturating_sub(1));
-        if need == 0 || self.choice != Choice::default() {
+        self.lower_need();
+        if self.need == 0 || self.choice != Choice::default() {
             return Stage::Done(Err(Failure::NotFound));
         }
+        self.first_attempt(problem, Kind::SoonTogether, self.attempt.turn)
+    }
+
+    pub(super) fn lower_need(&mut self) {
+        let need = self.most_reached.min(self.need.saturating_sub(1));
         self.short_by += self.need - need;
         (self.need, self.most_reached, self.fewest_steps) = (need, 0, 0);
-        self.first_attempt(problem, Kind::SoonTogether, self.attempt.turn)
     }
 
     /// The plan that arrives together if there is one; else the plain one, with a barrier before the
@@ -308,6 +350,9 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
             return Stage::Done(Err(Failure::NotFound));
         };
         self.attempt.turn = turn;
+        if self.choice.staggered {
+            return Stage::Done(Ok(plan.with_short_by(self.short_by)));
+        }
         let together = plan.arriving(Arrival::Together);
         let mut passes = || execution::run(&together, problem.map, self.flow.scratch()).is_some();
         let plan = if plan.is_together() || passes() { together } else { plan };
@@ -317,10 +362,15 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     /// The plan that the flow has found.
     fn read_plan(&self, problem: &Problem<'_, W>) -> Option<JointPlan<N>> {
         let mut paths = [Path::default(); N];
+        let mut owners = 0..;
         for (slot, errand) in paths.iter_mut().zip(problem.errands) {
             *slot = match errand.target {
                 Target::Any => path_through(problem.map, self.flow.path_from(errand.from)?)?,
-                Target::Own(_) | Target::Stand => Path::at(errand.from),
+                Target::Own(_) => {
+                    let row = self.row_of_owner(problem, owners.next()?);
+                    path_through(problem.map, self.flow.fixed_path(row)?)?
+                }
+                Target::Stand => Path::at(errand.from),
             };
         }
         JointPlan::new(paths.get(..problem.errands.len())?)

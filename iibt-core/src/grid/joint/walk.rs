@@ -13,7 +13,7 @@ use super::super::{Cell, Map};
 use super::flow::{Flow, Row, Stage, cell, set};
 
 /// How often a new path may take the rest of another one.
-const MOST_CHANGES: usize = 32;
+pub(super) const MOST_CHANGES: usize = 32;
 
 /// A path took the rest of `path` below `layer`; that one goes on from layer `above`.
 #[derive(Clone, Copy, Debug)]
