@@ -14,6 +14,7 @@ mod emulated;
 mod frames;
 #[path = "inference/main.rs"]
 mod inference;
+mod joint_plans;
 mod learning;
 mod manipulation;
 mod navigation;

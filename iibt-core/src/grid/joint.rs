@@ -18,5 +18,5 @@ mod walk;
 pub use execution::Execution;
 pub use list::{PolicyList, VERSION};
 pub use plan::{Arrival, Failure, JointConflict, JointConflictKind, JointPlan};
-pub use planner::Planner;
+pub use planner::JointPlanner;
 pub use problem::{Errand, Problem, ProblemError, Target};

@@ -2,7 +2,7 @@
 
 use super::super::{Cell, CellSet, WaitPlace};
 use super::network::Turn;
-use super::planner::{Choice, LATER_TOGETHER, Planner};
+use super::planner::{Choice, JointPlanner, LATER_TOGETHER};
 use super::walk::MOST_CHANGES;
 use super::{Errand, Failure, JointPlan, Problem, Target, owners};
 use crate::actions::HORIZON;
@@ -16,7 +16,7 @@ const MOST_DETOUR: usize = 16;
 
 /// Up to `K` different joint plans for one problem, in an order that all robots share.
 ///
-/// The first one is the best: see [`Planner`]. The others are, as far as there are any: the plan of
+/// The first one is the best: see [`JointPlanner`]. The others are, as far as there are any: the plan of
 /// fewest steps, if it is shorter because the robots do not arrive together; the plan in which the
 /// robots take turns the other way round; plans without one of the goals; plans around a cell of the
 /// best one; the best one later by two steps, four, and so on. A list is never empty: where no target
@@ -50,7 +50,7 @@ const MOST_DETOUR: usize = 16;
 /// ```
 #[derive(Clone, Debug)]
 pub struct PolicyList<const W: usize, const L: usize, const N: usize, const M: usize, const K: usize> {
-    planner: Planner<W, L, N, M>,
+    planner: JointPlanner<W, L, N, M>,
     policies: [JointPlan<N>; K],
     len: usize,
     failure: Option<Failure>,
@@ -83,7 +83,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            planner: Planner::new(),
+            planner: JointPlanner::new(),
             policies: [JointPlan::NOBODY; K],
             len: 0,
             failure: None,
@@ -115,7 +115,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     /// Goes on with the list of up to `count` policies, at most `K`; returns whether it is done.
     ///
     /// The problem and the count must be the same from one start to the next. Takes units from the
-    /// budget as [`Planner::work`] does; the list does not depend on how the work was cut.
+    /// budget as [`JointPlanner::work`] does; the list does not depend on how the work was cut.
     pub fn work(&mut self, problem: &Problem<'_, W>, count: usize, budget: &mut u32) -> bool {
         while self.source != Source::Done {
             let mut errands = [Errand { from: Cell(0), target: Target::Stand }; N];
@@ -161,8 +161,9 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     /// Adds what the planner has found.
     fn take(&mut self, problem: &Problem<'_, W>, result: Result<JointPlan<N>, Failure>) {
         match (self.source, result) {
-            (Source::Alone(_), Ok(plan)) => {
-                let unserved = problem.owned().count().saturating_sub(1);
+            (Source::Alone(owner), Ok(plan)) => {
+                let owners = problem.owned().count();
+                let unserved = owners - usize::from(owner < owners);
                 self.add(plan.with_short_by(plan.short_by() + unserved));
             }
             (_, Ok(plan)) => self.add(plan),
@@ -266,7 +267,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
             self.add(standing.with_short_by(problem.need + problem.owned().count()));
         }
         let Some(&best) = self.policies.first().filter(|best| best.steps() > 0) else { return };
-        for delay in (2..=Planner::<W, L, N, M>::LATEST.saturating_sub(best.steps())).step_by(2) {
+        for delay in (2..=JointPlanner::<W, L, N, M>::LATEST.saturating_sub(best.steps())).step_by(2) {
             if self.len < count {
                 self.add(best.delayed(delay));
             }

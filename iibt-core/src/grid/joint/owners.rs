@@ -9,7 +9,7 @@
 use super::super::{Cell, CellSet};
 use super::flow::Query;
 use super::network::Turn;
-use super::planner::{Attempt, Choice, Kind, Planner, Stage};
+use super::planner::{Attempt, Choice, JointPlanner, Kind, Stage};
 use super::{Failure, Problem, Target};
 use crate::actions::HORIZON;
 
@@ -31,9 +31,9 @@ pub(super) struct Precedence {
     pub(super) steps: usize,
 }
 
-impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, L, N, M> {
+impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanner<W, L, N, M> {
     /// Begins with the path of the first owner.
-    pub(super) fn with_owners(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+    pub(super) fn with_owners(&mut self, problem: &Problem<'_, W>) -> Stage {
         if problem.owned().count() > MOST_OWNERS {
             return self.beyond_flow();
         }
@@ -42,7 +42,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     }
 
     /// Looks for the path of an owner around those that are fixed before.
-    fn fix_owner(&mut self, problem: &Problem<'_, W>, row: usize) -> Stage<N> {
+    fn fix_owner(&mut self, problem: &Problem<'_, W>, row: usize) -> Stage {
         let Some((from, target)) = self.owner(problem, row) else { return self.flow_around(problem, false) };
         self.attempt = Attempt { kind: Kind::Owner(row), turn: Turn::Both, is_second: row > 0 };
         self.flow.unfix(row);
@@ -54,9 +54,9 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     }
 
     /// Fixes the path that was found, and goes on with the next owner or with the others.
-    pub(super) fn owner_searched(&mut self, problem: &Problem<'_, W>, row: usize, found: bool) -> Stage<N> {
+    pub(super) fn owner_searched(&mut self, problem: &Problem<'_, W>, row: usize, found: bool) -> Stage {
         if !found && row == 0 && self.plain.is_none() && self.flow.is_exhausted() {
-            return Stage::Done(Err(Failure::NoWay));
+            return Stage::Done(Some(Failure::NoWay));
         }
         if !found {
             return if row == 0 { self.end_of_rests(problem) } else { self.next_rest(problem) };
@@ -71,7 +71,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     }
 
     /// Looks for a flow of the others around the fixed paths.
-    fn flow_around(&mut self, problem: &Problem<'_, W>, is_second: bool) -> Stage<N> {
+    fn flow_around(&mut self, problem: &Problem<'_, W>, is_second: bool) -> Stage {
         let black_last = self.choice.turn.unwrap_or_default();
         let turn = if is_second { black_last.other() } else { black_last };
         self.attempt = Attempt { kind: Kind::Around, turn, is_second };
@@ -83,14 +83,14 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     }
 
     /// After a search for a flow around the fixed paths.
-    pub(super) fn searched_around(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+    pub(super) fn searched_around(&mut self, problem: &Problem<'_, W>) -> Stage {
         if self.attempt.is_second || self.choice.turn.is_some() {
             return self.next_rest(problem);
         }
         self.flow_around(problem, true)
     }
 
-    fn next_rest(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+    fn next_rest(&mut self, problem: &Problem<'_, W>) -> Stage {
         if self.precedence.rest >= LONGEST_REST || self.spent > MOST_UNITS {
             return self.end_of_rests(problem);
         }
@@ -99,7 +99,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     }
 
     /// Goes on with the path of the other owner first.
-    fn end_of_rests(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+    fn end_of_rests(&mut self, problem: &Problem<'_, W>) -> Stage {
         let is_last = self.precedence.second_first || problem.owned().nth(1).is_none();
         if is_last || self.spent > MOST_UNITS {
             return self.end_of_owners(problem);
@@ -108,12 +108,12 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
         self.fix_owner(problem, 0)
     }
 
-    fn end_of_owners(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+    fn end_of_owners(&mut self, problem: &Problem<'_, W>) -> Stage {
         if self.plain.is_some() {
             return Stage::Choose;
         }
         if self.choice != Choice::default() {
-            return Stage::Done(Err(Failure::NotFound));
+            return Stage::Done(Some(Failure::NotFound));
         }
         if self.need == 0 || self.spent > MOST_UNITS {
             return self.beyond_flow();
@@ -124,8 +124,8 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
 
     /// What follows when no fixed path of the owners leaves the others a way: the searches for all
     /// robots at once go here, prioritised planning first, then the search over joint states.
-    fn beyond_flow(&mut self) -> Stage<N> {
-        Stage::Done(Err(Failure::NotFound))
+    fn beyond_flow(&mut self) -> Stage {
+        Stage::Done(Some(Failure::NotFound))
     }
 
     /// The most steps with which a plan is better than the one that was found.

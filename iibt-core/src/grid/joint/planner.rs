@@ -32,7 +32,7 @@ pub(super) struct Choice {
 /// the nodes of the search for targets that several robots own.
 ///
 /// ```
-/// use iibt_core::grid::joint::{Errand, Planner, Problem, Target};
+/// use iibt_core::grid::joint::{Errand, JointPlanner, Problem, Target};
 /// use iibt_core::grid::{Cell, CellSet, Map};
 ///
 /// // Two robots into a dead end: the first one has to go in first.
@@ -41,7 +41,7 @@ pub(super) struct Choice {
 /// let goals = [10, 11].map(Cell);
 /// let problem = Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &goals, need: 2 };
 ///
-/// let mut planner = Planner::<1, 33, 8, 64>::new();
+/// let mut planner = JointPlanner::<1, 33, 8, 64>::new();
 /// planner.start();
 /// let mut ticks = 0;
 /// let plan = loop {
@@ -56,10 +56,10 @@ pub(super) struct Choice {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Planner<const W: usize, const L: usize, const N: usize, const M: usize> {
+pub struct JointPlanner<const W: usize, const L: usize, const N: usize, const M: usize> {
     pub(super) flow: Flow<W, L, N>,
     survey: Survey<W>,
-    stage: Stage<N>,
+    stage: Stage,
     pub(super) choice: Choice,
     /// Where the robots of the flow end, how many of them on goals, and how many goals fewer than
     /// needed that is.
@@ -79,14 +79,15 @@ pub struct Planner<const W: usize, const L: usize, const N: usize, const M: usiz
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Stage<const N: usize> {
+pub(super) enum Stage {
     Begin,
     Survey,
     Flow,
-    /// Whether the robots of this plan arrive together indeed.
-    Execute(JointPlan<N>),
+    /// Whether the robots of the plan that was found arrive together indeed.
+    Execute,
     Choose,
-    Done(Result<JointPlan<N>, Failure>),
+    /// With the plan in `plain`, or without one.
+    Done(Option<Failure>),
 }
 
 /// A plan and the turns in which it was found.
@@ -116,7 +117,7 @@ pub(super) enum Kind {
     Around,
 }
 
-impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, L, N, M> {
+impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanner<W, L, N, M> {
     pub(super) const LATEST: usize = Flow::<W, L, N>::LATEST;
     const SIZES: () = assert!(L >= 2 && L <= 256 && N >= 1 && N <= 32);
 
@@ -162,7 +163,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     ) -> Option<Result<JointPlan<N>, Failure>> {
         loop {
             match self.stage {
-                Stage::Done(result) => return Some(result),
+                Stage::Done(failure) => return Some(self.result(failure)),
                 Stage::Survey => {
                     self.survey.work(&self.flow.network, budget)?;
                     self.stage = self.surveyed(problem);
@@ -174,7 +175,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
                     let found = found?;
                     self.stage = self.searched(problem, found);
                 }
-                Stage::Begin | Stage::Execute(_) | Stage::Choose => {
+                Stage::Begin | Stage::Execute | Stage::Choose => {
                     *budget = budget.checked_sub(1)?;
                     self.stage = self.unit(problem);
                 }
@@ -197,21 +198,21 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
 
     /// The turns of the plan that was found.
     pub(super) fn turn(&self) -> Turn {
-        self.attempt.turn
+        self.plain.map_or(Turn::default(), |(_, turn)| turn)
     }
 
-    fn unit(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+    fn unit(&mut self, problem: &Problem<'_, W>) -> Stage {
         match self.stage {
             Stage::Begin => self.begin(problem),
-            Stage::Execute(plan) => self.execute(problem, &plan),
+            Stage::Execute => self.execute(problem),
             Stage::Choose => self.choose(problem),
             stage => stage,
         }
     }
 
-    fn begin(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+    fn begin(&mut self, problem: &Problem<'_, W>) -> Stage {
         if let Err(error) = problem.check(N) {
-            return Stage::Done(Err(Failure::Invalid(error)));
+            return Stage::Done(Some(Failure::Invalid(error)));
         }
         self.flow.network = Network::of(problem);
         self.flow.unfix(0);
@@ -224,19 +225,19 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
         Stage::Survey
     }
 
-    fn surveyed(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+    fn surveyed(&mut self, problem: &Problem<'_, W>) -> Stage {
         let most = self.survey.reachable();
         self.short_by = self.need.saturating_sub(most);
         self.need = most;
         self.fewest_steps = self.survey.fewest_steps();
         if self.choice.most_short.is_some_and(|most| self.short_by > most) {
-            return Stage::Done(Err(Failure::NotFound));
+            return Stage::Done(Some(Failure::NotFound));
         }
         if problem.owned().next().is_some() {
             return self.with_owners(problem);
         }
         if most == 0 {
-            return Stage::Done(self.nothing_to_reach(problem));
+            return self.nothing_to_reach(problem);
         }
         let farthest = self.survey.farthest().unwrap_or_default();
         let turn = self.flow.network.turn_of(farthest, self.fewest_steps);
@@ -245,20 +246,20 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     }
 
     /// All stand: because no goal is needed, or because none can be reached.
-    fn nothing_to_reach(&self, problem: &Problem<'_, W>) -> Result<JointPlan<N>, Failure> {
+    fn nothing_to_reach(&mut self, problem: &Problem<'_, W>) -> Stage {
         if self.short_by > 0 && problem.free_starts().next().is_some() {
-            return Err(Failure::NoWay);
+            return Stage::Done(Some(Failure::NoWay));
         }
-        let plan = JointPlan::standing(problem.starts()).ok_or(Failure::NotFound)?;
-        Ok(plan.with_short_by(self.short_by))
+        self.plain = JointPlan::standing(problem.starts()).map(|plan| (plan, Turn::default()));
+        Stage::Done(None)
     }
 
-    fn first_attempt(&mut self, problem: &Problem<'_, W>, kind: Kind, turn: Turn) -> Stage<N> {
+    fn first_attempt(&mut self, problem: &Problem<'_, W>, kind: Kind, turn: Turn) -> Stage {
         let turn = self.choice.turn.unwrap_or(turn);
         self.attempt(problem, Attempt { kind, turn, is_second: false })
     }
 
-    fn attempt(&mut self, problem: &Problem<'_, W>, attempt: Attempt) -> Stage<N> {
+    fn attempt(&mut self, problem: &Problem<'_, W>, attempt: Attempt) -> Stage {
         self.attempt = attempt;
         let starts: CellSet<W> = problem.free_starts().collect();
         let is_plain = attempt.kind == Kind::Plain;
@@ -276,7 +277,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
         let latest = self.choice.latest.unwrap_or(usize::MAX);
         let fewest = self.fewest_steps;
         let (first, most) = match self.attempt.kind {
-            Kind::Plain | Kind::Owner(_) | Kind::Around => (fewest, below(&self.plain)),
+            Kind::Plain | Kind::Owner(_) | Kind::Around => (fewest.min(Self::LATEST), below(&self.plain)),
             Kind::SoonTogether => (fewest, below(&self.together).min(fewest + LATER_TOGETHER)),
             Kind::LateTogether => {
                 let plain = self.plain.map_or(0, |(plan, _)| plan.steps());
@@ -286,7 +287,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
         (first, most.min(latest))
     }
 
-    fn searched(&mut self, problem: &Problem<'_, W>, found: bool) -> Stage<N> {
+    fn searched(&mut self, problem: &Problem<'_, W>, found: bool) -> Stage {
         if let Kind::Owner(row) = self.attempt.kind {
             return self.owner_searched(problem, row, found);
         }
@@ -294,23 +295,23 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
             self.most_reached = self.most_reached.max(self.flow.reached_goals());
             return self.next_attempt(problem);
         }
-        let Some(plan) = self.read_plan(problem) else { return Stage::Done(Err(Failure::NotFound)) };
         if matches!(self.attempt.kind, Kind::SoonTogether | Kind::LateTogether) {
-            return Stage::Execute(plan.arriving(Arrival::Together));
+            return Stage::Execute;
         }
-        self.plain = Some((plan, self.attempt.turn));
+        self.plain = self.read_plan(problem).map(|plan| (plan, self.attempt.turn));
         self.next_attempt(problem)
     }
 
-    fn execute(&mut self, problem: &Problem<'_, W>, plan: &JointPlan<N>) -> Stage<N> {
-        let execution = execution::run(plan, problem.map, self.flow.scratch());
+    fn execute(&mut self, problem: &Problem<'_, W>) -> Stage {
+        let plan = self.read_plan(problem).map(|plan| plan.arriving(Arrival::Together));
+        let execution = plan.and_then(|plan| execution::run(&plan, problem.map, self.flow.scratch()));
         if execution.is_some_and(|execution| execution.spread <= 1) {
-            self.together = Some((*plan, self.attempt.turn));
+            self.together = plan.map(|plan| (plan, self.attempt.turn));
         }
         self.next_attempt(problem)
     }
 
-    fn next_attempt(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+    fn next_attempt(&mut self, problem: &Problem<'_, W>) -> Stage {
         let Attempt { kind, turn, is_second } = self.attempt;
         if kind == Kind::Around {
             return self.searched_around(problem);
@@ -329,10 +330,10 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     }
 
     /// Goes on with as many goals as the failed attempts came to.
-    fn fewer_goals(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+    fn fewer_goals(&mut self, problem: &Problem<'_, W>) -> Stage {
         self.lower_need();
         if self.need == 0 || self.choice != Choice::default() {
-            return Stage::Done(Err(Failure::NotFound));
+            return Stage::Done(Some(Failure::NotFound));
         }
         self.first_attempt(problem, Kind::SoonTogether, self.attempt.turn)
     }
@@ -344,19 +345,30 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     }
 
     /// The plan that arrives together if there is one; else the plain one, with a barrier before the
-    /// last moves if it can be executed like that.
-    fn choose(&mut self, problem: &Problem<'_, W>) -> Stage<N> {
+    /// last moves if that is of use.
+    fn choose(&mut self, problem: &Problem<'_, W>) -> Stage {
         let Some((plan, turn)) = self.together.or(self.plain) else {
-            return Stage::Done(Err(Failure::NotFound));
+            return Stage::Done(Some(Failure::NotFound));
         };
-        self.attempt.turn = turn;
-        if self.choice.staggered {
-            return Stage::Done(Ok(plan.with_short_by(self.short_by)));
-        }
         let together = plan.arriving(Arrival::Together);
-        let mut passes = || execution::run(&together, problem.map, self.flow.scratch()).is_some();
-        let plan = if plan.is_together() || passes() { together } else { plan };
-        Stage::Done(Ok(plan.with_short_by(self.short_by)))
+        let arrives = plan.is_together() || (!self.choice.staggered && self.arrives(problem, &together));
+        self.plain = Some((if arrives { together } else { plan }, turn));
+        Stage::Done(None)
+    }
+
+    /// Whether the barrier of a plan brings its last moves as close together as goals in series let
+    /// them be: a tick apart from one robot to the next.
+    fn arrives(&mut self, problem: &Problem<'_, W>, plan: &JointPlan<N>) -> bool {
+        let movers = plan.paths().iter().filter(|path| !path.is_empty()).count();
+        let execution = execution::run(plan, problem.map, self.flow.scratch());
+        execution.is_some_and(|execution| execution.spread <= movers.saturating_sub(1).max(1))
+    }
+
+    fn result(&self, failure: Option<Failure>) -> Result<JointPlan<N>, Failure> {
+        match (failure, self.plain) {
+            (None, Some((plan, _))) => Ok(plan.with_short_by(self.short_by)),
+            _ => Err(failure.unwrap_or(Failure::NotFound)),
+        }
     }
 
     /// The plan that the flow has found.
@@ -377,7 +389,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> Planner<W, 
     }
 }
 
-impl<const W: usize, const L: usize, const N: usize, const M: usize> Default for Planner<W, L, N, M> {
+impl<const W: usize, const L: usize, const N: usize, const M: usize> Default for JointPlanner<W, L, N, M> {
     fn default() -> Self {
         Self::new()
     }
