@@ -1,12 +1,14 @@
 //! Joint plans held against what they claim: a checker of its own looks at every cell of every plan, a search over
 //! joint states knows the fewest steps, and another simulation executes them.
 
+use firmware::bench::joint_plans;
 use host_sim::Random;
 use iibt_core::grid::joint::{
     Errand, Failure, JointPlan, JointPlanner, PolicyList, Problem, ProblemError, Target,
 };
 use iibt_core::grid::{Cell, CellSet, Map};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
+use tests::qemu::{Robot, image, number};
 
 type List = PolicyList<4, 33, 8, 64, 16>;
 
@@ -486,6 +488,24 @@ fn the_words_of_a_set_of_cells_change_no_plan() {
             small.work(&problem, &mut u32::MAX.clone()),
             large.work(&case.problem(), &mut u32::MAX.clone())
         );
+    }
+}
+
+/// An image of the release profile, 200 problems of each size on 64 cells with a fifth of them blocked.
+#[test]
+fn plans_on_the_chip_are_those_of_the_host() {
+    let mut robot = Robot::boot_counting(&image("joint_plans"));
+    for (robots, budget) in [(2, 42_000), (4, 100_000), (8, 310_000)] {
+        let line = robot.wait_for(&format!("{robots} robots: took")).message;
+        let instructions = |before| u64::from(number(&line, before)) * 1000 / 168;
+        let (mean, worst) = (instructions("took "), instructions("worst "));
+        println!("{robots} robots: {mean} instructions, at most {worst}");
+        let mut planner = joint_plans::Planner::new();
+        let plans =
+            joint_plans::plan_all(robots, &mut planner, |problem, planner| (problem.plan(planner), 0));
+        let expected = format!("{} units, digest {:08x}", plans.units, plans.digest);
+        assert!(line.ends_with(&expected), "{line}; on the host {expected}");
+        assert!(mean <= budget, "{robots} robots: {mean} of {budget} instructions");
     }
 }
 

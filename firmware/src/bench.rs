@@ -5,6 +5,7 @@
 
 mod benchmark;
 mod digest;
+pub mod joint_plans;
 pub mod random_model;
 pub mod t1;
 pub mod t2;

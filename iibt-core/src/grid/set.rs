@@ -98,36 +98,30 @@ impl<const W: usize> CellSet<W> {
         self.zip(other, |ours, theirs| ours & !theirs)
     }
 
-    /// Every cell moved to the number `by` higher; numbers past the end of the set are dropped.
-    #[must_use]
-    pub(super) fn raised(&self, by: usize) -> Self {
+    /// Adds every cell of another set moved to the number `by` higher; numbers past the end of the set
+    /// are dropped.
+    #[inline]
+    pub(super) fn add_raised(&mut self, other: &Self, by: usize) {
         let (words, bits) = (by / 32, by % 32);
-        self.map_pairs(|at| at.checked_sub(words + 1), |at| at.checked_sub(words), 32 - bits)
-    }
-
-    /// Every cell moved to the number `by` lower; numbers below zero are dropped.
-    #[must_use]
-    pub(super) fn lowered(&self, by: usize) -> Self {
-        let (words, bits) = (by / 32, by % 32);
-        self.map_pairs(|at| Some(at + words), |at| Some(at + words + 1), bits)
-    }
-
-    /// Words cut out of pairs of words of this set, `shift` bits (0 to 32) above the low end of the
-    /// pair.
-    fn map_pairs(
-        &self,
-        low: impl Fn(usize) -> Option<usize>,
-        high: impl Fn(usize) -> Option<usize>,
-        shift: usize,
-    ) -> Self {
-        let word = |at: Option<usize>| u64::from(at.and_then(|at| self.words.get(at)).copied().unwrap_or(0));
-        let mut cut = Self::EMPTY;
-        for (at, to) in cut.words.iter_mut().enumerate() {
-            *to = ((word(high(at)) << 32 | word(low(at))) >> shift) as u32;
+        let mut below = 0;
+        for (to, &word) in self.words.iter_mut().skip(words).zip(&other.words) {
+            *to |= word << bits | below >> 1 >> (31 - bits);
+            below = word;
         }
-        cut
     }
 
+    /// Adds every cell of another set moved to the number `by` lower; numbers below zero are dropped.
+    #[inline]
+    pub(super) fn add_lowered(&mut self, other: &Self, by: usize) {
+        let (words, bits) = (by / 32, by % 32);
+        let mut above = 0;
+        for (to, &word) in self.words.iter_mut().rev().skip(words).zip(other.words.iter().rev()) {
+            *to |= word >> bits | above << 1 << (31 - bits);
+            above = word;
+        }
+    }
+
+    #[inline]
     fn zip(&self, other: &Self, combine: impl Fn(u32, u32) -> u32) -> Self {
         let mut combined = Self::EMPTY;
         for (to, (&ours, &theirs)) in combined.words.iter_mut().zip(self.words.iter().zip(&other.words)) {
@@ -191,8 +185,11 @@ mod tests {
         for by in 0..=100 {
             let up: Vec<u16> = cells.iter().map(|cell| cell + by).filter(|&cell| cell < 96).collect();
             let down: Vec<u16> = cells.iter().filter_map(|cell| cell.checked_sub(by)).collect();
-            assert_eq!(numbers(&set(&cells).raised(by.into())), up, "raised by {by}");
-            assert_eq!(numbers(&set(&cells).lowered(by.into())), down, "lowered by {by}");
+            let (mut raised, mut lowered) = (CellSet::EMPTY, CellSet::EMPTY);
+            raised.add_raised(&set(&cells), by.into());
+            lowered.add_lowered(&set(&cells), by.into());
+            assert_eq!(numbers(&raised), up, "raised by {by}");
+            assert_eq!(numbers(&lowered), down, "lowered by {by}");
         }
     }
 

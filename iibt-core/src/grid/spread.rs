@@ -1,6 +1,6 @@
 //! All the cells one move away from a set of cells, a word of cells at a time.
 
-use super::{CellSet, Map, Move};
+use super::{Cell, CellSet, Map};
 
 /// The free cells of a map, and its outer columns, where a move to the side must not come out on
 /// the other side.
@@ -23,16 +23,10 @@ impl<const W: usize> Spread<W> {
 
     /// The same with other free cells than the map's.
     pub(super) fn within(map: &Map<W>, free: CellSet<W>) -> Self {
-        let at_border = |side| {
-            let cells = CellSet::<W>::first(map.len());
-            cells.iter().filter(|&cell| map.neighbour(cell, side) == cell).collect()
-        };
-        Self {
-            width: map.width().into(),
-            free,
-            first_column: at_border(Move::Left),
-            last_column: at_border(Move::Right),
-        }
+        let width = map.width();
+        let column = |first: u16| (0..map.height()).map(move |row| Cell(row * width + first)).collect();
+        let (first_column, last_column) = (column(0), column(width - 1));
+        Self { width: width.into(), free, first_column, last_column }
     }
 
     /// The free cells.
@@ -44,16 +38,17 @@ impl<const W: usize> Spread<W> {
     ///
     /// Cost: 4 shifts of `W` words.
     pub(super) fn from(&self, set: &CellSet<W>) -> CellSet<W> {
-        let vertical = set.lowered(self.width).union(&set.raised(self.width));
-        let left = set.without(&self.first_column).lowered(1);
-        let right = set.without(&self.last_column).raised(1);
-        set.union(&vertical).union(&left).union(&right).intersection(&self.free)
+        let mut reached = *set;
+        reached.add_raised(set, self.width);
+        reached.add_lowered(set, self.width);
+        reached.add_raised(&set.without(&self.last_column), 1);
+        reached.add_lowered(&set.without(&self.first_column), 1);
+        reached.intersection(&self.free)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Cell;
     use super::super::pictures::Random;
     use super::*;
 

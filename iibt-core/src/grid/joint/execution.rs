@@ -8,7 +8,7 @@
 
 use super::super::{Cell, Map};
 use super::JointPlan;
-use super::flow::{Row, cell};
+use super::flow::{Table, cell, set};
 use crate::actions::HORIZON;
 
 /// What comes of a plan that is executed without loss of messages; see [`JointPlan::execution`].
@@ -28,6 +28,8 @@ struct Progress {
     /// The step of the last move that it made, and of the last one that the others have heard of.
     done: usize,
     heard: usize,
+    /// The step of its next move.
+    next: Option<usize>,
     /// The steps of the last move and of the one before it.
     last: usize,
     last_but_one: usize,
@@ -54,8 +56,8 @@ impl<const N: usize> JointPlan<N> {
     /// ```
     #[must_use]
     pub fn execution<const W: usize>(&self, map: &Map<W>) -> Option<Execution> {
-        let mut rows = [[Cell(0); HORIZON + 1]; N];
-        run(self, map, &mut rows)
+        let mut table = [[Cell(0); N]; HORIZON + 1];
+        run(self, map, &mut table)
     }
 }
 
@@ -63,21 +65,20 @@ impl<const N: usize> JointPlan<N> {
 pub(super) fn run<const W: usize, const L: usize, const N: usize>(
     plan: &JointPlan<N>,
     map: &Map<W>,
-    table: &mut [Row<L>; N],
+    table: &mut Table<L, N>,
 ) -> Option<Execution> {
     let mut robots = [Progress::default(); N];
-    for ((row, robot), path) in table.iter_mut().zip(&mut robots).zip(plan.paths()) {
-        *robot = decode(row, path.timeline(map));
+    for (index, (robot, path)) in robots.iter_mut().zip(plan.paths()).enumerate() {
+        *robot = decode(table, index, path.timeline(map).take(plan.steps() + 1));
     }
-    let rows = table.get(..plan.paths().len())?;
-    let robots = robots.get_mut(..rows.len())?;
+    let robots = robots.get_mut(..plan.paths().len())?;
     let mut first_end = None;
     for tick in 0.. {
-        if robots.iter().all(|robot| robot.done >= robot.last) {
+        if robots.iter().all(|robot| robot.next.is_none()) {
             let ends = tick - first_end.unwrap_or(tick);
             return Some(Execution { ticks: tick, spread: ends.saturating_sub(1) });
         }
-        let (moved, ended) = advance(rows, robots, plan.is_together());
+        let (moved, ended) = advance(table, robots, plan.is_together());
         if ended {
             first_end = first_end.or(Some(tick));
         }
@@ -88,59 +89,62 @@ pub(super) fn run<const W: usize, const L: usize, const N: usize>(
     None
 }
 
-/// Writes the cells of a path at every step, and finds its last moves.
-fn decode<const L: usize>(row: &mut Row<L>, cells: impl Iterator<Item = Cell>) -> Progress {
+/// Writes the cells of a path at every step, and finds its first and last moves.
+fn decode<const L: usize, const N: usize>(
+    table: &mut Table<L, N>,
+    index: usize,
+    cells: impl Iterator<Item = Cell>,
+) -> Progress {
     let mut robot = Progress::default();
     let mut before = None;
-    for (step, (slot, at)) in row.iter_mut().zip(cells).enumerate() {
-        *slot = at;
+    for (step, at) in cells.take(L).enumerate() {
+        set(table, step, index, at);
         if before.replace(at).is_some_and(|before| before != at) {
             (robot.last_but_one, robot.last) = (robot.last, step);
+            robot.next = robot.next.or(Some(step));
         }
     }
     robot
 }
 
 /// One tick; returns whether anything was done or heard, and whether a robot made its last move.
-fn advance<const L: usize>(rows: &[Row<L>], robots: &mut [Progress], barrier: bool) -> (bool, bool) {
-    let mut next = 0_u32; // one bit for each robot that moves
-    for robot in 0..rows.len() {
-        let may =
-            next_step(rows, robots, robot).is_some_and(|step| may_move(rows, robots, robot, step, barrier));
-        next |= u32::from(may) << (robot % 32);
+fn advance<const L: usize, const N: usize>(
+    table: &Table<L, N>,
+    robots: &mut [Progress],
+    barrier: bool,
+) -> (bool, bool) {
+    let mut due = 0_u32; // one bit for each robot that moves
+    for index in 0..robots.len() {
+        due |= u32::from(may_move(table, robots, index, barrier)) << (index % 32);
     }
     let (mut moved, mut ended) = (false, false);
-    for index in 0..rows.len() {
-        let step = next_step(rows, robots, index).filter(|_| next & (1 << (index % 32)) != 0);
-        let Some(robot) = robots.get_mut(index) else { continue };
-        moved |= robot.heard != robot.done || step.is_some();
+    for (index, robot) in robots.iter_mut().enumerate() {
+        moved |= robot.heard != robot.done;
         robot.heard = robot.done;
-        robot.done = step.unwrap_or(robot.done);
-        ended |= step == Some(robot.last);
+        let Some(step) = robot.next.filter(|_| due & (1 << (index % 32)) != 0) else { continue };
+        let at = cell(table, step, index);
+        robot.done = step;
+        robot.next = (step + 1..=robot.last).find(|&step| cell(table, step, index) != at);
+        moved = true;
+        ended |= robot.next.is_none();
     }
     (moved, ended)
 }
 
-/// The step of the next move of a robot.
-fn next_step<const L: usize>(rows: &[Row<L>], robots: &[Progress], robot: usize) -> Option<usize> {
-    let (row, progress) = (rows.get(robot)?, robots.get(robot)?);
-    let here = cell(row, progress.done);
-    (progress.done + 1..=progress.last).find(|&step| cell(row, step) != here)
-}
-
-/// Whether the order of the plan, as far as it was heard, lets a robot make the move of a step.
-fn may_move<const L: usize>(
-    rows: &[Row<L>],
+/// Whether the order of the plan, as far as it was heard, lets a robot make its next move.
+fn may_move<const L: usize, const N: usize>(
+    table: &Table<L, N>,
     robots: &[Progress],
-    robot: usize,
-    step: usize,
+    index: usize,
     barrier: bool,
 ) -> bool {
-    let target = rows.get(robot).map(|row| cell(row, step));
-    let is_last = barrier && robots.get(robot).is_some_and(|robot| robot.last == step);
-    rows.iter().zip(robots).enumerate().filter(|&(other, _)| other != robot).all(|(_, (row, other))| {
-        let still_to_come = row.iter().take(step).skip(other.heard);
-        let is_clear = !still_to_come.copied().any(|at| Some(at) == target);
+    let Some((robot, step)) = robots.get(index).and_then(|robot| Some((robot, robot.next?))) else {
+        return false;
+    };
+    let target = cell(table, step, index);
+    let is_last = barrier && robot.last == step;
+    robots.iter().enumerate().filter(|&(other, _)| other != index).all(|(path, other)| {
+        let is_clear = (other.heard..step).all(|earlier| cell(table, earlier, path) != target);
         is_clear && !(is_last && other.heard < other.last_but_one)
     })
 }

@@ -49,8 +49,8 @@ pub(super) struct Query<const W: usize> {
     pub(super) latest: usize,
 }
 
-/// A row of cells, one for each layer or step.
-pub(super) type Row<const L: usize> = [Cell; L];
+/// The cells of all robots at every layer or step.
+pub(super) type Table<const L: usize, const N: usize> = [[Cell; N]; L];
 
 /// No cell: larger than the number of any cell of a map.
 const NOWHERE: Cell = Cell(u16::MAX);
@@ -62,8 +62,8 @@ pub(super) struct Flow<const W: usize, const L: usize, const N: usize> {
     query: Query<W>,
     starts: [Cell; N],
     robots: usize,
-    /// The paths of the flow by layer, and from the end of the table on those that are fixed.
-    pub(super) paths: [Row<L>; N],
+    /// The paths of the flow, and from the end of each layer on those that are fixed.
+    pub(super) paths: Table<L, N>,
     /// How many paths there are in the flow, and how many fixed ones.
     pub(super) matched: usize,
     fixed: usize,
@@ -89,7 +89,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
             query: Query { goals: CellSet::EMPTY, need: 0, first: 0, latest: 0 },
             starts: [NOWHERE; N],
             robots: 0,
-            paths: [[NOWHERE; L]; N],
+            paths: [[NOWHERE; N]; L],
             matched: 0,
             fixed: 0,
             steps: 0,
@@ -117,13 +117,10 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
 
     /// Fixes the path that was found for a robot alone, which ends `rest` steps before the others.
     pub(super) fn fix(&mut self, rest: usize) {
-        let (Some(found), Some(row)) =
-            (self.paths.first().copied(), self.paths.iter_mut().nth_back(self.fixed))
-        else {
-            return;
-        };
-        for (layer, slot) in row.iter_mut().enumerate() {
-            *slot = cell(&found, layer.saturating_sub(rest).min(self.steps));
+        let fixed = N.saturating_sub(self.fixed + 1);
+        for layer in (0..L).rev() {
+            let at = cell(&self.paths, layer.saturating_sub(rest).min(self.steps), 0);
+            set(&mut self.paths, layer, fixed, at);
         }
         self.fixed += 1;
     }
@@ -159,15 +156,16 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
 
     /// The cells of a robot of the flow at every step from the start on, when it has a path.
     pub(super) fn path_from(&self, start: Cell) -> Option<impl Iterator<Item = Cell> + '_> {
-        let mut rows = self.flow_rows();
-        let row = rows.find(|row| cell(row, self.steps) == start)?;
-        Some(row.get(..=self.steps)?.iter().rev().copied())
+        Some(self.cells_of(self.path_on(start, self.steps)?))
     }
 
     /// The cells of a fixed path at every step.
-    pub(super) fn fixed_path(&self, number: usize) -> Option<impl Iterator<Item = Cell> + '_> {
-        let row = self.paths.iter().nth_back(number)?;
-        Some(row.get(..=self.steps)?.iter().rev().copied())
+    pub(super) fn fixed_path(&self, number: usize) -> impl Iterator<Item = Cell> + '_ {
+        self.cells_of(N.saturating_sub(number + 1))
+    }
+
+    fn cells_of(&self, path: usize) -> impl Iterator<Item = Cell> + '_ {
+        (0..=self.steps).rev().map(move |layer| cell(&self.paths, layer, path))
     }
 
     /// Whether a failed search has come to all that it ever can: no step more reaches more.
@@ -177,7 +175,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     }
 
     /// A table that no search needs once it has ended.
-    pub(super) fn scratch(&mut self) -> &mut [Row<L>; N] {
+    pub(super) fn scratch(&mut self) -> &mut Table<L, N> {
         self.walk.scratch()
     }
 
@@ -205,7 +203,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
 
     /// The path of the flow that is on a cell at a layer.
     pub(super) fn path_on(&self, at: Cell, layer: usize) -> Option<usize> {
-        self.flow_rows().position(|row| cell(row, layer) == at)
+        self.flow_at(layer).iter().position(|&other| other == at)
     }
 
     /// The cells reached at a layer.
@@ -213,22 +211,30 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         self.reached.get(layer).copied().unwrap_or(CellSet::EMPTY)
     }
 
-    fn flow_rows(&self) -> impl Iterator<Item = &Row<L>> {
-        self.paths.iter().take(self.matched)
+    /// The cells of the flow at a layer.
+    fn flow_at(&self, layer: usize) -> &[Cell] {
+        self.paths.get(layer).and_then(|cells| cells.get(..self.matched)).unwrap_or_default()
     }
 
     /// Where one more path may end.
     fn open_ends(&self) -> CellSet<W> {
         let ends = if self.matched < self.query.need { &self.query.goals } else { self.network.passable() };
-        ends.without(&self.flow_rows().map(|row| cell(row, 0)).collect())
+        ends.without(&self.flow_at(0).iter().copied().collect())
     }
 
     /// The cells that the fixed paths leave to no other robot at a layer: where they are one step
     /// before, then, and one step after.
     fn fixed_cells(&self, layer: usize) -> CellSet<W> {
-        let rows = self.paths.iter().rev().take(self.fixed);
-        let around = |row: &Row<L>| [layer.saturating_sub(1), layer, layer + 1].map(|layer| cell(row, layer));
-        rows.flat_map(around).collect()
+        let mut closed = CellSet::EMPTY;
+        if self.fixed == 0 {
+            return closed;
+        }
+        for cells in self.paths.iter().take(layer + 2).skip(layer.saturating_sub(1)) {
+            for &at in cells.iter().rev().take(self.fixed) {
+                closed.insert(at);
+            }
+        }
+        closed
     }
 
     fn search(&mut self) -> Stage {
@@ -269,9 +275,9 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     fn lengthen(&mut self) -> Stage {
         let last = self.steps;
         self.steps += 1;
-        for row in self.paths.iter_mut().take(self.matched) {
-            let start = cell(row, last);
-            set(row, last + 1, start);
+        for path in 0..self.matched {
+            let start = cell(&self.paths, last, path);
+            set(&mut self.paths, last + 1, path, start);
         }
         if let Some(layer) = self.reached.get_mut(last + 1) {
             *layer = CellSet::EMPTY;
@@ -286,15 +292,19 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         let from = self.network.before(&self.reached(self.level), self.level);
         let mut taken = self.fixed_cells(next);
         let mut lowest = next;
-        for path in 0..self.matched {
-            let at = self.paths.get(path).map_or(NOWHERE, |row| cell(row, next));
-            if from.contains(at) {
-                taken.insert(at);
-                let above = self.touched.get(path).copied().unwrap_or(next);
-                if above < next && stop.is_some_and(|(stop, layer)| stop == path && next > layer) {
+        let paths = self.paths.get(next).copied().unwrap_or([NOWHERE; N]);
+        for (path, &at) in paths.iter().enumerate().take(self.matched) {
+            if !from.contains(at) {
+                continue;
+            }
+            taken.insert(at);
+            let above = self.touched.get(path).copied().unwrap_or(next);
+            if above < next {
+                if stop.is_some_and(|(stop, layer)| stop == path && next > layer) {
                     return Some(next);
                 }
-                lowest = lowest.min(self.touch(path, next));
+                self.touch(path, above, next);
+                lowest = lowest.min(above);
             }
         }
         if let Some(layer) = self.reached.get_mut(next) {
@@ -304,29 +314,25 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         None
     }
 
-    /// Reaches the cells of a path below a layer; returns the lowest layer at which that is new.
-    fn touch(&mut self, path: usize, layer: usize) -> usize {
-        let (Some(row), Some(touched)) = (self.paths.get(path), self.touched.get_mut(path)) else {
-            return layer;
-        };
-        let lowest = (*touched).min(layer);
-        let new = row.iter().zip(&mut self.reached).take(layer).skip(lowest);
-        for (&at, reached) in new {
-            reached.insert(at);
+    /// Reaches the cells of a path from one layer to below another.
+    fn touch(&mut self, path: usize, from: usize, layer: usize) {
+        if let Some(touched) = self.touched.get_mut(path) {
+            *touched = layer;
         }
-        *touched = (*touched).max(layer);
-        lowest
+        for (cells, reached) in self.paths.iter().zip(&mut self.reached).take(layer).skip(from) {
+            reached.insert(cells.get(path).copied().unwrap_or(NOWHERE));
+        }
     }
 }
 
-/// The cell of a row at a layer or step.
-pub(super) fn cell<const L: usize>(row: &Row<L>, at: usize) -> Cell {
-    row.get(at).copied().unwrap_or(NOWHERE)
+/// The cell of a path at a layer or step.
+pub(super) fn cell<const L: usize, const N: usize>(table: &Table<L, N>, at: usize, path: usize) -> Cell {
+    table.get(at).and_then(|cells| cells.get(path)).copied().unwrap_or(NOWHERE)
 }
 
-/// Sets the cell of a row.
-pub(super) fn set<const L: usize>(row: &mut Row<L>, at: usize, to: Cell) {
-    if let Some(slot) = row.get_mut(at) {
+/// Sets the cell of a path.
+pub(super) fn set<const L: usize, const N: usize>(table: &mut Table<L, N>, at: usize, path: usize, to: Cell) {
+    if let Some(slot) = table.get_mut(at).and_then(|cells| cells.get_mut(path)) {
         *slot = to;
     }
 }

@@ -42,9 +42,10 @@ pub(super) struct Network<const W: usize> {
     /// Cells that may be entered; a robot may also stand where it starts.
     enterable: CellSet<W>,
     black: CellSet<W>,
-    turn: Turn,
-    /// Cells on which no robot may wait in the last two steps if they could still be entered.
-    entered_last: CellSet<W>,
+    /// Those that may be entered on even and on odd layers.
+    entered: [CellSet<W>; 2],
+    /// Those that no robot may come from to layer 0 and to layer 1.
+    not_before: [CellSet<W>; 2],
 }
 
 impl<const W: usize> Network<W> {
@@ -53,27 +54,29 @@ impl<const W: usize> Network<W> {
         spread: Spread::NOTHING,
         enterable: CellSet::EMPTY,
         black: CellSet::EMPTY,
-        turn: Turn::BlackLast,
-        entered_last: CellSet::EMPTY,
+        entered: [CellSet::EMPTY; 2],
+        not_before: [CellSet::EMPTY; 2],
     };
 
     pub(super) fn of(problem: &Problem<'_, W>) -> Self {
         let enterable = problem.enterable();
         let movers = problem.errands.iter().filter(|errand| errand.target != Target::Stand);
         let starts = movers.map(|errand| errand.from).collect();
-        Self {
-            spread: Spread::within(problem.map, enterable.union(&starts)),
-            enterable,
-            black: black_cells(problem.map),
-            turn: Turn::default(),
-            entered_last: CellSet::EMPTY,
-        }
+        let spread = Spread::within(problem.map, enterable.union(&starts));
+        Self { spread, enterable, black: black_cells(problem.map), ..Self::NOTHING }
     }
 
-    /// Sets the rules of the next search. Robots enter the cells of `entered_last` in the last two
-    /// steps or not at all.
+    /// Sets the rules of the next search. The cells of `entered_last` are entered in the last two steps
+    /// or not at all, and no robot leaves them with its last move, so that none waits for another there.
     pub(super) fn set_rules(&mut self, turn: Turn, entered_last: CellSet<W>) {
-        (self.turn, self.entered_last) = (turn, entered_last);
+        let black = self.enterable.intersection(&self.black);
+        let white = self.enterable.without(&self.black);
+        self.entered = match turn {
+            Turn::BlackLast => [black, white],
+            Turn::WhiteLast => [white, black],
+            Turn::Both => [self.enterable; 2],
+        };
+        self.not_before = [self.entered(&entered_last, 0), entered_last];
     }
 
     /// The cells on which a robot can be.
@@ -88,24 +91,19 @@ impl<const W: usize> Network<W> {
 
     /// The cells of a layer that can be entered in the step that leads to it.
     pub(super) fn entered(&self, cells: &CellSet<W>, layer: usize) -> CellSet<W> {
-        let open = cells.intersection(&self.enterable);
-        let is_black = (self.turn == Turn::BlackLast) == layer.is_multiple_of(2);
-        match self.turn {
-            Turn::Both => open,
-            _ if is_black => open.intersection(&self.black),
-            _ => open.without(&self.black),
-        }
+        let [even, odd] = &self.entered;
+        cells.intersection(if layer.is_multiple_of(2) { even } else { odd })
     }
 
     /// The cells from which a step leads into the cells of a layer, waits included.
     pub(super) fn before(&self, cells: &CellSet<W>, layer: usize) -> CellSet<W> {
         let from = self.spread.from(&self.entered(cells, layer)).union(cells);
-        if layer < 2 { from.without(&self.entered(&self.entered_last, layer)) } else { from }
+        self.not_before.get(layer).map_or(from, |closed| from.without(closed))
     }
 
     /// Whether a robot may stay on a cell in the step that leads to a layer.
     pub(super) fn may_wait(&self, cell: Cell, layer: usize) -> bool {
-        layer >= 2 || !self.entered(&self.entered_last, layer).contains(cell)
+        self.not_before.get(layer).is_none_or(|closed| !closed.contains(cell))
     }
 
     /// The cells from which one move at any time leads into some of these, and these.
@@ -155,6 +153,7 @@ mod tests {
     #[test]
     fn a_cell_is_entered_in_the_steps_of_its_colour() {
         let mut network = network(&[], &[]);
+        network.set_rules(Turn::BlackLast, CellSet::EMPTY);
         assert_eq!(cells(&network.before(&at(4), 0)), [1, 3, 4, 5, 7]);
         assert_eq!(cells(&network.before(&at(4), 1)), [4]);
         assert_eq!(cells(&network.before(&at(1), 1)), [0, 1, 2, 4]);
@@ -171,15 +170,16 @@ mod tests {
         network.set_rules(Turn::BlackLast, at(4).union(&at(1)));
         assert_eq!(cells(&network.before(&at(4), 0)), [1, 3, 5, 7]);
         assert_eq!(cells(&network.before(&at(1), 0)), [1]);
-        assert_eq!(cells(&network.before(&at(1), 1)), [0, 2, 4]);
+        assert_eq!(cells(&network.before(&at(1), 1)), [0, 2], "nobody leaves 4 with its last move");
         assert_eq!(cells(&network.before(&at(4), 2)), [1, 3, 4, 5, 7]);
-        assert!(!network.may_wait(Cell(4), 0) && network.may_wait(Cell(4), 1));
+        assert!(!network.may_wait(Cell(4), 0) && network.may_wait(Cell(3), 0));
     }
 
     #[test]
     fn a_closed_cell_is_left_and_not_entered() {
         let errands = [Errand { from: Cell(4), target: Target::Any }];
-        let network = network(&errands, &[4, 8]);
+        let mut network = network(&errands, &[4, 8]);
+        network.set_rules(Turn::BlackLast, CellSet::EMPTY);
         assert_eq!(cells(&network.before(&at(1), 1)), [0, 1, 2, 4]);
         assert_eq!(cells(&network.before(&at(4), 0)), [4]);
         assert!(!network.passable().contains(Cell(8)));

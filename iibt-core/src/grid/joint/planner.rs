@@ -274,7 +274,6 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
     /// The fewest and the most steps of an attempt, which must have fewer than what was found before.
     fn steps_to_try(&self) -> (usize, usize) {
         let below = |found: &Found<N>| found.map_or(usize::MAX, |(plan, _)| plan.steps().saturating_sub(1));
-        let latest = self.choice.latest.unwrap_or(usize::MAX);
         let fewest = self.fewest_steps;
         let (first, most) = match self.attempt.kind {
             Kind::Plain | Kind::Owner(_) | Kind::Around => (fewest.min(Self::LATEST), below(&self.plain)),
@@ -284,7 +283,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
                 (fewest + LATER_TOGETHER + 1, below(&self.together).min(plain + LATER_TOGETHER))
             }
         };
-        (first, most.min(latest))
+        (first, most.min(self.choice.latest.unwrap_or(usize::MAX)))
     }
 
     fn searched(&mut self, problem: &Problem<'_, W>, found: bool) -> Stage {
@@ -380,7 +379,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
                 Target::Any => path_through(problem.map, self.flow.path_from(errand.from)?)?,
                 Target::Own(_) => {
                     let row = self.row_of_owner(problem, owners.next()?);
-                    path_through(problem.map, self.flow.fixed_path(row)?)?
+                    path_through(problem.map, self.flow.fixed_path(row))?
                 }
                 Target::Stand => Path::at(errand.from),
             };

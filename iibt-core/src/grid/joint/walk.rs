@@ -10,7 +10,7 @@
 //! second time. All that it did since the first time is then undone.
 
 use super::super::{Cell, Map};
-use super::flow::{Flow, Row, Stage, cell, set};
+use super::flow::{Flow, Stage, Table, cell, set};
 
 /// How often a new path may take the rest of another one.
 pub(super) const MOST_CHANGES: usize = 32;
@@ -27,13 +27,15 @@ struct Change {
 #[derive(Clone, Debug)]
 pub(super) struct Walk<const L: usize, const N: usize> {
     /// The other paths as they will be.
-    paths: [Row<L>; N],
+    paths: Table<L, N>,
     /// The new path above the layer of the walk.
-    tail: Row<L>,
+    tail: [Cell; L],
     /// What was walked since the last change.
-    segment: Row<L>,
+    segment: [Cell; L],
     changes: [Change; MOST_CHANGES],
     changed: usize,
+    /// The layer of the starts, and where the walk has come to.
+    top: usize,
     at: Cell,
     layer: usize,
 }
@@ -41,17 +43,18 @@ pub(super) struct Walk<const L: usize, const N: usize> {
 impl<const L: usize, const N: usize> Walk<L, N> {
     pub(super) const fn new() -> Self {
         Self {
-            paths: [[Cell(0); L]; N],
+            paths: [[Cell(0); N]; L],
             tail: [Cell(0); L],
             segment: [Cell(0); L],
             changes: [Change { path: 0, layer: 0, above: 0 }; MOST_CHANGES],
             changed: 0,
+            top: 0,
             at: Cell(0),
             layer: 0,
         }
     }
 
-    pub(super) fn scratch(&mut self) -> &mut [Row<L>; N] {
+    pub(super) fn scratch(&mut self) -> &mut Table<L, N> {
         &mut self.paths
     }
 
@@ -65,30 +68,31 @@ impl<const L: usize, const N: usize> Walk<L, N> {
 
     /// Exchanges the parts of the new path and of another one above a layer.
     fn exchange(&mut self, path: usize, layer: usize) {
-        let Some(row) = self.paths.get_mut(path) else { return };
-        for (ours, theirs) in self.tail.iter_mut().zip(row).skip(layer + 1) {
-            core::mem::swap(ours, theirs);
+        let above = self.tail.iter_mut().zip(&mut self.paths).take(self.top + 1).skip(layer + 1);
+        for (ours, cells) in above {
+            if let Some(theirs) = cells.get_mut(path) {
+                core::mem::swap(ours, theirs);
+            }
         }
     }
 
     /// Undoes the last change; returns its layer.
-    fn undo(&mut self, before: &[Row<L>; N]) -> Option<usize> {
+    fn undo(&mut self, before: &Table<L, N>) -> Option<usize> {
         self.changed = self.changed.checked_sub(1)?;
         let change = self.changes.get(self.changed).copied()?;
         let (path, layer) = (usize::from(change.path), usize::from(change.layer));
         self.exchange(path, layer);
-        let rows = self.paths.get_mut(path).zip(before.get(path))?;
-        for (now, &was) in rows.0.iter_mut().zip(rows.1).take(change.above.into()).skip(layer + 1) {
-            *now = was; // the walk went on over these
+        for walked_over in layer + 1..usize::from(change.above) {
+            set(&mut self.paths, walked_over, path, cell(before, walked_over, path));
         }
         Some(layer)
     }
 
     /// Goes back to where the new path was on this cell at this layer before.
-    fn cut_loop(&mut self, before: &[Row<L>; N]) -> Option<()> {
+    fn cut_loop(&mut self, before: &Table<L, N>) -> Option<()> {
         loop {
             let layer = self.undo(before)?;
-            if self.layer > layer && cell(&self.tail, self.layer) == self.at {
+            if self.layer > layer && self.tail.get(self.layer) == Some(&self.at) {
                 return Some(());
             }
         }
@@ -98,8 +102,13 @@ impl<const L: usize, const N: usize> Walk<L, N> {
 impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     /// Begins the path of the robot at `start`.
     pub(super) fn set_out(&mut self, start: Cell) {
-        self.walk.paths = self.paths;
-        set(&mut self.walk.tail, self.steps, start);
+        for (copy, cells) in self.walk.paths.iter_mut().zip(&self.paths).take(self.steps + 1) {
+            *copy = *cells;
+        }
+        self.walk.top = self.steps;
+        if let Some(first) = self.walk.tail.get_mut(self.steps) {
+            *first = start;
+        }
         self.walk.changed = 0;
         (self.walk.at, self.walk.layer) = (start, self.steps);
     }
@@ -110,14 +119,16 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         while let Some(below) = self.walk.layer.checked_sub(1) {
             let Some(next) = self.step_to(map, below) else { return Stage::Failed };
             (self.walk.at, self.walk.layer) = (next, below);
-            set(&mut self.walk.segment, below, next);
+            if let Some(slot) = self.walk.segment.get_mut(below) {
+                *slot = next;
+            }
             if let Some(path) = self.path_on(next, below) {
                 self.walk.keep_segment(end);
                 self.restart();
                 return Stage::Replay { path, layer: below };
             }
-            let mut others = self.walk.paths.iter().take(self.matched);
-            if others.any(|row| cell(row, below) == next) {
+            let others = self.walk.paths.get(below).and_then(|cells| cells.get(..self.matched));
+            if others.is_some_and(|others| others.contains(&next)) {
                 if self.walk.cut_loop(&self.paths).is_none() {
                     return Stage::Failed; // never: it was there before
                 }
@@ -135,7 +146,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         *slot = change;
         self.walk.changed += 1;
         self.walk.exchange(path, layer);
-        (self.walk.at, self.walk.layer) = (cell(&self.walk.tail, above), above);
+        (self.walk.at, self.walk.layer) = (self.walk.tail.get(above).copied().unwrap_or_default(), above);
         Stage::Walk
     }
 
@@ -152,11 +163,12 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     }
 
     fn add_path(&mut self) -> Stage {
-        for (row, new) in self.paths.iter_mut().zip(&self.walk.paths).take(self.matched) {
-            *row = *new;
-        }
-        if let Some(row) = self.paths.get_mut(self.matched) {
-            *row = self.walk.tail;
+        let new = self.walk.paths.iter().zip(&self.walk.tail);
+        for (cells, (new, &last)) in self.paths.iter_mut().zip(new).take(self.steps + 1) {
+            *cells = *new;
+            if let Some(cell) = cells.get_mut(self.matched) {
+                *cell = last;
+            }
         }
         self.matched += 1;
         self.next_search()

@@ -1,0 +1,116 @@
+//! Random problems of a team, the same on the host and on the target, and the plans for them.
+
+use iibt_core::grid::joint::{Errand, JointPlanner, Problem, Target};
+use iibt_core::grid::{Cell, CellSet, Map};
+
+/// The planner of an image: 64 cells, horizon 32, eight robots.
+pub type Planner = JointPlanner<2, 33, 8, 64>;
+
+/// How many problems of each size are planned.
+pub const PROBLEMS: u32 = 200;
+
+/// A generator of numbers (Marsaglia's 32-bit xorshift).
+#[derive(Clone, Debug)]
+pub struct Problems(u32);
+
+/// A map of 8 x 8 cells of which about a fifth are blocked, with as many goals as robots.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    map: Map<2>,
+    errands: [Errand; 8],
+    goals: [Cell; 8],
+    robots: usize,
+}
+
+impl Problems {
+    /// The problems of a seed, which is not zero.
+    #[must_use]
+    pub const fn new(seed: u32) -> Self {
+        Self(seed)
+    }
+
+    fn below(&mut self, count: u32) -> u32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 17;
+        self.0 ^= self.0 << 5;
+        self.0 % count.max(1)
+    }
+
+    /// The next one, for so many robots, at most eight; `None` where the map has too few free cells.
+    pub fn next(&mut self, robots: usize) -> Option<Instance> {
+        let mut map = Map::new(8, 8).ok()?;
+        for cell in (0..64).map(Cell) {
+            if self.below(5) == 0 {
+                map.block(cell);
+            }
+        }
+        let mut free = map.free_cells();
+        let mut goals = [Cell(0); 8];
+        let mut errands = [Errand { from: Cell(0), target: Target::Any }; 8];
+        for (errand, goal) in errands.iter_mut().zip(&mut goals).take(robots) {
+            errand.from = self.draw(&mut free)?;
+            *goal = self.draw(&mut free)?;
+        }
+        Some(Instance { map, errands, goals, robots })
+    }
+
+    fn draw(&mut self, from: &mut CellSet<2>) -> Option<Cell> {
+        let index = self.below(from.len() as u32);
+        let cell = from.iter().nth(index as usize)?;
+        *from = from.without(&[cell].into_iter().collect());
+        Some(cell)
+    }
+}
+
+/// What the plans for [`PROBLEMS`] problems of one size were.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Plans {
+    /// A hash of all plans.
+    pub digest: u32,
+    /// The work units that they took.
+    pub units: u32,
+    /// The mean of what was measured of each.
+    pub mean: u32,
+    /// The most of what was measured.
+    pub worst: u32,
+}
+
+/// Plans for so many robots; `measure` is told to plan, and returns what that took beside the plan.
+pub fn plan_all(
+    robots: usize,
+    planner: &mut Planner,
+    mut measure: impl FnMut(&Instance, &mut Planner) -> (Option<(u32, u32)>, u32),
+) -> Plans {
+    let mut problems = Problems::new(2026);
+    let mut plans = Plans::default();
+    let (mut solved, mut sum) = (0, 0_u64);
+    while solved < PROBLEMS {
+        let Some(problem) = problems.next(robots) else { continue };
+        let (Some((hash, units)), took) = measure(&problem, planner) else { continue };
+        solved += 1;
+        sum += u64::from(took);
+        plans.worst = plans.worst.max(took);
+        plans.units += units;
+        plans.digest = plans.digest.rotate_left(1) ^ hash;
+    }
+    plans.mean = (sum / u64::from(PROBLEMS)) as u32;
+    plans
+}
+
+impl Instance {
+    /// Plans, all at once; returns a hash of the plan and the work units that it took, or `None`
+    /// where not all goals can be reached.
+    pub fn plan(&self, planner: &mut Planner) -> Option<(u32, u32)> {
+        let Self { map, errands, goals, robots } = self;
+        let (errands, goals) = (errands.get(..*robots)?, goals.get(..*robots)?);
+        let problem = Problem { map, closed: CellSet::EMPTY, errands, goals, need: *robots };
+        let mut budget = u32::MAX;
+        planner.start();
+        let plan = planner.work(&problem, &mut budget)?.ok().filter(|plan| plan.short_by() == 0)?;
+        let cells = plan.paths().iter().flat_map(|path| path.cells(map));
+        let hash = cells.fold(u32::from(plan.is_together()), |hash, cell| {
+            (hash ^ u32::from(cell.0)).wrapping_mul(0x0100_0193)
+        });
+        Some((hash, u32::MAX - budget))
+    }
+}
