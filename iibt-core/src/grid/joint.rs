@@ -1,9 +1,24 @@
 //! Joint plans: one path for each robot of a team, so that no two ever get in each other's way.
 //!
+//! | question | answer |
+//! |---|---|
+//! | what is to be planned | a [`Problem`]: where robots stand, what each is for, which cells are closed |
+//! | what is the best plan | [`JointPlanner`] |
+//! | what else could the team do | [`PolicyList`]: up to `K` plans, the best one first |
+//! | why is there no plan | [`Failure`]; a plan for a part of the targets says [by how many it is short](JointPlan::short_by) |
+//! | when are the robots there | [`JointPlan::execution`], messages counted |
+//! | do two robots plan alike | [`PolicyList::digest`] |
+//!
 //! All planners here are deterministic and use integers only, so that robots that plan from equal
 //! [`Problem`]s have equal plans. Each works in an arena whose size is in its type and can stop
-//! after any work unit and go on later.
+//! after any work unit and go on later; the plan does not depend on where it stopped. For eight
+//! robots on 64 cells and 32 steps a list of 16 policies takes 7.3 KB, of which the plans are 4.7.
+//!
+//! Goals that no robot owns are planned for by a maximum flow in which robots take turns by the
+//! colour of their cells; see `flow` and `network` for how. Where one or two robots own their
+//! targets, their paths are fixed and the others flow around them.
 
+mod attempt;
 mod execution;
 mod flow;
 mod list;

@@ -1,10 +1,11 @@
 //! How a plan runs when each robot moves as soon as the order of the plan lets it.
 //!
 //! Robots keep the order of a plan and not its clock: a robot enters a cell once all that are there
-//! before it in the plan have left it as far as it has heard. A move that is commanded in tick `t` is
-//! done, sensed and announced in `t + 1` and heard by the others in `t + 2`; its robot itself goes on
-//! in `t + 1`. Before its last move a robot of a plan that arrives [together](super::Arrival::Together)
-//! waits until it has heard that all others have made all of theirs but the last.
+//! before it in the plan have left it as far as it has heard. A move that is commanded in tick `t`
+//! is done, sensed and announced in `t + 1` and heard by the others in `t + 2`; its robot itself
+//! goes on in `t + 1`. Before its last move a robot of a plan that arrives
+//! [together](super::Arrival::Together) waits until it has heard that all others have made all of
+//! theirs but the last.
 
 use super::super::{Cell, Map};
 use super::JointPlan;
@@ -36,8 +37,8 @@ struct Progress {
 }
 
 impl<const N: usize> JointPlan<N> {
-    /// Executes the plan with every message heard at the next tick but one; `None` when it comes to a
-    /// standstill before its end: robots wait at the barrier where another one has to pass.
+    /// Executes the plan with every message heard at the next tick but one; `None` when it comes to
+    /// a standstill before its end: robots wait at the barrier where another one has to pass.
     ///
     /// Cost: quadratic in the robots, linear in the ticks. Takes 130 bytes of stack for each robot.
     ///

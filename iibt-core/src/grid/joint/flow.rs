@@ -285,8 +285,8 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         Stage::Search
     }
 
-    /// Reaches from the highest known layer to the next one. Returns that one when a path is come to
-    /// there which is to stop the search above a layer.
+    /// Reaches from the highest known layer to the next one. Returns that one when a path is come
+    /// to there which is to stop the search above a layer.
     fn sweep(&mut self, stop: Option<(usize, usize)>) -> Option<usize> {
         let next = self.level + 1;
         let from = self.network.before(&self.reached(self.level), self.level);

@@ -1,8 +1,9 @@
 //! The joint policies that a team chooses from: several plans for one problem.
 
 use super::super::{Cell, CellSet, WaitPlace};
+use super::attempt::{Choice, LATER_TOGETHER};
 use super::network::Turn;
-use super::planner::{Choice, JointPlanner, LATER_TOGETHER};
+use super::planner::JointPlanner;
 use super::walk::MOST_CHANGES;
 use super::{Errand, Failure, JointPlan, Problem, Target, owners};
 use crate::actions::HORIZON;
@@ -16,20 +17,21 @@ const MOST_DETOUR: usize = 16;
 
 /// Up to `K` different joint plans for one problem, in an order that all robots share.
 ///
-/// The first one is the best: see [`JointPlanner`]. The others are, as far as there are any: the plan of
-/// fewest steps, if it is shorter because the robots do not arrive together; the plan in which the
-/// robots take turns the other way round; plans without one of the goals; plans around a cell of the
-/// best one; the best one later by two steps, four, and so on. A list is never empty: where no target
-/// can be reached, all robots stand.
+/// The first one is the best: see [`JointPlanner`]. The others are, as far as there are any: the
+/// plan of fewest steps, if it is shorter because the robots do not arrive together; the plan in
+/// which the robots take turns the other way round; plans without one of the goals; plans around a
+/// cell of the best one; the best one later by two steps, four, and so on. A list is never empty:
+/// where no target can be reached, all robots stand.
 ///
 /// ```
-/// use iibt_core::grid::joint::{Errand, PolicyList, Problem, Target};
+/// use iibt_core::grid::joint::{Errand, Failure, PolicyList, Problem, Target};
 /// use iibt_core::grid::{Cell, CellSet, Map, words};
 ///
 /// let map = Map::<{ words(7, 7) }>::new(7, 7)?.avoiding([Cell(24)]);
 /// let errands = [21, 35].map(|from| Errand { from: Cell(from), target: Target::Any });
 /// let goals = [27, 41].map(Cell);
-/// let problem = Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &goals, need: 2 };
+/// let (closed, need) = (CellSet::EMPTY, 2);
+/// let problem = Problem { map: &map, closed, errands: &errands, goals: &goals, need };
 ///
 /// let mut list = PolicyList::<2, 33, 8, 64, 16>::new();
 /// list.start();
@@ -45,7 +47,7 @@ const MOST_DETOUR: usize = 16;
 /// list.start();
 /// while !list.work(&Problem { closed: wall, ..problem }, 4, &mut 10) {}
 /// assert_eq!((list.policies().len(), list.policies()[0].steps()), (1, 0));
-/// assert_eq!(list.failure().map(|why| why.to_string()).as_deref(), Some("no way: obstacles cut every target off"));
+/// assert_eq!(list.failure(), Some(Failure::NoWay));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -70,8 +72,8 @@ enum Source {
     OtherGoals(usize),
     /// Around this cell.
     Around(Cell),
-    /// For the targets of this owner alone, when there is no plan for all of them; for those of none
-    /// when there is no such owner.
+    /// For the targets of this owner alone, when there is no plan for all of them; for those of
+    /// none when there is no such owner.
     Alone(usize),
     Done,
 }

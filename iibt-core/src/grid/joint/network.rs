@@ -66,8 +66,9 @@ impl<const W: usize> Network<W> {
         Self { spread, enterable, black: black_cells(problem.map), ..Self::NOTHING }
     }
 
-    /// Sets the rules of the next search. The cells of `entered_last` are entered in the last two steps
-    /// or not at all, and no robot leaves them with its last move, so that none waits for another there.
+    /// Sets the rules of the next search. The cells of `entered_last` are entered in the last two
+    /// steps or not at all, and no robot leaves them with its last move, so that none waits for
+    /// another there.
     pub(super) fn set_rules(&mut self, turn: Turn, entered_last: CellSet<W>) {
         let black = self.enterable.intersection(&self.black);
         let white = self.enterable.without(&self.black);

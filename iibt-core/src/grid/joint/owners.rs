@@ -1,15 +1,17 @@
 //! One or two robots with targets of their own: their paths are fixed, and the others flow around
 //! them.
 //!
-//! The first owner takes its shortest path and is there 0 to 16 steps before the end of the plan, the
-//! second one takes the shortest around that path; then the other way round. All that are left, with
-//! their goals or without, are a flow in which the cells of a fixed path are closed one step before it
-//! is there, while it is there, and one step after. A plan that is longer begins with waits of all.
+//! The first owner takes its shortest path and is there 0 to 16 steps before the end of the plan,
+//! the second one takes the shortest around that path; then the other way round. All that are left,
+//! with their goals or without, are a flow in which the cells of a fixed path are closed one step
+//! before it is there, while it is there, and one step after. A plan that is longer begins with
+//! waits of all.
 
 use super::super::{Cell, CellSet};
+use super::attempt::{Attempt, Choice, Kind};
 use super::flow::Query;
 use super::network::Turn;
-use super::planner::{Attempt, Choice, JointPlanner, Kind, Stage};
+use super::planner::{JointPlanner, Stage};
 use super::{Failure, Problem, Target};
 use crate::actions::HORIZON;
 

@@ -53,7 +53,7 @@ pub enum Failure {
     Impossible,
     /// The search ended at the horizon, or at the most nodes or calls that it may use.
     NotFound,
-    /// Obstacles cut every target off.
+    /// Obstacles cut a robot off from the target it owns, or all robots from all goals.
     NoWay,
     /// The problem makes no sense.
     Invalid(ProblemError),
@@ -159,7 +159,8 @@ impl<const N: usize> JointPlan<N> {
         self.short_by.into()
     }
 
-    /// The first shared cell, swap or rotation, with which no plan can be executed; `None` for none.
+    /// The first shared cell, swap or rotation, with which no plan can be executed; `None` for
+    /// none.
     ///
     /// Cost: quadratic in the robots, linear in the steps.
     #[must_use]
@@ -235,7 +236,7 @@ impl fmt::Display for Failure {
         match self {
             Self::Impossible => f.write_str("impossible: no moves of these robots lead to these targets"),
             Self::NotFound => f.write_str("not found within the horizon and the size of the search"),
-            Self::NoWay => f.write_str("no way: obstacles cut every target off"),
+            Self::NoWay => f.write_str("no way: obstacles cut the targets off"),
             Self::Invalid(error) => error.fmt(f),
         }
     }

@@ -1,32 +1,15 @@
 //! One joint plan for a problem, by the cheapest search that has one.
 
 use super::super::{Cell, CellSet, Map, Move, Path};
+use super::attempt::{Attempt, Choice, Kind, LATER_TOGETHER};
 use super::flow::{Flow, Query};
 use super::network::{Network, Turn};
 use super::owners::Precedence;
 use super::survey::Survey;
 use super::{Arrival, Failure, JointPlan, Problem, Target, execution};
 
-/// How many steps later a plan may be for all robots to arrive together.
-pub(super) const LATER_TOGETHER: usize = 4;
-
-/// Which of the plans for a problem is asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Choice {
-    /// In these turns only.
-    pub(super) turn: Option<Turn>,
-    /// Without this one of the goals.
-    pub(super) without: Option<Cell>,
-    /// In at most so many steps.
-    pub(super) latest: Option<usize>,
-    /// Short of at most so many goals.
-    pub(super) most_short: Option<usize>,
-    /// Whether it may be shorter for not arriving together.
-    pub(super) staggered: bool,
-}
-
-/// Finds the joint plan of fewest steps in which robots take turns by the colour of their cells; see
-/// the [module](super).
+/// Finds the joint plan of fewest steps in which robots take turns by the colour of their cells;
+/// see the [module](super).
 ///
 /// `W` are the words of a set of cells, `L` one more than the most steps, `N` the most robots, `M`
 /// the nodes of the search for targets that several robots own.
@@ -39,7 +22,8 @@ pub(super) struct Choice {
 /// let map = Map::<1>::drawn(".#####\n......\n.#####").map_err(|_| "no map")?;
 /// let errands = [0, 12].map(|from| Errand { from: Cell(from), target: Target::Any });
 /// let goals = [10, 11].map(Cell);
-/// let problem = Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &goals, need: 2 };
+/// let (closed, need) = (CellSet::EMPTY, 2);
+/// let problem = Problem { map: &map, closed, errands: &errands, goals: &goals, need };
 ///
 /// let mut planner = JointPlanner::<1, 33, 8, 64>::new();
 /// planner.start();
@@ -93,30 +77,6 @@ pub(super) enum Stage {
 /// A plan and the turns in which it was found.
 type Found<const N: usize> = Option<(JointPlan<N>, Turn)>;
 
-/// One search for a flow.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Attempt {
-    pub(super) kind: Kind,
-    pub(super) turn: Turn,
-    pub(super) is_second: bool,
-}
-
-/// Which plans an attempt looks for, in the order of the attempts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// Those that arrive together and are so short that no plan at all is much shorter.
-    #[default]
-    SoonTogether,
-    /// Any.
-    Plain,
-    /// Those that arrive together and are not much longer than the plain one.
-    LateTogether,
-    /// The path of an owner alone, around those that are fixed before.
-    Owner(usize),
-    /// Those of the others around the fixed paths of the owners.
-    Around,
-}
-
 impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanner<W, L, N, M> {
     pub(super) const LATEST: usize = Flow::<W, L, N>::LATEST;
     const SIZES: () = assert!(L >= 2 && L <= 256 && N >= 1 && N <= 32);
@@ -150,9 +110,9 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
 
     /// Goes on with the plan for a problem, which must be the same from one start to the next.
     ///
-    /// Takes one unit from the budget for each layer of a search, for each change of a path, and for
-    /// each execution. Returns `None` when the budget is used up; the result does not depend on how the
-    /// work was cut.
+    /// Takes one unit from the budget for each layer of a search, for each change of a path, and
+    /// for each execution. Returns `None` when the budget is used up; the result does not depend on
+    /// how the work was cut.
     ///
     /// # Errors
     /// Every [`Failure`].
@@ -190,8 +150,8 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         (self.together, self.plain, self.most_reached, self.spent) = (None, None, 0, 0);
     }
 
-    /// Whether a plan could have fewer steps than the one that was found if the robots did not arrive
-    /// together.
+    /// Whether a plan could have fewer steps than the one that was found if the robots did not
+    /// arrive together.
     pub(super) fn may_be_shorter(&self) -> bool {
         self.together.is_some_and(|(plan, _)| plan.steps() > self.fewest_steps)
     }
@@ -271,7 +231,8 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         Stage::Flow
     }
 
-    /// The fewest and the most steps of an attempt, which must have fewer than what was found before.
+    /// The fewest and the most steps of an attempt, which must have fewer than what was found
+    /// before.
     fn steps_to_try(&self) -> (usize, usize) {
         let below = |found: &Found<N>| found.map_or(usize::MAX, |(plan, _)| plan.steps().saturating_sub(1));
         let fewest = self.fewest_steps;
@@ -343,8 +304,8 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         (self.need, self.most_reached, self.fewest_steps) = (need, 0, 0);
     }
 
-    /// The plan that arrives together if there is one; else the plain one, with a barrier before the
-    /// last moves if that is of use.
+    /// The plan that arrives together if there is one; else the plain one, with a barrier before
+    /// the last moves if that is of use.
     fn choose(&mut self, problem: &Problem<'_, W>) -> Stage {
         let Some((plan, turn)) = self.together.or(self.plain) else {
             return Stage::Done(Some(Failure::NotFound));

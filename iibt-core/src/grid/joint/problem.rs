@@ -125,8 +125,8 @@ impl<const W: usize> Problem<'_, W> {
         })
     }
 
-    /// The cells that robots of the team end on whatever the others do: where they stand to stay, and
-    /// the targets they own.
+    /// The cells that robots of the team end on whatever the others do: where they stand to stay,
+    /// and the targets they own.
     #[must_use]
     pub fn held(&self) -> CellSet<W> {
         self.standing().chain(self.owned()).collect()

@@ -114,3 +114,44 @@ impl<const W: usize> Survey<W> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::pictures::drawn;
+    use super::super::{Errand, Problem, Target};
+    use super::*;
+    use std::vec::Vec;
+
+    /// Robots `r`, goals `g`, robots on closed cells `c`: how many goals of those needed can be
+    /// reached, the fewest steps, and the units that finding that takes.
+    #[track_caller]
+    fn check(rows: &[&str], need: usize, expected: (usize, usize)) {
+        let cells = rows.concat();
+        let all = |sign| cells.match_indices(sign).map(|(cell, _)| Cell(cell as u16)).collect::<Vec<_>>();
+        let map = drawn(rows);
+        let closed: CellSet<32> = all('c').into_iter().collect();
+        let starts = all('r').into_iter().chain(all('c'));
+        let errands: Vec<_> = starts.map(|from| Errand { from, target: Target::Any }).collect();
+        let problem = Problem { map: &map, closed, errands: &errands, goals: &[], need };
+        let network = Network::of(&problem);
+        let goals = all('g').into_iter().collect();
+        let mut survey = Survey::begin(problem.starts().collect(), goals, need);
+        while survey.work(&network, &mut 1).is_none() {}
+        assert_eq!((survey.reachable(), survey.fewest_steps()), expected);
+    }
+
+    #[test]
+    fn counts_the_goals_of_each_part_of_the_ground() {
+        check(&["rr.g"], 2, (1, 2));
+        check(&["r.g#r..g"], 2, (2, 3));
+        check(&["rr.g#gg"], 2, (1, 2));
+        check(&["r#g"], 1, (0, 0));
+        check(&["r..g.r"], 1, (1, 2));
+    }
+
+    #[test]
+    fn a_robot_on_a_closed_cell_can_leave_it() {
+        check(&["c.g"], 1, (1, 2));
+        check(&["r.c.g"], 2, (1, 2));
+    }
+}

@@ -150,8 +150,8 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         Stage::Walk
     }
 
-    /// The cell of the next lower layer: the same if possible, else the first neighbour that is on no
-    /// path, else the first one.
+    /// The cell of the next lower layer: the same if possible, else the first neighbour that is on
+    /// no path, else the first one.
     fn step_to(&self, map: &Map<W>, below: usize) -> Option<Cell> {
         let (at, reached) = (self.walk.at, self.reached(below));
         if reached.contains(at) && self.network.may_wait(at, below) {
