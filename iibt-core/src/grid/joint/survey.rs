@@ -15,8 +15,10 @@ pub(super) struct Survey<const W: usize> {
     edge: CellSet<W>,
     /// The robots that no part has been searched for yet.
     left: CellSet<W>,
+    /// How many goals are to be reached; in the end, how many can be.
     need: usize,
-    reachable: usize,
+    /// The goals counted so far, in the parts of the ground that are done.
+    counted: usize,
     steps: usize,
     farthest: Option<Cell>,
 }
@@ -41,7 +43,7 @@ impl<const W: usize> Survey<W> {
             edge: CellSet::EMPTY,
             left: starts,
             need,
-            reachable: 0,
+            counted: 0,
             steps: 0,
             farthest: None,
         }
@@ -80,7 +82,7 @@ impl<const W: usize> Survey<W> {
     /// Counts what is in the part of the ground that is done, and goes to the next robot.
     fn next_part(&mut self, network: &Network<W>) {
         let robots = self.part.intersection(&self.starts).intersection(network.enterable());
-        self.reachable += robots.len().min(self.part.intersection(&self.goals).len());
+        self.counted += robots.len().min(self.part.intersection(&self.goals).len());
         self.left = self.left.without(&self.part).intersection(network.enterable());
         let seed = self.left.iter().next();
         match seed {
@@ -91,8 +93,8 @@ impl<const W: usize> Survey<W> {
 
     /// A robot on a closed cell can come to any part beside it: each is counted as one goal more.
     fn begin_distances(&mut self, network: &Network<W>) {
-        self.reachable += self.starts.without(network.enterable()).len();
-        self.need = self.need.min(self.reachable).min(self.goals.len());
+        self.counted += self.starts.without(network.enterable()).len();
+        self.need = self.need.min(self.counted).min(self.goals.len());
         self.stage = Stage::Distances;
         self.spread_from(self.goals);
         self.steps = 0;
@@ -123,7 +125,7 @@ mod tests {
     use std::vec::Vec;
 
     /// Robots `r`, goals `g`, robots on closed cells `c`: how many goals of those needed can be
-    /// reached, the fewest steps, and the units that finding that takes.
+    /// reached, and in how many steps at best.
     #[track_caller]
     fn check(rows: &[&str], need: usize, expected: (usize, usize)) {
         let cells = rows.concat();
