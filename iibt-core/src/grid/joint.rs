@@ -18,20 +18,26 @@
 //! colour of their cells; see `flow` and `network` for how. Where one or two robots own their
 //! targets, their paths are fixed and the others flow around them.
 
-mod attempt;
+mod distances;
 mod execution;
 mod flow;
-mod list;
+mod lacam;
 mod network;
-mod owners;
+mod owned;
+mod pibt;
 mod plan;
 mod planner;
+mod prioritised;
 mod problem;
+mod shorten;
+mod states;
 mod survey;
 mod walk;
 
 pub use execution::Execution;
-pub use list::{PolicyList, VERSION};
+pub use lacam::Lacam;
+pub use owned::own_targets;
 pub use plan::{Arrival, Failure, JointConflict, JointConflictKind, JointPlan};
-pub use planner::JointPlanner;
+pub use planner::Planner;
+pub use prioritised::Prioritised;
 pub use problem::{Errand, Problem, ProblemError, Target};

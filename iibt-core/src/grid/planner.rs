@@ -117,19 +117,7 @@ impl<const S: usize> Planner<S> {
     ) -> Result<Distances<'_>, PlanError> {
         self.check_start(map, from)?;
         self.cost.fill(UNREACHED);
-        let spread = Spread::over(map);
-        let mut reached = CellSet::EMPTY;
-        let mut layer: CellSet<W> = [from].into_iter().collect();
-        for distance in 0..UNREACHED {
-            for cell in layer.iter() {
-                self.set_cost(cell, distance);
-            }
-            reached = reached.union(&layer);
-            layer = spread.from(&layer).without(&reached);
-            if layer.is_empty() {
-                break;
-            }
-        }
+        Spread::over(map).flood(from, |cell, distance| self.set_cost(cell, distance));
         Ok(Distances { table: &self.cost })
     }
 

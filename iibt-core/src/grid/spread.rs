@@ -1,6 +1,6 @@
 //! All the cells one move away from a set of cells, a word of cells at a time.
 
-use super::{Cell, CellSet, Map};
+use super::{Cell, CellSet, Map, Move};
 
 /// The free cells of a map, and its outer columns, where a move to the side must not come out on
 /// the other side.
@@ -44,6 +44,25 @@ impl<const W: usize> Spread<W> {
         reached.add_raised(&set.without(&self.last_column), 1);
         reached.add_lowered(&set.without(&self.first_column), 1);
         reached.intersection(&self.free)
+    }
+
+    /// Visits a cell and every free cell that moves from there reach with the number of moves, the
+    /// nearest first.
+    ///
+    /// Cost: linear in `W` per distance, and one visit of every cell reached.
+    pub(super) fn flood(&self, from: Cell, mut visit: impl FnMut(Cell, u16)) {
+        let mut reached = CellSet::EMPTY;
+        let mut layer: CellSet<W> = [from].into_iter().collect();
+        for distance in 0..u16::MAX {
+            for cell in layer.iter() {
+                visit(cell, distance);
+            }
+            reached = reached.union(&layer);
+            layer = self.from(&layer).without(&reached);
+            if layer.is_empty() {
+                break;
+            }
+        }
     }
 }
 

@@ -1,0 +1,83 @@
+//! Teams in which every robot has a target of its own.
+
+use super::super::{Cell, Map};
+use super::{Failure, Problem, ProblemError, Target};
+
+/// The cell of a robot that there is not, and of a move that is not decided.
+pub(super) const NOWHERE: Cell = Cell(u16::MAX);
+
+/// One cell for each robot; [`NOWHERE`] past the last one.
+pub(super) type State<const N: usize> = [Cell; N];
+
+/// Where each robot of a checked problem begins and ends.
+pub(super) struct Owned<const W: usize, const N: usize> {
+    /// The map on which only cells that a robot may enter are free.
+    pub(super) map: Map<W>,
+    pub(super) from: State<N>,
+    pub(super) to: State<N>,
+    pub(super) robots: usize,
+}
+
+/// The target of every robot of a problem in which each has its own: of one that stands, the cell
+/// where it is.
+///
+/// Returns `None` when a robot goes to [any](Target::Any) open goal: such robots need an assignment.
+/// Entries past the last robot mean nothing.
+///
+/// ```
+/// use iibt_core::grid::joint::{Errand, Problem, Target, own_targets};
+/// use iibt_core::grid::{Cell, CellSet, Map};
+///
+/// let map = Map::<1>::drawn("....")?;
+/// let own = Errand { from: Cell(0), target: Target::Own(Cell(2)) };
+/// let stands = Errand { from: Cell(3), target: Target::Stand };
+/// let errands = [own, stands];
+/// let problem = Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &[], need: 0 };
+/// assert_eq!(own_targets(&problem), Some([Cell(2), Cell(3)]));
+///
+/// let errands = [own, Errand { target: Target::Any, ..stands }];
+/// assert_eq!(own_targets::<1, 2>(&Problem { errands: &errands, ..problem }), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use]
+pub fn own_targets<const W: usize, const N: usize>(problem: &Problem<'_, W>) -> Option<[Cell; N]> {
+    let mut targets = [NOWHERE; N];
+    for (to, errand) in targets.iter_mut().zip(problem.errands) {
+        *to = match errand.target {
+            Target::Own(cell) => cell,
+            Target::Stand => errand.from,
+            Target::Any => return None,
+        };
+    }
+    Some(targets)
+}
+
+impl<const W: usize, const N: usize> Owned<W, N> {
+    /// Checks a problem and the targets that its robots are given.
+    pub(super) fn new(problem: &Problem<'_, W>, targets: &[Cell; N]) -> Result<Self, Failure> {
+        problem.check(N).map_err(Failure::Invalid)?;
+        let robots = problem.errands.len();
+        let (mut from, mut to) = ([NOWHERE; N], [NOWHERE; N]);
+        for ((from, to), (errand, &target)) in
+            from.iter_mut().zip(&mut to).zip(problem.errands.iter().zip(targets))
+        {
+            (*from, *to) = (errand.from, target);
+        }
+        check_targets(problem.map, to.get(..robots).unwrap_or_default()).map_err(Failure::Invalid)?;
+        let closed = problem.map.free_cells().without(&problem.enterable());
+        Ok(Self { map: problem.map.avoiding(closed.iter()), from, to, robots })
+    }
+}
+
+/// Whether all targets are on the map and no two are the same.
+fn check_targets<const W: usize>(map: &Map<W>, targets: &[Cell]) -> Result<(), ProblemError> {
+    for (robot, &cell) in targets.iter().enumerate() {
+        if !map.contains(cell) {
+            return Err(ProblemError::TargetOutside { cell });
+        }
+        if targets.iter().take(robot).any(|&other| other == cell) {
+            return Err(ProblemError::SharedTarget { cell });
+        }
+    }
+    Ok(())
+}
