@@ -32,6 +32,8 @@ mod problem;
 mod shorten;
 mod states;
 mod survey;
+#[cfg(test)]
+mod trials;
 mod walk;
 
 pub use execution::Execution;

@@ -271,6 +271,8 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     ///
     /// A robot is early, so that it waits on its target, or late, so that it waits where it starts:
     /// which of the two looks like chance.
+    ///
+    /// Cost: at most `5 T²` lookups of a bit for `T` steps.
     fn trace(&mut self, team: &Owned<W, N>, place: usize) -> Option<Answer<N>> {
         let robot = self.robot(place);
         let late = scramble(u32::from(self.attempt.number) << 8 ^ robot as u32) & 1 == 1;
@@ -278,15 +280,32 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
         for layer in (0..=usize::from(self.attempt.steps)).rev() {
             *self.planned.get_mut(robot)?.get_mut(layer)? = at;
             if let Some(below) = layer.checked_sub(1) {
-                let next = self.layer(below);
-                let entered = neighbour_in(&team.map, at, &self.network.entered(&next, below));
-                at = entered.filter(|_| !(late && next.contains(at))).unwrap_or(at);
+                at = self.next_cell(&team.map, at, below, late)?;
             }
         }
         if place + 1 < team.robots {
             return self.plan_path(team, place + 1).map(Err);
         }
         Some(self.plan(team))
+    }
+
+    /// The cell on a layer after one on the layer before: one on which the robot can wait longest, so
+    /// as not to wander; a late robot waits first.
+    fn next_cell(&self, map: &Map<W>, at: Cell, layer: usize, late: bool) -> Option<Cell> {
+        let reached = self.layer(layer);
+        let stays = reached.contains(at);
+        let entered = self.network.entered(&reached, layer);
+        let around = Move::ALL.into_iter().map(|step| map.neighbour(at, step));
+        let moves =
+            around.filter(|&to| to != at && entered.contains(to)).take(if late && stays { 0 } else { 4 });
+        let choices = stays.then_some(at).into_iter().chain(moves);
+        choices.min_by_key(|&cell| self.waits_until(cell, layer))
+    }
+
+    /// The last layer to which a robot can stay on a cell from a layer on.
+    fn waits_until(&self, cell: Cell, layer: usize) -> usize {
+        let reached = |&layer: &usize| self.reached.get(layer).is_some_and(|cells| cells.contains(cell));
+        (0..layer).rev().take_while(reached).last().unwrap_or(layer)
     }
 
     /// The plan of the paths that are planned.
@@ -350,10 +369,4 @@ impl Attempt {
             self.steps = self.steps.saturating_add(more);
         }
     }
-}
-
-/// The first of some cells to which one move leads from a cell.
-fn neighbour_in<const W: usize>(map: &Map<W>, from: Cell, cells: &CellSet<W>) -> Option<Cell> {
-    let around = Move::ALL.into_iter().map(|step| map.neighbour(from, step));
-    around.filter(|&to| to != from).find(|&to| cells.contains(to))
 }

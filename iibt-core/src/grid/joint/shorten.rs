@@ -1,10 +1,11 @@
 //! Shorter joint plans out of long ones, in the memory of the search that found them.
 //!
-//! A depth-first search wanders, so a plan of its has detours. Two kinds are taken out in turn, until
-//! nothing changes: *joining* goes from each joint state at once to the last one that a single step
-//! leads to, and *holding* leaves a robot where it comes back to later, if nobody else is there in
-//! the meantime. Neither makes a shared cell, a swap or a rotation: a join is checked for them, and
-//! a robot that holds still is in no ring.
+//! A depth-first search wanders, so its plans have detours. They are taken out in three kinds of
+//! passes, in turn, until nothing changes. *Joining* goes from each joint state at once to the last
+//! one that a single step leads to. *Holding* leaves a robot on a cell that it comes back to later,
+//! if no other robot is there in the meantime. *Advancing* has a robot that waits make its next move
+//! at once, if its next cell is empty until then. None of them makes a shared cell, a swap or a
+//! rotation: joins and advances are checked for them, and a robot that holds still is in no ring.
 
 use super::super::{Cell, Map};
 use super::owned::{NOWHERE, State};
@@ -20,16 +21,23 @@ pub(super) struct Shortening {
     first: u16,
     /// The state that is next; [`NONE`] at the end of a pass.
     at: u16,
-    /// Whether robots hold in this pass; states are joined in the other ones.
-    holds: bool,
+    pass: Pass,
     changed: bool,
     passes: u8,
+}
+
+/// What is done to the states one after another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pass {
+    Join,
+    Hold,
+    Advance,
 }
 
 impl Shortening {
     /// The shortening of the plan whose states are linked from this one on.
     pub(super) const fn new(first: u16) -> Self {
-        Self { first, at: first, holds: false, changed: false, passes: 0 }
+        Self { first, at: first, pass: Pass::Join, changed: false, passes: 0 }
     }
 
     /// The state with which the plan begins.
@@ -45,7 +53,11 @@ impl Shortening {
         nodes: &mut [Node<N>],
         map: &Map<W>,
     ) -> bool {
-        self.changed |= if self.holds { hold(nodes, self.at) } else { join(nodes, map, self.at) };
+        self.changed |= match self.pass {
+            Pass::Join => join(nodes, map, self.at),
+            Pass::Hold => hold(nodes, self.at),
+            Pass::Advance => advance(nodes, self.at),
+        };
         self.at = next(nodes, self.at);
         self.at != NONE || self.turn()
     }
@@ -53,8 +65,12 @@ impl Shortening {
     /// Begins at the first state again with what comes next; returns `false` when nothing does.
     fn turn(&mut self) -> bool {
         self.at = self.first;
-        self.holds = !self.holds;
-        if self.holds {
+        self.pass = match self.pass {
+            Pass::Join => Pass::Hold,
+            Pass::Hold => Pass::Advance,
+            Pass::Advance => Pass::Join,
+        };
+        if self.pass != Pass::Join {
             return true;
         }
         self.passes += 1;
@@ -101,6 +117,23 @@ fn hold_until<const N: usize>(nodes: &mut [Node<N>], at: u16, back: u16, robot: 
     changed
 }
 
+/// Has every robot that waits make its next move at once if it can; returns whether one does.
+fn advance<const N: usize>(nodes: &mut [Node<N>], at: u16) -> bool {
+    let mut changed = false;
+    for (robot, home) in cells(nodes, at).into_iter().enumerate().filter(|&(_, home)| home != NOWHERE) {
+        let cell_in = |state: u16| cells(nodes, state).get(robot).copied().unwrap_or(home);
+        let Some(leaves) = later(nodes, at).find(|&state| cell_in(state) != home) else { continue };
+        let to = cell_in(leaves);
+        let waits = later(nodes, at).take_while(|&state| state != leaves);
+        let is_clear = !waits.map(|state| cells(nodes, state)).any(|cells| cells.contains(&to));
+        let then = cells(nodes, next(nodes, at));
+        if is_clear && !leads_back(&cells(nodes, at), &then, robot, to) {
+            changed |= hold_until(nodes, at, leaves, robot, to);
+        }
+    }
+    changed
+}
+
 /// Whether one step of all robots leads from a joint state to another.
 fn is_step<const W: usize, const N: usize>(map: &Map<W>, from: &State<N>, to: &State<N>) -> bool {
     let near = |(&from, &to): (&Cell, &Cell)| from == to || map.move_between(from, to).is_some();
@@ -126,4 +159,77 @@ fn link<const N: usize>(nodes: &mut [Node<N>], state: u16, to: u16) {
 
 fn cells<const N: usize>(nodes: &[Node<N>], state: u16) -> State<N> {
     nodes.get(usize::from(state)).map_or([NOWHERE; N], |node| node.cells)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::states::States;
+    use super::*;
+    use crate::grid::Map;
+    use std::string::String;
+    use std::vec::Vec;
+
+    /// What is left of a plan that is drawn state by state, robots as letters from `a` on.
+    #[track_caller]
+    fn check(frames: &[&str], expected: &[&str]) {
+        let width = frames[0].split(' ').next().unwrap().len();
+        let rows = frames[0].split(' ').count();
+        let map = Map::<1>::new(width as u16, rows as u16).unwrap();
+        let mut states = States::<4, 16>::new();
+        let mut last = NONE;
+        for frame in frames {
+            let signs = frame.replace(' ', "");
+            let at = |letter| signs.find(letter).map_or(NOWHERE, |cell| Cell(cell as u16));
+            last = states.add(['a', 'b', 'c', 'd'].map(at), [0; 4], last).unwrap();
+        }
+        let mut shortening = Shortening::new(states.turn_back(last));
+        while shortening.work(states.nodes_mut(), &map) {}
+        let first = states.node(shortening.first());
+        let plan = core::iter::successors(first, |node| states.node(node.link));
+        let shown: Vec<String> = plan.map(|node| picture(&node.cells, width, rows)).collect();
+        assert_eq!(shown, expected, "{frames:?}");
+    }
+
+    fn picture(cells: &State<4>, width: usize, rows: usize) -> String {
+        let mut signs = std::vec!['.'; width * rows];
+        for (name, cell) in ('a'..).zip(cells).filter(|(_, cell)| **cell != NOWHERE) {
+            signs[cell.index()] = name;
+        }
+        let rows: Vec<String> = signs.chunks(width).map(|row| row.iter().collect()).collect();
+        rows.join(" ")
+    }
+
+    #[test]
+    fn joins_states_that_are_a_step_apart() {
+        check(&["a.. ...", "... a..", "... .a.", ".a. ...", "..a ..."], &["a.. ...", ".a. ...", "..a ..."]);
+        check(&["a.b", "a.b", "ab.", "a.b", ".ab"], &["a.b", ".ab"]);
+    }
+
+    #[test]
+    fn holds_a_robot_where_no_other_comes() {
+        // Robot a makes way for nobody.
+        check(&["a.b. ....", "..b. a...", "...b a...", "a..b ...."], &["a.b. ....", "a..b ...."]);
+        // Here b passes the cell, and a has to be away.
+        let passing = ["ab ..", ".b a.", "b. a.", "b. .a", "ba .."];
+        check(&passing, &["ab ..", "b. a.", "b. .a", "ba .."]);
+    }
+
+    #[test]
+    fn advances_moves_that_wait_for_nothing() {
+        check(
+            &["a..b ....", ".a.b ....", "..ab ....", "..a. ...b", "..a. ..b."],
+            &["a..b ....", ".a.. ...b", "..a. ..b."],
+        );
+    }
+
+    #[test]
+    fn makes_no_swap_and_no_rotation_of_many_steps() {
+        // Both are one joint step apart from first to last, and the step cannot be made.
+        let swap = ["ab. ...", "a.b ...", "..b a..", ".b. a..", "b.. a..", "b.. .a.", "ba. ..."];
+        check(&swap, &["ab. ...", "b.. a..", "b.. .a.", "ba. ..."]);
+        let rotation = [
+            "ab. dc.", "a.b dc.", "a.b d.c", ".ab d.c", "dab ..c", "dab .c.", "dab c..", "da. c.b", "da. cb.",
+        ];
+        check(&rotation, &["ab. dc.", "dab c..", "da. c.b", "da. cb."]);
+    }
 }
