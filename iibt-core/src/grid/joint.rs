@@ -33,6 +33,8 @@ mod shorten;
 mod states;
 mod survey;
 #[cfg(test)]
+mod teams;
+#[cfg(test)]
 mod trials;
 mod walk;
 

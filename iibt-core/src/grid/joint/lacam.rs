@@ -19,12 +19,12 @@ use crate::grid::{Cell, Path};
 /// Plans for up to `N` robots that own their targets on maps of `W` words, searching at most `M`
 /// joint states (1 to 65,534) at a time.
 ///
-/// Robots may follow on each other's heels; no plan has a shared cell, a swap or a rotation. The
-/// plan is shortened, and not the shortest. It depends on the sizes, the calls, the problem and the
+/// Robots may follow on each other's heels. No plan has a shared cell, a swap or a rotation. The plan
+/// is shortened, and is not always the shortest. It depends on the sizes, the calls, the problem and the
 /// targets alone.
 ///
 /// It needs `M (4 N + 2)` bytes rounded up to words for the states (34 for eight robots) and `64 W
-/// N` for distances: 3.2 KB for eight robots on 64 cells with 64 states, 9.7 KB with 256.
+/// N` for distances: 3.2 KB for eight robots on 64 cells with 64 states, 9.8 KB with 256.
 ///
 /// ```
 /// use iibt_core::grid::joint::{Errand, Failure, Lacam, Problem, Target, own_targets};

@@ -5,7 +5,8 @@
 //! one that a single step leads to. *Holding* leaves a robot on a cell that it comes back to later,
 //! if no other robot is there in the meantime. *Advancing* has a robot that waits make its next move
 //! at once, if its next cell is empty until then. None of them makes a shared cell, a swap or a
-//! rotation: joins and advances are checked for them, and a robot that holds still is in no ring.
+//! rotation: a join is checked for them, a robot that holds still is in no ring, and no other robot
+//! enters the cell on which one that advances would have waited.
 
 use super::super::{Cell, Map};
 use super::owned::{NOWHERE, State};
@@ -118,6 +119,8 @@ fn hold_until<const N: usize>(nodes: &mut [Node<N>], at: u16, back: u16, robot: 
 }
 
 /// Has every robot that waits make its next move at once if it can; returns whether one does.
+///
+/// That closes no ring, for no other robot enters the cell on which it would have waited.
 fn advance<const N: usize>(nodes: &mut [Node<N>], at: u16) -> bool {
     let mut changed = false;
     for (robot, home) in cells(nodes, at).into_iter().enumerate().filter(|&(_, home)| home != NOWHERE) {
@@ -125,11 +128,8 @@ fn advance<const N: usize>(nodes: &mut [Node<N>], at: u16) -> bool {
         let Some(leaves) = later(nodes, at).find(|&state| cell_in(state) != home) else { continue };
         let to = cell_in(leaves);
         let waits = later(nodes, at).take_while(|&state| state != leaves);
-        let is_clear = !waits.map(|state| cells(nodes, state)).any(|cells| cells.contains(&to));
-        let then = cells(nodes, next(nodes, at));
-        if is_clear && !leads_back(&cells(nodes, at), &then, robot, to) {
-            changed |= hold_until(nodes, at, leaves, robot, to);
-        }
+        let is_taken = waits.map(|state| cells(nodes, state)).any(|cells| cells.contains(&to));
+        changed |= !is_taken && hold_until(nodes, at, leaves, robot, to);
     }
     changed
 }

@@ -84,6 +84,6 @@ impl<const N: usize, const M: usize> States<N, M> {
 
     fn slot(cells: &State<N>) -> usize {
         let hash = cells.iter().fold(0, |hash, cell| scramble(hash ^ u32::from(cell.0)).wrapping_add(hash));
-        (u64::from(hash) * M as u64 >> 32) as usize
+        ((u64::from(hash) * M as u64) >> 32) as usize
     }
 }
