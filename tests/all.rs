@@ -23,6 +23,9 @@ mod navigation;
 mod notebook;
 mod paper;
 mod rejected_models;
+// The path makes the modules in it lie in the folder.
+#[path = "rounds/main.rs"]
+mod rounds;
 mod safety;
 mod scenarios;
 #[path = "tasks.rs"]

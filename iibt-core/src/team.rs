@@ -27,6 +27,7 @@ mod peers;
 mod replay;
 mod robot_id;
 mod roster;
+pub mod rounds;
 
 pub use auth::{FrameAuth, Key, SipHash64, TAG_BYTES, Tag};
 pub use context::{Context, Fnv1a};

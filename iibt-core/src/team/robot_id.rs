@@ -29,7 +29,7 @@ impl RobotId {
 /// assert_eq!(Member::new(RobotId(0), 9), Err(MemberError::TeamTooLarge));
 /// # Ok::<(), MemberError>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Member {
     robot: RobotId,

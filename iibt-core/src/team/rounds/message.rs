@@ -1,0 +1,219 @@
+//! What a robot announces of a round.
+
+use super::super::{Invalid, MAX_TEAM, RobotId};
+use super::{Claim, Digest, Fact, View};
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// What a round is opened with: its number, its members, and where the others may be.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub struct Proposal<C: Claim> {
+    /// The number: the larger one supersedes. Robot `round % team` opens it.
+    pub round: u32,
+    /// The members.
+    pub view: View,
+    /// The claims of the robots left out, in the order of their numbers: walls to the members.
+    pub walls: Vec<C::Wire, MAX_TEAM>,
+}
+
+impl<C: Claim> Proposal<C> {
+    /// The round that every robot begins in: the whole team, no walls.
+    #[must_use]
+    pub const fn first(team: usize) -> Self {
+        Self { round: 0, view: View::full(team), walls: Vec::new() }
+    }
+
+    /// The robots of a team of `team` that are left out, with their claims.
+    pub fn left_out(&self, team: usize) -> impl Iterator<Item = (RobotId, C)> + Clone {
+        View::full(team).difference(self.view).iter().zip(self.walls.iter().map(C::from_wire))
+    }
+
+    /// The claim of a robot left out of a team of `team`; `None` for a member.
+    #[must_use]
+    pub fn wall(&self, robot: RobotId, team: usize) -> Option<C> {
+        self.left_out(team).find_map(|(other, claim)| (other == robot).then_some(claim))
+    }
+}
+
+/// What a policy costs a robot, by what only this robot knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Score {
+    /// How much later than the policy's end the robot expects to arrive, in 1/8 tick.
+    pub delay: u8,
+    /// What else the policy costs it (energy, wear), in 1/8 tick.
+    pub price: u8,
+}
+
+impl Score {
+    /// The number that stands for "cannot", as a delay or as a price.
+    pub const IMPOSSIBLE: u8 = u8::MAX;
+
+    /// The robot cannot follow the policy.
+    pub const CANNOT: Self = Self { delay: Self::IMPOSSIBLE, price: Self::IMPOSSIBLE };
+}
+
+/// A robot's scores of the policies of a list, in the order of the list.
+pub type Scores<const K: usize> = Vec<Score, K>;
+
+/// The chosen policy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Choice {
+    /// Its number in the list.
+    pub policy: u8,
+    /// Its posterior probability in 1/255.
+    pub probability: u8,
+}
+
+/// How far a robot is in its round.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Answer<const K: usize> {
+    /// It has announced its fact, and works on the list: so many policies are done.
+    Listing(u8),
+    /// It has scored the list that belongs to the digest.
+    Scored {
+        /// What the list was made from.
+        digest: Digest,
+        /// The scores.
+        scores: Scores<K>,
+    },
+    /// It knows every member's scores, and so the choice.
+    Decided {
+        /// What the list was made from.
+        digest: Digest,
+        /// Its scores, until every member has said that it has decided.
+        scores: Option<Scores<K>>,
+        /// The choice; `None` if every policy is impossible for some member.
+        choice: Option<Choice>,
+        /// The number of steps of its path that are done.
+        step: u16,
+    },
+}
+
+impl<const K: usize> Answer<K> {
+    /// The digest of the list that the robot has scored.
+    #[must_use]
+    pub const fn digest(&self) -> Option<Digest> {
+        match self {
+            Self::Listing(_) => None,
+            Self::Scored { digest, .. } | Self::Decided { digest, .. } => Some(*digest),
+        }
+    }
+
+    /// The robot's scores, as long as it sends them.
+    #[must_use]
+    pub const fn scores(&self) -> Option<&Scores<K>> {
+        match self {
+            Self::Listing(_) => None,
+            Self::Scored { scores, .. } => Some(scores),
+            Self::Decided { scores, .. } => scores.as_ref(),
+        }
+    }
+
+    /// The number of steps done: zero before the robot has decided.
+    #[must_use]
+    pub const fn step(&self) -> u16 {
+        if let Self::Decided { step, .. } = self { *step } else { 0 }
+    }
+}
+
+/// The part of a task's message that belongs to the rounds.
+///
+/// In postcard: number (varint of 1 to 5 bytes), view (1), walls (a count and one each), the fact,
+/// then a tag byte and the answer. Two bytes a policy, as long as they are needed.
+///
+/// ```
+/// use iibt_core::team::rounds::{Answer, Fact, Proposal, RoundMessage};
+/// use serde::{Deserialize, Serialize};
+///
+/// #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+/// struct Reading(u8);
+///
+/// impl Fact for Reading {
+///     type Claim = ();
+///     const MAX_BYTES: usize = 1;
+///
+///     fn anchor(&self) {}
+/// }
+///
+/// let message = RoundMessage::<Reading, 4> {
+///     proposal: Proposal { round: 300, ..Proposal::first(3) },
+///     fact: Reading(7),
+///     answer: Answer::Listing(2),
+/// };
+/// assert!(message.validate(3).is_ok());
+/// assert!(message.validate(2).is_err(), "its view has three members");
+/// let mut buffer = [0; RoundMessage::<Reading, 4>::MAX_BYTES];
+/// let bytes = postcard::to_slice(&message, &mut buffer)?;
+/// assert_eq!(bytes, &[0xac, 0x02, 0b111, 0, 7, 0, 2]);
+/// # Ok::<(), postcard::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub struct RoundMessage<F: Fact, const K: usize> {
+    /// The round that the robot is in.
+    pub proposal: Proposal<F::Claim>,
+    /// Its fact, frozen when it joined.
+    pub fact: F,
+    /// How far it is.
+    pub answer: Answer<K>,
+}
+
+impl<F: Fact, const K: usize> RoundMessage<F, K> {
+    /// The layout, for the [`SCHEMA`](super::super::Message::SCHEMA) of a message that holds this
+    /// part; the task adds what its fact and its claim are.
+    pub const LAYOUT: &'static str = "round u32; view u8; walls sequence; fact; answer Listing u8, \
+        Scored digest 4 u8 scores sequence u8 u8, Decided digest 4 u8 option scores option policy u8 \
+        probability u8 step u16";
+
+    /// The longest encoding in bytes.
+    pub const MAX_BYTES: usize = {
+        assert!(K < 128, "one byte counts the scores");
+        let proposal = 5 + 1 + 1 + <F::Claim as Claim>::WIRE_BYTES;
+        let decided = 4 + (1 + 1 + 2 * K) + (1 + 2) + 3;
+        proposal + F::MAX_BYTES + 1 + decided
+    };
+
+    /// The view has robots that the team does not have.
+    pub const STRANGER: Invalid = Invalid("the view has a robot that the team does not have");
+    /// There is not one wall for each robot that is left out.
+    pub const WALLS: Invalid = Invalid("there is not one wall for each robot left out");
+    /// More policies are done than a list has.
+    pub const LISTING: Invalid = Invalid("more policies are done than a list can have");
+    /// The chosen policy is not in the list.
+    pub const CHOICE: Invalid = Invalid("the chosen policy is beyond the end of the list");
+
+    /// Checks what the types do not say, for a team of `team` robots.
+    ///
+    /// # Errors
+    /// [`Invalid`] with the first value that is out of its range.
+    pub fn validate(&self, team: usize) -> Result<(), Invalid> {
+        let Proposal { view, walls, .. } = &self.proposal;
+        if !view.fits(team) {
+            return Err(Self::STRANGER);
+        }
+        if view.len() + walls.len() != team.min(MAX_TEAM) {
+            return Err(Self::WALLS);
+        }
+        match &self.answer {
+            Answer::Listing(done) if usize::from(*done) > K => Err(Self::LISTING),
+            Answer::Decided { scores, choice: Some(choice), .. }
+                if usize::from(choice.policy) >= scores.as_ref().map_or(K, |scores| scores.len()) =>
+            {
+                Err(Self::CHOICE)
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl<F: Fact + defmt::Format, const K: usize> defmt::Format for RoundMessage<F, K> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let Proposal { round, view, .. } = &self.proposal;
+        defmt::write!(f, "round {} {} {} {}", round, view, self.fact, self.answer);
+    }
+}

@@ -1,0 +1,244 @@
+//! When to open a round: what a robot wants, and how long it bears with the others.
+
+use super::super::{MAX_TEAM, RobotId, Stamp};
+use super::{Fact, JointPolicies, Protocol, Teammates, View, Waiting};
+
+/// How long a robot waits before it opens a round, in ticks.
+///
+/// ```
+/// use iibt_core::team::rounds::Timing;
+///
+/// assert_eq!(Timing::DEFAULT.lost_after(), 20);
+/// assert_eq!(Timing::new(30, 10).map(|timing| timing.lost_after()), Some(30));
+/// assert_eq!(Timing::new(19, 10), None, "ten losses in a row are common among eight robots");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Timing {
+    lost_after: u16,
+    refractory: u16,
+}
+
+impl Timing {
+    /// Lost after 20 ticks, 10 ticks between two rounds that a robot opens by its own wish.
+    pub const DEFAULT: Self = Self { lost_after: Self::LEAST, refractory: 10 };
+
+    /// The least time before a teammate is left out.
+    pub const LEAST: u16 = 20;
+
+    /// A teammate that blocks is left out after so many ticks in which it was not heard, or twice
+    /// as many in which it was heard without progress. After a round that a robot opened by its own
+    /// wish, it opens no other before it has moved or the refractory time is over.
+    ///
+    /// `None` if the first is below [`LEAST`](Self::LEAST).
+    #[must_use]
+    pub const fn new(lost_after: u16, refractory: u16) -> Option<Self> {
+        if lost_after < Self::LEAST { None } else { Some(Self { lost_after, refractory }) }
+    }
+
+    /// How long a teammate that blocks may be silent.
+    #[must_use]
+    pub const fn lost_after(self) -> u16 {
+        self.lost_after
+    }
+}
+
+/// Whether a robot needs another decision, by what it has learned since its fact was frozen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Want {
+    /// It does not.
+    #[default]
+    Nothing,
+    /// Another would be better: not twice within the refractory time.
+    Better,
+    /// It cannot go on with the present one, because its way is blocked: at once.
+    Needed,
+}
+
+/// What a robot remembers to tell a teammate that is slow from one that is lost.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Patience {
+    timing: Timing,
+    teammates: [Acquaintance; MAX_TEAM],
+    /// The view of the round before.
+    view: View,
+    /// Ticks with trouble that another round would end.
+    trouble: u16,
+    /// Ticks until the next wish is granted.
+    refractory: u16,
+}
+
+/// One teammate over time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+struct Acquaintance {
+    stamp: Stamp,
+    progress: (u32, u8, u16),
+    /// Grows while the teammate blocks without progress: by two for a tick in silence, else by one.
+    quiet: u16,
+    /// Ticks that it has stood in this round, left out.
+    standing: u16,
+    /// Ticks that it must, before it is taken in.
+    backoff: u16,
+}
+
+impl Acquaintance {
+    const LONGEST_BACKOFF: u16 = 1280;
+
+    const NEW: Self = Self {
+        stamp: Stamp { epoch: 0, sequence: 0 },
+        progress: (0, 0, 0),
+        quiet: 0,
+        standing: 0,
+        backoff: 0,
+    };
+
+    /// Waits longer before the next readmission.
+    fn back_off(&mut self) {
+        let doubled = self.backoff.saturating_mul(2);
+        self.backoff = doubled.clamp(Timing::LEAST, Self::LONGEST_BACKOFF);
+    }
+}
+
+impl Patience {
+    pub(super) const fn new(timing: Timing, view: View) -> Self {
+        let teammates = [Acquaintance::NEW; MAX_TEAM];
+        Self { timing, teammates, view, trouble: 0, refractory: 0 }
+    }
+
+    /// Takes in a tick, after the newest messages were heard.
+    pub(super) fn observe<F, L, const K: usize>(
+        &mut self,
+        protocol: &Protocol<F, K>,
+        teammates: &Teammates<'_, F, K>,
+        list: &L,
+    ) where
+        F: Fact,
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        self.refractory = if protocol.step() > 0 { 0 } else { self.refractory.saturating_sub(1) };
+        let blocking = blocking(protocol, teammates, list);
+        let view = protocol.proposal().view;
+        for (robot, acquaintance) in (0..).map(RobotId).zip(&mut self.teammates) {
+            if view.difference(self.view).contains(robot) {
+                acquaintance.back_off();
+            }
+            let heard = protocol.newest(robot, teammates);
+            let stamp = heard.map_or(acquaintance.stamp, |heard| heard.stamp);
+            let progress = heard.map_or(acquaintance.progress, Protocol::progress);
+            let works = heard.is_some_and(|heard| protocol.follows(heard) && progress.2 > 0);
+            if stamp.epoch != acquaintance.stamp.epoch || works {
+                acquaintance.backoff = 0;
+            }
+            let silence = if stamp == acquaintance.stamp { 2 } else { 1 };
+            let is_stuck = blocking.contains(robot) && progress == acquaintance.progress;
+            acquaintance.quiet = if is_stuck { acquaintance.quiet.saturating_add(silence) } else { 0 };
+            let is_outside = !view.contains(robot) && protocol.is_in_round(robot, teammates).is_ok();
+            acquaintance.standing = if is_outside { acquaintance.standing.saturating_add(1) } else { 0 };
+            (acquaintance.stamp, acquaintance.progress) = (stamp, progress);
+        }
+        self.view = view;
+    }
+
+    /// The view to open a round with now, if there is a reason.
+    pub(super) fn view_to_open<F, L, const K: usize>(
+        &mut self,
+        want: Want,
+        protocol: &Protocol<F, K>,
+        teammates: &Teammates<'_, F, K>,
+        list: &L,
+    ) -> Option<View>
+    where
+        F: Fact,
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        let view = self.best_view(protocol)?;
+        let is_troubled = view != protocol.proposal().view || is_contradicted(protocol, teammates, list);
+        self.trouble = if is_troubled { self.trouble.saturating_add(1) } else { 0 };
+        if self.trouble > 2 + 2 * u16::from(protocol.member().robot().0) {
+            self.trouble = 0;
+            return Some(view);
+        }
+        self.is_granted(want, protocol).then_some(view)
+    }
+
+    /// A teammate that is lost and cannot be left out.
+    pub(super) fn stranded<F: Fact, const K: usize>(&self, protocol: &Protocol<F, K>) -> Option<Waiting> {
+        let lost = self.lost(protocol);
+        let view = protocol.proposal().view.difference(lost);
+        let robot = lost.iter().next()?;
+        match protocol.may_open(view) {
+            Err(Waiting::Quorum(_)) => Some(Waiting::Quorum(robot)),
+            other => other.err(),
+        }
+    }
+
+    fn is_granted<F: Fact, const K: usize>(&mut self, want: Want, protocol: &Protocol<F, K>) -> bool {
+        // A round that is being decided goes first: robots that learn something at every tick would
+        // otherwise decide nothing.
+        let is_granted = protocol.has_decided()
+            && match want {
+                Want::Nothing => false,
+                Want::Better => self.refractory == 0,
+                Want::Needed => true,
+            };
+        if is_granted {
+            self.refractory = self.timing.refractory;
+        }
+        is_granted
+    }
+
+    /// The present members without those that are lost, and with those that stand outside.
+    fn best_view<F: Fact, const K: usize>(&self, protocol: &Protocol<F, K>) -> Option<View> {
+        let back = self.those(|acquaintance| acquaintance.standing > acquaintance.backoff);
+        let grown = protocol.proposal().view.union(back);
+        let views = [grown.difference(self.lost(protocol)), grown];
+        views.into_iter().find(|&view| protocol.may_open(view).is_ok())
+    }
+
+    fn lost<F: Fact, const K: usize>(&self, protocol: &Protocol<F, K>) -> View {
+        let limit = self.timing.lost_after.saturating_mul(2);
+        let lost = self.those(|acquaintance| acquaintance.quiet >= limit);
+        protocol.others().filter(|&robot| lost.contains(robot)).collect()
+    }
+
+    fn those(&self, is_one: impl Fn(&Acquaintance) -> bool) -> View {
+        let robots = (0..).map(RobotId).zip(&self.teammates);
+        robots.filter(|(_, acquaintance)| is_one(acquaintance)).map(|(robot, _)| robot).collect()
+    }
+}
+
+/// The members that keep a robot from going on.
+fn blocking<F, L, const K: usize>(
+    protocol: &Protocol<F, K>,
+    teammates: &Teammates<'_, F, K>,
+    list: &L,
+) -> View
+where
+    F: Fact,
+    L: JointPolicies<Claim = F::Claim>,
+{
+    let members: View =
+        protocol.others().filter(|&robot| protocol.obstacle(robot, teammates, list).is_some()).collect();
+    match protocol.common(teammates) {
+        Err(Waiting::Overlap(one, other)) => members.with(one).with(other),
+        _ => members,
+    }
+}
+
+/// Whether the present round cannot be decided, however long one waits.
+fn is_contradicted<F, L, const K: usize>(
+    protocol: &Protocol<F, K>,
+    teammates: &Teammates<'_, F, K>,
+    list: &L,
+) -> bool
+where
+    F: Fact,
+    L: JointPolicies<Claim = F::Claim>,
+{
+    let is_void = |robot| {
+        matches!(protocol.obstacle(robot, teammates, list), Some(Waiting::Outdated(_) | Waiting::Proposal(_)))
+    };
+    let is_refused = protocol.digest().is_none() && matches!(protocol.accepts_walls(), Err(Waiting::Wall(_)));
+    is_refused || protocol.others().any(is_void)
+}

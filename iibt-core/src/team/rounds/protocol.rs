@@ -1,0 +1,531 @@
+//! The rules that safety rests on: what one robot may join, open, score and decide.
+
+use super::super::{MAX_TEAM, Member, RobotId};
+use super::digest::Digester;
+use super::{
+    Answer, Choice, Claim, Digest, Fact, Heard, JointPolicies, Proposal, RoundMessage, Scores, Teammates,
+    View, Waiting, choose,
+};
+use crate::bounded::up_to;
+
+/// What happened in a tick, for the log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Event {
+    /// The robot joined the round of this number.
+    Joined(u32),
+    /// It opened the round of this number.
+    Opened(u32),
+    /// It knows the choice: the number of the policy, or that all are impossible.
+    Decided(Option<usize>),
+}
+
+/// One robot's place in the rounds: all that it says and does follows from this state and from the
+/// newest messages of the others.
+///
+/// It has no clock: whatever the radio loses, delays or repeats, and whenever robots open rounds or
+/// start again, no two plans meet. When to open a round is left to [`Rounds`](super::Rounds).
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Protocol<F: Fact, const K: usize> {
+    member: Member,
+    epoch: u32,
+    mission: u64,
+    proposal: Proposal<F::Claim>,
+    fact: F,
+    given: Option<Given<K>>,
+    located: [Location<F::Claim>; MAX_TEAM],
+}
+
+/// The scores that a robot has given in its round.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Given<const K: usize> {
+    digest: Digest,
+    scores: Scores<K>,
+    /// The epochs of the members, under the digest.
+    epochs: [u32; MAX_TEAM],
+    plan: Option<Plan>,
+}
+
+/// What all members decided, and how far this robot is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Plan {
+    policy: Option<u8>,
+    step: u16,
+}
+
+/// Where a teammate may be.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Location<C> {
+    /// `None`: anywhere, because this robot does not know what it was told before it started.
+    reach: Option<C>,
+    /// Epoch and round of the newest message that was taken into account.
+    known: (u32, u32),
+}
+
+impl<F: Fact, const K: usize> Protocol<F, K> {
+    /// The state of a robot that has just started, for the `epoch`-th time, and stands.
+    ///
+    /// The epoch must be larger than in any start before. `mission` stands for whatever else the
+    /// list depends on: the mission and the sizes of its generator.
+    #[must_use]
+    pub const fn new(member: Member, epoch: u32, mission: u64, fact: F) -> Self {
+        Self {
+            member,
+            epoch,
+            mission,
+            proposal: Proposal::first(member.team()),
+            fact,
+            given: None,
+            located: [const { Location { reach: None, known: (0, 0) } }; MAX_TEAM],
+        }
+    }
+
+    /// The robot and its team.
+    #[must_use]
+    pub const fn member(&self) -> Member {
+        self.member
+    }
+
+    /// The round that the robot is in.
+    #[must_use]
+    pub const fn proposal(&self) -> &Proposal<F::Claim> {
+        &self.proposal
+    }
+
+    /// Its fact, frozen when it joined.
+    #[must_use]
+    pub const fn fact(&self) -> &F {
+        &self.fact
+    }
+
+    /// The digest of the list that it has scored.
+    #[must_use]
+    pub fn digest(&self) -> Option<Digest> {
+        self.given.as_ref().map(|given| given.digest)
+    }
+
+    /// Whether it knows what all members decided.
+    #[must_use]
+    pub fn has_decided(&self) -> bool {
+        self.plan().is_some()
+    }
+
+    /// The policy that all members decided on; `None` before, and if all are impossible.
+    #[must_use]
+    pub fn policy(&self) -> Option<usize> {
+        self.plan()?.policy.map(usize::from)
+    }
+
+    /// The number of steps of its path that are done.
+    #[must_use]
+    pub fn step(&self) -> u16 {
+        self.plan().map_or(0, |plan| plan.step)
+    }
+
+    /// Where a teammate may be; `None`: anywhere.
+    #[must_use]
+    pub fn reach(&self, robot: RobotId) -> Option<&F::Claim> {
+        self.located.get(robot.index())?.reach.as_ref()
+    }
+
+    /// Hears the teammates; then joins a newer round, if the robot stands at the place of `fact`, or
+    /// decides, if it can. `list` is the one that was scored in this round; before, it is not looked
+    /// at.
+    pub fn attend<L>(
+        &mut self,
+        fact: &F,
+        is_standing: bool,
+        teammates: &Teammates<'_, F, K>,
+        list: &L,
+    ) -> Option<Event>
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        self.hear(teammates, list);
+        if is_standing && self.join(fact, teammates) {
+            Some(Event::Joined(self.proposal.round))
+        } else if self.decide(list, teammates) {
+            Some(Event::Decided(self.policy()))
+        } else {
+            None
+        }
+    }
+
+    /// Takes in where the teammates may be by what they say. The list is the one that was scored in
+    /// this round.
+    fn hear<L>(&mut self, teammates: &Teammates<'_, F, K>, list: &L)
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        for (robot, heard) in teammates.iter() {
+            self.locate(robot, heard, list);
+        }
+    }
+
+    /// Joins the newest round that a teammate is in, if it is newer than the own; returns whether
+    /// it did.
+    ///
+    /// Call it only while the robot stands at the place of `fact`.
+    fn join(&mut self, fact: &F, teammates: &Teammates<'_, F, K>) -> bool {
+        let heard = teammates.iter().filter(|&(robot, heard)| self.is_current(robot, heard));
+        let newest = heard.map(|(_, heard)| &heard.message.proposal).max_by_key(|proposal| proposal.round);
+        let newer = newest.filter(|proposal| proposal.round > self.proposal.round);
+        if let Some(proposal) = newer {
+            self.enter(proposal.clone(), fact);
+        }
+        newer.is_some()
+    }
+
+    /// Opens a round with these members.
+    ///
+    /// Call it only while the robot stands at the place of `fact`.
+    ///
+    /// # Errors
+    /// What is in the way, as of [`may_open`](Self::may_open); nothing has changed.
+    pub fn open(&mut self, view: View, fact: &F) -> Result<(), Waiting> {
+        let round = self.may_open(view)?;
+        let left_out = View::full(self.member.team()).difference(view);
+        let walls = left_out.iter().map(|robot| self.wall_of(robot).to_wire(left_out.len()));
+        self.enter(Proposal { round, view, walls: up_to(walls) }, fact);
+        Ok(())
+    }
+
+    /// Returns the number of the round that the robot could open with these members.
+    ///
+    /// # Errors
+    /// What the robot waits for if it may not: the view is [no quorum](Waiting::Quorum) or [without
+    /// it](Waiting::Members), a robot left out may be [anywhere](Waiting::Unheard), or [no number is
+    /// left](Waiting::Rounds).
+    pub fn may_open(&self, view: View) -> Result<u32, Waiting> {
+        self.is_seated(view)?;
+        let left_out = View::full(self.member.team()).difference(view);
+        if let Some(robot) = left_out.iter().find(|&robot| self.reach(robot).is_none()) {
+            return Err(Waiting::Unheard(robot));
+        }
+        self.next_round().ok_or(Waiting::Rounds)
+    }
+
+    /// Returns the digest of the list to work on now, from [these facts](Self::facts) with [these
+    /// walls](Proposal::left_out). Whenever it changes, the work begins again.
+    #[must_use]
+    pub fn wanted(&self, teammates: &Teammates<'_, F, K>) -> Option<Digest> {
+        self.common(teammates).ok().filter(|_| self.given.is_none())
+    }
+
+    /// Gives this robot's scores of the list that belongs to a digest.
+    ///
+    /// A robot gives once in a round, and does not change what it gave.
+    ///
+    /// # Errors
+    /// What is missing: [the list](Waiting::List) if this one belongs to other facts. Nothing has
+    /// changed then.
+    pub fn give<L>(
+        &mut self,
+        digest: Digest,
+        scores: Scores<K>,
+        list: &L,
+        teammates: &Teammates<'_, F, K>,
+    ) -> Result<(), Waiting>
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        if self.given.is_some() || self.common(teammates)? != digest {
+            return Err(Waiting::List);
+        }
+        // Before anything is sent: once the scores are out, a teammate may follow any policy.
+        self.widen(list);
+        self.given = Some(Given { digest, scores, epochs: self.epochs(teammates), plan: None });
+        self.decide(list, teammates);
+        Ok(())
+    }
+
+    /// Decides, if every member's scores of the same list are known; returns whether it did.
+    fn decide<L>(&mut self, list: &L, teammates: &Teammates<'_, F, K>) -> bool
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        let Some(plan) = self.decided(list, teammates) else { return false };
+        if let Some(given) = &mut self.given {
+            given.plan = Some(plan);
+        }
+        self.hear(teammates, list);
+        true
+    }
+
+    /// Counts a step of the path, once the robot is at its end.
+    pub fn advance(&mut self) {
+        if let Some(plan) = self.given.as_mut().and_then(|given| given.plan.as_mut()) {
+            plan.step = plan.step.saturating_add(1);
+        }
+    }
+
+    /// What to announce now. `listed` policies of the list are done; the choice has this
+    /// probability, in 1/255.
+    #[must_use]
+    pub fn message(
+        &self,
+        teammates: &Teammates<'_, F, K>,
+        listed: u8,
+        probability: u8,
+    ) -> RoundMessage<F, K> {
+        let answer = match &self.given {
+            None => Answer::Listing(listed.min(K as u8)),
+            Some(Given { digest, scores, plan: None, .. }) => {
+                Answer::Scored { digest: *digest, scores: scores.clone() }
+            }
+            Some(Given { digest, scores, plan: Some(plan), .. }) => Answer::Decided {
+                digest: *digest,
+                scores: Some(scores.clone()).filter(|_| !self.all_have_decided(teammates)),
+                choice: plan.policy.map(|policy| Choice { policy, probability }),
+                step: plan.step,
+            },
+        };
+        RoundMessage { proposal: self.proposal.clone(), fact: self.fact.clone(), answer }
+    }
+
+    /// The facts of the members that are known to be in this round, in the order of the robots.
+    pub fn facts<'a>(
+        &'a self,
+        teammates: &Teammates<'a, F, K>,
+    ) -> impl Iterator<Item = (RobotId, &'a F)> + Clone {
+        let teammates = *teammates;
+        let fact = move |robot| Some((robot, self.declared(robot, &teammates)?.1));
+        self.proposal.view.iter().filter_map(fact)
+    }
+
+    /// The other members of the round.
+    pub(super) fn others(&self) -> impl Iterator<Item = RobotId> + Clone + use<F, K> {
+        self.proposal.view.without(self.member.robot()).iter()
+    }
+
+    /// The newest message of a robot, unless it is of an earlier start than one known before.
+    pub(super) fn newest<'a>(
+        &self,
+        robot: RobotId,
+        teammates: &Teammates<'a, F, K>,
+    ) -> Option<Heard<'a, F, K>> {
+        teammates.get(robot).filter(|&heard| self.is_current(robot, heard))
+    }
+
+    /// Whether a robot has scored the list that this one has scored, in this round.
+    pub(super) fn follows(&self, heard: Heard<'_, F, K>) -> bool {
+        let message = heard.message;
+        let digest = message.answer.digest();
+        message.proposal.round == self.proposal.round && digest.is_some() && digest == self.digest()
+    }
+
+    /// Whether the epoch of a robot is another than the one under the digest.
+    pub(super) fn has_restarted(&self, robot: RobotId, heard: Heard<'_, F, K>) -> bool {
+        let epoch = self.given.as_ref().and_then(|given| given.epochs.get(robot.index()));
+        epoch.is_some_and(|&epoch| epoch != heard.stamp.epoch)
+    }
+
+    /// Whether the robot is in a view that may decide.
+    pub(super) fn is_seated(&self, view: View) -> Result<(), Waiting> {
+        let team = self.member.team();
+        if !view.contains(self.member.robot()) {
+            return Err(Waiting::Members);
+        }
+        match View::full(team).difference(view).iter().next() {
+            Some(robot) if !view.is_quorum(team) => Err(Waiting::Quorum(robot)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether every robot that is left out is where the round says: what a member must know before
+    /// it takes part.
+    pub(super) fn accepts_walls(&self) -> Result<(), Waiting> {
+        let left_out = View::full(self.member.team()).difference(self.proposal.view);
+        for robot in left_out.iter() {
+            let Some(reach) = self.reach(robot) else { return Err(Waiting::Unheard(robot)) };
+            let wall = self.proposal.wall(robot, self.member.team());
+            if !wall.is_some_and(|wall| wall.contains(reach)) {
+                return Err(Waiting::Wall(robot));
+            }
+        }
+        Ok(())
+    }
+
+    /// The digest of what all members decide from.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub(super) fn common(&self, teammates: &Teammates<'_, F, K>) -> Result<Digest, Waiting> {
+        self.is_seated(self.proposal.view)?;
+        for robot in self.others() {
+            self.is_in_round(robot, teammates)?;
+        }
+        self.is_disjoint(teammates)?;
+        self.accepts_walls()?;
+        Ok(self.sum(teammates))
+    }
+
+    /// Whether a member is known to be in this round, with the same members and walls.
+    pub(super) fn is_in_round(&self, robot: RobotId, teammates: &Teammates<'_, F, K>) -> Result<(), Waiting> {
+        let heard = self.newest(robot, teammates).ok_or(Waiting::Unheard(robot))?;
+        if heard.message.proposal.round != self.proposal.round {
+            Err(Waiting::Fact(robot))
+        } else if heard.message.proposal != self.proposal {
+            Err(Waiting::Proposal(robot))
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Whether no two members claim the same place. They can, if one message is outdated.
+    fn is_disjoint(&self, teammates: &Teammates<'_, F, K>) -> Result<(), Waiting> {
+        for (robot, fact) in self.facts(teammates) {
+            let anchor = fact.anchor();
+            let mut others = self.facts(teammates).filter(|&(other, _)| other > robot);
+            if let Some((other, _)) = others.find(|(_, fact)| fact.anchor().overlaps(&anchor)) {
+                let is_own = robot == self.member.robot();
+                return Err(if is_own {
+                    Waiting::Overlap(other, robot)
+                } else {
+                    Waiting::Overlap(robot, other)
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn sum(&self, teammates: &Teammates<'_, F, K>) -> Digest {
+        let members = self.proposal.view.iter().filter_map(|robot| self.declared(robot, teammates));
+        members
+            .fold(Digester::new(self.mission).absorb(&self.proposal), |sum, member| sum.absorb(&member))
+            .finish()
+    }
+
+    /// Epoch and fact of a member that is in this round.
+    fn declared<'a>(&'a self, robot: RobotId, teammates: &Teammates<'a, F, K>) -> Option<(u32, &'a F)> {
+        if robot == self.member.robot() {
+            return Some((self.epoch, &self.fact));
+        }
+        let heard = self.newest(robot, teammates)?;
+        (heard.message.proposal == self.proposal).then_some((heard.stamp.epoch, &heard.message.fact))
+    }
+
+    fn epochs(&self, teammates: &Teammates<'_, F, K>) -> [u32; MAX_TEAM] {
+        let mut epochs = [0; MAX_TEAM];
+        for (robot, epoch) in (0..).map(RobotId).zip(&mut epochs) {
+            *epoch = self.declared(robot, teammates).map_or(0, |(epoch, _)| epoch);
+        }
+        epochs
+    }
+
+    fn is_current(&self, robot: RobotId, heard: Heard<'_, F, K>) -> bool {
+        self.located.get(robot.index()).is_some_and(|location| heard.stamp.epoch >= location.known.0)
+    }
+
+    /// Takes in where one teammate may be.
+    fn locate<L>(&mut self, robot: RobotId, heard: Heard<'_, F, K>, list: &L)
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        let message = heard.message;
+        let rest = self.follows(heard).then(|| self.rest(robot, heard, list));
+        let Some(location) = self.located.get_mut(robot.index()) else { return };
+        let stamp = (heard.stamp.epoch, message.proposal.round);
+        if stamp < location.known {
+            return;
+        }
+        // A robot that has just started believes no message before one that answers its new epoch:
+        // the teammate may be on a plan that it has heard of in its life before.
+        let anchor = || message.fact.anchor();
+        let is_news = stamp > location.known && location.reach.is_some();
+        location.known = stamp;
+        if let Some(reach) = rest.or_else(|| is_news.then(anchor)) {
+            location.reach = Some(reach);
+        }
+    }
+
+    /// What a teammate that follows may still occupy: the rest of its path, or of all paths as long
+    /// as the choice is not known.
+    fn rest<L>(&self, robot: RobotId, heard: Heard<'_, F, K>, list: &L) -> F::Claim
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        let (anchor, step) = (heard.message.fact.anchor(), heard.message.answer.step());
+        match self.plan() {
+            Some(Plan { policy: Some(policy), .. }) => list.claim((*policy).into(), robot, step),
+            Some(Plan { policy: None, .. }) => anchor,
+            None => any_of(list, robot, step, anchor),
+        }
+    }
+
+    /// Takes in that every other member may follow any policy, and that those left out are within
+    /// their walls.
+    fn widen<L>(&mut self, list: &L)
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        let (own, team) = (self.member.robot(), self.member.team());
+        for (robot, location) in (0..).map(RobotId).zip(&mut self.located) {
+            if let Some(wall) = self.proposal.wall(robot, team) {
+                location.reach = Some(wall);
+            } else if let Some(reach) = location.reach.take_if(|_| robot != own && robot.index() < team) {
+                location.reach = Some(any_of(list, robot, 0, reach));
+            }
+        }
+    }
+
+    fn decided<L>(&self, list: &L, teammates: &Teammates<'_, F, K>) -> Option<Plan>
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        let given = self.given.as_ref().filter(|given| given.plan.is_none())?;
+        let scored = |robot| {
+            if robot == self.member.robot() {
+                return Some((robot, given.scores.as_slice()));
+            }
+            let heard = self.newest(robot, teammates).filter(|&heard| self.follows(heard))?;
+            Some((robot, heard.message.answer.scores()?.as_slice()))
+        };
+        let members = self.proposal.view.iter();
+        if members.clone().any(|robot| scored(robot).is_none()) {
+            return None;
+        }
+        let policy = choose(list, members.filter_map(scored));
+        Some(Plan { policy: policy.and_then(|policy| u8::try_from(policy).ok()), step: 0 })
+    }
+
+    fn all_have_decided(&self, teammates: &Teammates<'_, F, K>) -> bool {
+        self.others().all(|robot| {
+            let heard = self.newest(robot, teammates).filter(|&heard| self.follows(heard));
+            heard.is_some_and(|heard| matches!(heard.message.answer, Answer::Decided { .. }))
+        })
+    }
+
+    fn plan(&self) -> Option<&Plan> {
+        self.given.as_ref()?.plan.as_ref()
+    }
+
+    fn enter(&mut self, proposal: Proposal<F::Claim>, fact: &F) {
+        self.proposal = proposal;
+        self.fact = fact.clone();
+        self.given = None;
+    }
+
+    /// The claim of a robot to be left out: with that of the present round, if this robot refuses
+    /// it, so that no two robots refuse each other's for ever.
+    fn wall_of(&self, robot: RobotId) -> F::Claim {
+        let reach = self.reach(robot).cloned().unwrap_or(F::Claim::EMPTY);
+        match self.proposal.wall(robot, self.member.team()) {
+            Some(wall) if self.accepts_walls().is_err() => wall.union(&reach),
+            _ => reach,
+        }
+    }
+
+    /// The next number of this robot above the present round. Every robot has numbers of its own,
+    /// so that no two robots open the same round.
+    fn next_round(&self) -> Option<u32> {
+        let team = self.member.team().max(1) as u32;
+        let ahead = (u32::from(self.member.robot().0) + team - self.proposal.round % team - 1) % team + 1;
+        self.proposal.round.checked_add(ahead)
+    }
+}
+
+/// What a robot may occupy on any path of a list from a step on, and `more`.
+fn any_of<L: JointPolicies>(list: &L, robot: RobotId, step: u16, more: L::Claim) -> L::Claim {
+    (0..list.len()).fold(more, |reach, policy| reach.union(&list.claim(policy, robot, step)))
+}

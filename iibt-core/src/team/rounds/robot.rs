@@ -1,0 +1,128 @@
+//! One robot's rounds, tick by tick.
+
+use super::super::Member;
+use super::patience::Patience;
+use super::{
+    Digest, Event, Fact, JointPolicies, Proposal, Protocol, RoundMessage, Scores, Teammates, Timing, Waiting,
+    Want,
+};
+
+/// What a robot brings to a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Own<'a, F> {
+    /// Its fact as of now, to be frozen if a round begins.
+    pub fact: &'a F,
+    /// Whether it stands at the place of the fact, between no two others.
+    pub is_standing: bool,
+    /// Whether it needs another decision.
+    pub want: Want,
+}
+
+/// The rounds of one robot: the [`Protocol`], and when to open a round.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Rounds<F: Fact, const K: usize> {
+    protocol: Protocol<F, K>,
+    patience: Patience,
+}
+
+impl<F: Fact, const K: usize> Rounds<F, K> {
+    /// The rounds of a robot that has just started; see [`Protocol::new`].
+    #[must_use]
+    pub const fn new(member: Member, epoch: u32, mission: u64, fact: F, timing: Timing) -> Self {
+        Self::of(Protocol::new(member, epoch, mission, fact), timing)
+    }
+
+    /// The rounds of a robot in this state, which has not yet waited for anything.
+    #[must_use]
+    pub const fn of(protocol: Protocol<F, K>, timing: Timing) -> Self {
+        let patience = Patience::new(timing, protocol.proposal().view);
+        Self { protocol, patience }
+    }
+
+    /// Hears the teammates, and joins, opens or decides what there is to.
+    ///
+    /// Call it once in every tick, then [work on the list](Self::wanted), then
+    /// [move](Self::may_move), then [announce](Self::message). `list` is the one that was scored in
+    /// this round; before, it is not looked at.
+    pub fn tick<L>(&mut self, own: Own<'_, F>, teammates: &Teammates<'_, F, K>, list: &L) -> Option<Event>
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        let event = self.protocol.attend(own.fact, own.is_standing, teammates, list);
+        self.patience.observe(&self.protocol, teammates, list);
+        if event.is_some() || !own.is_standing {
+            return event;
+        }
+        let view = self.patience.view_to_open(own.want, &self.protocol, teammates, list)?;
+        self.protocol.open(view, own.fact).ok()?;
+        Some(Event::Opened(self.protocol.proposal().round))
+    }
+
+    /// The digest of the list to work on; see [`Protocol::wanted`].
+    #[must_use]
+    pub fn wanted(&self, teammates: &Teammates<'_, F, K>) -> Option<Digest> {
+        self.protocol.wanted(teammates)
+    }
+
+    /// Gives the scores of the finished list, and decides if they are the last; see
+    /// [`Protocol::give`].
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn give<L>(
+        &mut self,
+        digest: Digest,
+        scores: Scores<K>,
+        list: &L,
+        teammates: &Teammates<'_, F, K>,
+    ) -> Result<(), Waiting>
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        self.protocol.give(digest, scores, list, teammates)
+    }
+
+    /// Whether the next step may begin now; see [`Protocol::may_move`].
+    pub fn may_move<L>(&self, teammates: &Teammates<'_, F, K>, list: &L) -> bool
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        self.protocol.may_move(teammates, list)
+    }
+
+    /// Counts a step, once the robot is at its end.
+    pub fn advance(&mut self) {
+        self.protocol.advance();
+    }
+
+    /// What the robot waits for; `None` if it may move, or has nothing more to do.
+    pub fn waiting<L>(&self, teammates: &Teammates<'_, F, K>, list: &L) -> Option<Waiting>
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        self.patience.stranded(&self.protocol).or_else(|| self.protocol.waiting(teammates, list))
+    }
+
+    /// What to announce now; see [`Protocol::message`].
+    #[must_use]
+    pub fn message(
+        &self,
+        teammates: &Teammates<'_, F, K>,
+        listed: u8,
+        probability: u8,
+    ) -> RoundMessage<F, K> {
+        self.protocol.message(teammates, listed, probability)
+    }
+
+    /// The state that safety rests on.
+    #[must_use]
+    pub const fn protocol(&self) -> &Protocol<F, K> {
+        &self.protocol
+    }
+
+    /// The round that the robot is in.
+    #[must_use]
+    pub const fn proposal(&self) -> &Proposal<F::Claim> {
+        self.protocol.proposal()
+    }
+}
