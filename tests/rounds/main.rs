@@ -1,5 +1,8 @@
 //! Rounds of a team: the rules one by one, their ticks, and all that a hostile radio can do to them.
 
+mod exploration;
+mod grid;
+mod model;
 mod task;
 mod team;
 mod ticks;

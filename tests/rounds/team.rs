@@ -3,7 +3,7 @@
 use super::task::{List, Place, Places};
 use iibt_core::team::rounds::{
     Claim, Event, Heard, JointPolicies, Own, Proposal, RoundMessage, Rounds, Score, Scores, Teammates,
-    Timing, Want,
+    Timing, Waiting, Want,
 };
 use iibt_core::team::{Member, RobotId, Stamp};
 use std::rc::Rc;
@@ -14,7 +14,7 @@ pub(super) const K: usize = 2;
 pub(super) type Message = RoundMessage<Place, K>;
 
 /// The list that follows from a round and its facts.
-pub(super) type Generate = Rc<dyn Fn(&Proposal<Places>, &[(RobotId, Place)]) -> List>;
+pub(super) type Generate = Rc<dyn Fn(&Proposal<Places>, &[(RobotId, Place)]) -> Rc<List>>;
 
 /// Pseudo-random numbers: SplitMix64.
 #[derive(Clone, Debug)]
@@ -40,15 +40,15 @@ impl Random {
 /// One robot with all that its rounds need.
 pub(super) struct Robot {
     pub(super) rounds: Rounds<Place, K>,
-    pub(super) list: List,
-    pub(super) heard: Vec<Option<(Stamp, Message)>>,
+    pub(super) list: Rc<List>,
+    pub(super) heard: Vec<Option<Sent>>,
     pub(super) at: Places,
     pub(super) errand: u8,
     pub(super) is_moving: bool,
     pub(super) is_alive: bool,
     pub(super) want: Want,
     pub(super) stamp: Stamp,
-    pub(super) sent: Option<Message>,
+    pub(super) sent: Option<Rc<Said>>,
     pub(super) scores: [Score; K],
     /// Ticks that a list or a step takes.
     pub(super) listing: u32,
@@ -58,11 +58,21 @@ pub(super) struct Robot {
     driven: u32,
 }
 
-pub(super) fn teammates(heard: &[Option<(Stamp, Message)>]) -> Teammates<'_, Place, K> {
+/// A message, and a number that stands for it.
+#[derive(Debug)]
+pub(super) struct Said {
+    pub(super) message: Message,
+    pub(super) number: u64,
+}
+
+/// What was sent, with its stamp.
+pub(super) type Sent = (Stamp, Rc<Said>);
+
+pub(super) fn teammates(heard: &[Option<Sent>]) -> Teammates<'_, Place, K> {
     let all = (0..).map(RobotId).zip(heard);
     all.filter_map(|(robot, heard)| {
-        let (stamp, message) = heard.as_ref()?;
-        Some((robot, Heard { stamp: *stamp, message }))
+        let (stamp, said) = heard.as_ref()?;
+        Some((robot, Heard { stamp: *stamp, message: &said.message }))
     })
     .collect()
 }
@@ -71,7 +81,7 @@ impl Robot {
     pub(super) fn new(rounds: Rounds<Place, K>, epoch: u32) -> Self {
         let fact = *rounds.protocol().fact();
         Self {
-            list: List::default(),
+            list: Rc::default(),
             heard: vec![None; rounds.protocol().member().team()],
             at: fact.at,
             errand: fact.errand,
@@ -100,7 +110,7 @@ impl Robot {
         let mates = teammates(&self.heard);
         let fact = Place { at: self.at, errand: self.errand };
         let own = Own { fact: &fact, is_standing: !self.is_moving, want: self.want };
-        let event = self.rounds.tick(own, &mates, &self.list);
+        let event = self.rounds.tick(own, &mates, &*self.list);
         if matches!(event, Some(Event::Opened(_) | Event::Joined(_))) {
             (self.want, self.worked) = (Want::Nothing, 0);
         }
@@ -112,16 +122,23 @@ impl Robot {
                     self.rounds.protocol().facts(&mates).map(|(id, fact)| (id, *fact)).collect();
                 self.list = generate(self.rounds.proposal(), &facts);
                 let scores: Scores<K> = self.scores.iter().copied().take(self.list.len()).collect();
-                self.rounds.give(digest, scores, &self.list, &mates).expect("the digest was asked for");
+                self.rounds.give(digest, scores, &*self.list, &mates).expect("the digest was asked for");
             }
         }
-        if !self.is_moving && self.rounds.may_move(&mates, &self.list) {
+        if !self.is_moving && self.rounds.may_move(&mates, &*self.list) {
             (self.is_moving, self.driven) = (true, 0);
             self.at = self.list.between(self.policy(), self.id(), self.rounds.protocol().step());
         }
         let listed = self.worked.min(K as u32) as u8;
-        self.sent = Some(self.rounds.message(&mates, listed, 255));
+        self.sent = Some(Rc::new(Said { message: self.rounds.message(&mates, listed, 255), number: 0 }));
         self.stamp.sequence += 1;
+    }
+
+    /// Drives to one of the places between which it has started again.
+    pub(super) fn centre(&mut self) {
+        if !self.is_moving {
+            self.at = Places(1 << self.at.0.trailing_zeros());
+        }
     }
 
     fn end_move(&mut self) {
@@ -208,6 +225,12 @@ impl Team {
             let proposal = robot.rounds.proposal();
             robot.has_arrived() && Some(proposal.round) == round && proposal.view == view
         })
+    }
+
+    /// What each robot waits for.
+    pub(super) fn waiting(&self) -> Vec<Option<Waiting>> {
+        let waiting = |robot: &Robot| robot.rounds.waiting(&teammates(&robot.heard), &*robot.list);
+        self.robots.iter().map(waiting).collect()
     }
 
     fn deliver(&mut self) {

@@ -7,12 +7,12 @@ use iibt_core::team::rounds::{Proposal, Want};
 use std::rc::Rc;
 
 /// Robots on ways of their own, each from one place to another and back.
-fn there_and_back(_: &Proposal<Places>, facts: &[(RobotId, Place)]) -> List {
+fn there_and_back(_: &Proposal<Places>, facts: &[(RobotId, Place)]) -> Rc<List> {
     let mut paths = vec![Vec::new(); 8];
     for (robot, fact) in facts {
         paths[robot.index()] = vec![fact.at, Places(fact.at.0.rotate_left(8))];
     }
-    List(vec![Joint { paths, cost: 8, is_together: false }])
+    Rc::new(List(vec![Joint { paths, cost: 8, is_together: false }]))
 }
 
 /// The ticks from robot 0's fact to the first and the last move.

@@ -217,8 +217,8 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     /// A robot gives once in a round, and does not change what it gave.
     ///
     /// # Errors
-    /// What is missing: [the list](Waiting::List) if this one belongs to other facts. Nothing has
-    /// changed then.
+    /// What is missing: [the list](Waiting::List) if this one belongs to other facts. Nothing was
+    /// given then.
     pub fn give<L>(
         &mut self,
         digest: Digest,
@@ -229,6 +229,9 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     where
         L: JointPolicies<Claim = F::Claim>,
     {
+        // What was heard since the last tick counts first, or else it would later narrow what the
+        // scores widen.
+        self.hear(teammates, list);
         if self.given.is_some() || self.common(teammates)? != digest {
             return Err(Waiting::List);
         }
