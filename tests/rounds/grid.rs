@@ -11,8 +11,8 @@ use std::rc::Rc;
 pub(super) struct Grid {
     pub(super) width: u8,
     pub(super) height: u8,
-    pub(super) targets: [Vec<u8>; 2],
-    pub(super) is_together: bool,
+    targets: [Vec<u8>; 2],
+    is_together: bool,
     lists: RefCell<HashMap<Problem, Rc<List>>>,
 }
 
@@ -23,6 +23,11 @@ impl Grid {
     pub(super) fn new(width: u8, height: u8, targets: [&[u8]; 2]) -> Self {
         let targets = targets.map(<[u8]>::to_vec);
         Self { width, height, targets, is_together: false, lists: RefCell::default() }
+    }
+
+    /// The same, with plans in which all make their last moves together.
+    pub(super) fn together(self) -> Self {
+        Self { is_together: true, ..self }
     }
 
     /// The list of a round, from its facts and walls alone.

@@ -3,6 +3,7 @@
 mod exploration;
 mod grid;
 mod model;
+mod rules;
 mod task;
 mod team;
 mod ticks;

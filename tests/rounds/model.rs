@@ -136,7 +136,7 @@ impl World {
         }
     }
 
-    fn apply(&mut self, action: Action, grid: &Grid) {
+    pub(super) fn apply(&mut self, action: Action, grid: &Grid) {
         let robot = match action {
             Action::Hear(robot, other, place, attends) => {
                 let message = self.bodies[other].sent[place].clone();

@@ -129,7 +129,7 @@ impl Robot {
             (self.is_moving, self.driven) = (true, 0);
             self.at = self.list.between(self.policy(), self.id(), self.rounds.protocol().step());
         }
-        let listed = self.worked.min(K as u32) as u8;
+        let listed = (self.worked * K as u32 / (self.listing + 1)) as u8;
         self.sent = Some(Rc::new(Said { message: self.rounds.message(&mates, listed, 255), number: 0 }));
         self.stamp.sequence += 1;
     }
