@@ -217,3 +217,137 @@ impl<F: Fact + defmt::Format, const K: usize> defmt::Format for RoundMessage<F, 
         defmt::write!(f, "round {} {} {} {}", round, view, self.fact, self.answer);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::team::{Key, MAX_FRAME, Message, SipHash64, Stamp};
+    use std::vec::Vec as List;
+
+    /// What navigation says: a cell or two, a purpose and its cell, evidence on four unknowns.
+    #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+    struct Whole {
+        anchor: (u16, Option<u16>),
+        purpose: (u8, u16),
+        evidence: Vec<(u16, i8), 4>,
+    }
+
+    /// Cells as a list of three rectangles at most.
+    #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+    struct Cells;
+
+    impl Claim for Cells {
+        type Wire = Vec<[u8; 4], 3>;
+        const WIRE_BYTES: usize = 27; // 3 x 9: two rectangles for each of three
+        const EMPTY: Self = Self;
+
+        fn union(&self, _: &Self) -> Self {
+            Self
+        }
+        fn contains(&self, _: &Self) -> bool {
+            true
+        }
+        fn overlaps(&self, _: &Self) -> bool {
+            false
+        }
+        fn to_wire(&self, left_out: usize) -> Self::Wire {
+            let rectangles = [3, 3, 3, 2, 1].get(left_out).copied().unwrap_or(0);
+            (0..rectangles).map(|_| [1, 2, 3, 4]).collect()
+        }
+        fn from_wire(_: &Self::Wire) -> Self {
+            Self
+        }
+    }
+
+    impl Fact for Whole {
+        type Claim = Cells;
+        const MAX_BYTES: usize = 2 + 3 + 3 + 1 + 4 * 3; // cells below 2^14
+
+        fn anchor(&self) -> Cells {
+            Cells
+        }
+    }
+
+    #[derive(Clone, Debug, Serialize, Deserialize)]
+    struct Frame(RoundMessage<Whole, 16>);
+
+    impl Message for Frame {
+        const SCHEMA: &'static str = RoundMessage::<Whole, 16>::LAYOUT;
+        const MAX_BYTES: usize = RoundMessage::<Whole, 16>::MAX_BYTES;
+    }
+
+    fn message(left_out: usize, answer: Answer<16>) -> RoundMessage<Whole, 16> {
+        let view = View::full(8 - left_out);
+        let walls = (0..left_out).map(|_| Cells.to_wire(left_out)).collect();
+        let evidence = [(200, 1), (201, -1), (202, 3), (203, -3)].into_iter().collect();
+        let fact = Whole { anchor: (100, None), purpose: (1, 200), evidence };
+        RoundMessage { proposal: Proposal { round: 300, view, walls }, fact, answer }
+    }
+
+    fn scores() -> Scores<16> {
+        [Score { delay: 8, price: 2 }; 16].into_iter().collect()
+    }
+
+    fn scored() -> Answer<16> {
+        Answer::Scored { digest: Digest([1, 2, 3, 4]), scores: scores() }
+    }
+
+    fn decided(scores: Option<Scores<16>>) -> Answer<16> {
+        let choice = Some(Choice { policy: 15, probability: 200 });
+        Answer::Decided { digest: Digest([1, 2, 3, 4]), scores, choice, step: 9 }
+    }
+
+    /// Both delimiters, COBS, header and tag included.
+    fn frame_bytes(message: RoundMessage<Whole, 16>) -> usize {
+        let stamp = Stamp { epoch: 40, sequence: 100_000 };
+        let envelope = super::super::super::Envelope { sender: RobotId(1), stamp, message: Frame(message) };
+        let auth = SipHash64::new(Key::new([7; 16]));
+        let mut buffer = [0; MAX_FRAME];
+        let context = super::super::super::Context::of::<Frame>(1, 1);
+        super::super::super::encode(&envelope, &auth, context, &mut buffer).expect("it fits").len()
+    }
+
+    #[test]
+    fn a_frame_has_85_bytes_deciding_and_53_driving_and_14_more_for_each_robot_left_out() {
+        let full =
+            [scored(), decided(Some(scores())), decided(None)].map(|answer| frame_bytes(message(0, answer)));
+        assert_eq!(full, [77, 82, 49]);
+        assert!(full[0].max(full[1]) <= 85 && full[2] <= 53);
+        for left_out in 1..=3 {
+            assert!(
+                frame_bytes(message(left_out, scored())) <= full[0] + 14 * left_out,
+                "{left_out} left out"
+            );
+        }
+        assert!(frame_bytes(message(4, decided(Some(scores())))) <= MAX_FRAME);
+    }
+
+    #[test]
+    fn is_read_as_it_was_written_and_never_longer_than_said() {
+        for answer in [Answer::Listing(3), scored(), decided(None), decided(Some(scores()))] {
+            let message = RoundMessage { answer, ..message(2, scored()) };
+            let mut buffer = [0; RoundMessage::<Whole, 16>::MAX_BYTES];
+            let bytes: List<u8> = postcard::to_slice(&message, &mut buffer).expect("it fits").to_vec();
+            assert_eq!(postcard::from_bytes(&bytes), Ok(message));
+        }
+    }
+
+    #[test]
+    fn names_the_value_that_is_out_of_range() {
+        type Round = RoundMessage<Whole, 16>;
+        let policy = |policy| Answer::Decided {
+            digest: Digest([0; 4]),
+            scores: None,
+            choice: Some(Choice { policy, probability: 0 }),
+            step: 0,
+        };
+        let of = |answer| message(2, answer);
+        assert_eq!(of(scored()).validate(8), Ok(()));
+        assert_eq!(of(scored()).validate(5), Err(Round::STRANGER));
+        assert_eq!(of(scored()).validate(7), Err(Round::WALLS));
+        assert_eq!(of(Answer::Listing(16)).validate(8), Ok(()));
+        assert_eq!(of(Answer::Listing(17)).validate(8), Err(Round::LISTING));
+        assert_eq!(of(policy(15)).validate(8), Ok(()));
+        assert_eq!(of(policy(16)).validate(8), Err(Round::CHOICE));
+    }
+}

@@ -8,7 +8,7 @@ use super::{
 };
 
 /// What a robot brings to a tick.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Own<'a, F> {
     /// Its fact as of now, to be frozen if a round begins.
     pub fact: &'a F,
@@ -18,7 +18,96 @@ pub struct Own<'a, F> {
     pub want: Want,
 }
 
+impl<F> Clone for Own<'_, F> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<F> Copy for Own<'_, F> {}
+
 /// The rounds of one robot: the [`Protocol`], and when to open a round.
+///
+/// Here two robots that share no space agree on one of two tables, of which the second robot can
+/// only use the second.
+///
+/// ```
+/// use iibt_core::team::rounds::{
+///     Event, Fact, Heard, JointPolicies, Own, RoundMessage, Rounds, Score, Teammates, Timing, Waiting, Want,
+/// };
+/// use iibt_core::team::{Member, RobotId, Stamp};
+/// use serde::{Deserialize, Serialize};
+///
+/// #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+/// struct Load(u8);
+///
+/// impl Fact for Load {
+///     type Claim = ();
+///     const MAX_BYTES: usize = 1;
+///
+///     fn anchor(&self) {}
+/// }
+///
+/// struct Tables;
+///
+/// impl JointPolicies for Tables {
+///     type Claim = ();
+///
+///     fn len(&self) -> usize {
+///         2
+///     }
+///     fn cost(&self, policy: usize) -> u16 {
+///         [40, 48][policy]
+///     }
+///     fn claim(&self, _: usize, _: RobotId, _: u16) {}
+///     fn moves(&self, _: usize, _: RobotId) -> u16 {
+///         1
+///     }
+///     fn is_clear(&self, _: usize, _: RobotId, _: u16, _: RobotId, _: u16) -> bool {
+///         true
+///     }
+/// }
+///
+/// let robot = |robot, load| -> Result<Rounds<Load, 2>, Box<dyn std::error::Error>> {
+///     let member = Member::new(RobotId(robot), 2)?;
+///     Ok(Rounds::new(member, 1, 0, Load(load), Timing::DEFAULT))
+/// };
+/// let (mut first, mut second) = (robot(0, 3)?, robot(1, 5)?);
+/// let own = Own { fact: &Load(3), is_standing: true, want: Want::Nothing };
+/// let hears = |robot, message| -> Teammates<'_, Load, 2> {
+///     let stamp = Stamp { epoch: 1, sequence: 0 };
+///     [(RobotId(robot), Heard { stamp, message })].into_iter().collect()
+/// };
+///
+/// // The first robot has heard nothing yet.
+/// let nothing = Teammates::from_iter([]);
+/// assert_eq!(first.tick(own, &nothing, &Tables), None);
+/// assert_eq!(first.waiting(&nothing, &Tables), Some(Waiting::Unheard(RobotId(1))));
+/// let fact = first.message(&nothing, 0, 0);
+///
+/// // The second knows all facts with that, and scores: it cannot use the first table.
+/// let heard = hears(0, &fact);
+/// second.tick(own, &heard, &Tables);
+/// let digest = second.wanted(&heard).ok_or("all facts are known")?;
+/// second.give(digest, [Score::CANNOT, Score::default()].into_iter().collect(), &Tables, &heard)?;
+/// let scored = second.message(&heard, 2, 0);
+///
+/// // The first knows all scores with that.
+/// let heard = hears(1, &scored);
+/// first.tick(own, &heard, &Tables);
+/// assert_eq!(first.wanted(&heard), Some(digest));
+/// first.give(digest, [Score::default(); 2].into_iter().collect(), &Tables, &heard)?;
+/// assert_eq!(first.protocol().policy(), Some(1));
+/// assert!(first.may_move(&heard, &Tables));
+///
+/// // So does the second, when it hears that.
+/// let decided = first.message(&heard, 2, 0);
+/// let event = second.tick(own, &hears(0, &decided), &Tables);
+/// assert_eq!(event, Some(Event::Decided(Some(1))));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "consensus")]
+#[doc(alias = "agreement")]
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Rounds<F: Fact, const K: usize> {
     protocol: Protocol<F, K>,

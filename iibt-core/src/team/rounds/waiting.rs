@@ -3,6 +3,15 @@
 use super::super::RobotId;
 
 /// Why a robot does not go on, and which teammate it waits for.
+///
+/// ```
+/// use iibt_core::team::RobotId;
+/// use iibt_core::team::rounds::Waiting;
+///
+/// let waiting = Waiting::Quorum(RobotId(2));
+/// assert_eq!(waiting.to_string(), "waiting for robot 2: it is lost, and the others are no quorum");
+/// assert_eq!(waiting.robot(), Some(RobotId(2)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Waiting {
@@ -59,14 +68,8 @@ impl Waiting {
     }
 }
 
-/// ```
-/// use iibt_core::team::RobotId;
-/// use iibt_core::team::rounds::Waiting;
-///
-/// let waiting = Waiting::Quorum(RobotId(2));
-/// assert_eq!(waiting.to_string(), "waiting for robot 2: it is lost, and the others are no quorum");
-/// assert_eq!(waiting.robot(), Some(RobotId(2)));
-/// ```
+impl core::error::Error for Waiting {}
+
 impl core::fmt::Display for Waiting {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         if let Some(RobotId(robot)) = self.robot() {
