@@ -3,13 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const DOCUMENTS: [&str; 14] = [
+const DOCUMENTS: [&str; 15] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
     "docs/inference.md",
     "docs/notebook.md",
     "docs/paper.md",
+    "docs/protocol.md",
     "docs/symbols.md",
     "docs/trees.md",
     "docs/your-robot.md",

@@ -4,8 +4,9 @@
 //! The bounds are those of a minute. `IIBT_ROUNDS` multiplies states and walks.
 
 use super::grid::Grid;
-use super::model::{Action, World};
+use super::model::{Action, Body, World};
 use super::team::{Radio, Random, Robot, Team};
+use iibt_core::team::RobotId;
 use iibt_core::team::rounds::{Rounds, Timing};
 use std::collections::HashSet;
 use std::rc::Rc;
@@ -150,7 +151,7 @@ fn two_robots_open_twice() {
 fn two_robots_open_once_and_one_starts_again() {
     for restarts in [[1, 0], [0, 1]] {
         let (grid, start) = corridor();
-        let limit = 120_000 * scale();
+        let limit = 250_000 * scale();
         let seen = explore(&grid, World::new(&start, 1, &restarts), limit, 1000);
         assert!(seen.is_complete || seen.states >= limit, "{seen:?}");
     }
@@ -160,34 +161,53 @@ fn two_robots_open_once_and_one_starts_again() {
 fn two_robots_open_twice_and_one_starts_again() {
     for restarts in [[1, 0], [0, 1]] {
         let (grid, start) = square();
-        let limit = 120_000 * scale();
+        let limit = 250_000 * scale();
         let seen = explore(&grid, World::new(&start, 2, &restarts), limit, 1000);
         assert!(seen.is_complete || seen.states >= limit, "{seen:?}");
     }
 }
 
-/// Walks of three robots with eight openings, and where robots start again, three restarts.
-fn walks(count: usize, restarts: &[u8], dead: &[usize]) {
-    let grid = Rc::new(Grid::new(3, 2, [&[5, 3, 1], &[2, 0, 4]]));
-    let mut moves = 0;
-    for seed in 0..(count * scale()) as u64 {
+#[test]
+fn three_robots_open_once() {
+    let grid = square_of_six();
+    let limit = 150_000 * scale();
+    let seen = explore(&grid, World::new(&[0, 4, 2], 1, &[]), limit, 1000);
+    assert!(seen.is_complete || seen.states >= limit, "{seen:?}");
+}
+
+fn square_of_six() -> Rc<Grid> {
+    Rc::new(Grid::new(3, 2, [&[5, 3, 1], &[2, 0, 4]]))
+}
+
+/// Walks of three robots with eight openings and these restarts; at the end a robot may die, if
+/// the others know where it can be.
+fn walks(restarts: &[u8], dies: bool) {
+    let grid = square_of_six();
+    let count = 1500 * scale();
+    let (mut moves, mut deaths) = (0, 0);
+    for seed in 0..count as u64 {
         let mut random = Random(seed);
         let (world, trace) = walk(&grid, World::new(&[0, 4, 2], 8, restarts), 300, &mut random);
         moves += trace.iter().filter(|action| matches!(action, Action::Begin(_))).count();
+        let dead = random.below(3);
+        let is_known = |body: &Body| body.protocol.reach(RobotId(dead as u8)).is_some();
+        let others = world.bodies.iter().enumerate().filter(|&(robot, _)| robot != dead);
+        let dead: &[usize] = if dies && others.map(|(_, body)| body).all(is_known) { &[dead] } else { &[] };
+        deaths += dead.len();
         fly_on(&world, &grid, seed, dead, || trace);
     }
-    println!("{moves} moves in {count} walks");
-    assert!(moves > 5 * count, "{moves} moves in {count} walks");
+    println!("{moves} moves in {count} walks, {deaths} deaths");
+    assert!(moves > 5 * count && (deaths > count / 4 || !dies), "{moves} moves, {deaths} deaths in {count}");
 }
 
 #[test]
 fn three_robots_at_random() {
-    walks(1000, &[], &[]);
+    walks(&[], true);
 }
 
 #[test]
 fn three_robots_that_start_again_at_random() {
-    walks(1000, &[1, 1, 1], &[]);
+    walks(&[1, 1, 1], false);
 }
 
 /// One action a line.

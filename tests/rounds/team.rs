@@ -3,7 +3,7 @@
 use super::task::{List, Place, Places};
 use iibt_core::team::rounds::{
     Claim, Event, Heard, JointPolicies, Own, Proposal, RoundMessage, Rounds, Score, Scores, Teammates,
-    Timing, Waiting, Want,
+    Timing, View, Waiting, Want,
 };
 use iibt_core::team::{Member, RobotId, Stamp};
 use std::rc::Rc;
@@ -216,14 +216,16 @@ impl Team {
         })
     }
 
-    /// Whether all that are alive are in one round, know its plan and have done it.
+    /// Whether all that are alive are members of one round, know its plan and have done it.
     pub(super) fn has_arrived(&self) -> bool {
         let alive = || self.robots.iter().filter(|robot| robot.is_alive);
-        let view = alive().map(Robot::id).collect();
+        let members: View = alive().map(Robot::id).collect();
         let round = alive().map(|robot| robot.rounds.proposal().round).max();
         alive().all(|robot| {
             let proposal = robot.rounds.proposal();
-            robot.has_arrived() && Some(proposal.round) == round && proposal.view == view
+            robot.has_arrived()
+                && Some(proposal.round) == round
+                && members.difference(proposal.view).is_empty()
         })
     }
 
