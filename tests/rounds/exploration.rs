@@ -50,9 +50,9 @@ fn explore(grid: &Rc<Grid>, start: World, limit: usize, sample: u64) -> Seen {
                     if known.insert(number) {
                         let step = Some(Rc::new(Step { action, before: before.clone() }));
                         check(&after, || trace(&step));
-                        if number % sample == 0 {
+                        if number.is_multiple_of(sample) {
                             seen.continued += 1;
-                            fly_on(&after, grid, number, &[], || trace(&step));
+                            fly_on(&after, grid, number / sample, &[], || trace(&step));
                         }
                         next.push((after, step));
                     }
@@ -82,7 +82,7 @@ fn trace(step: &Option<Rc<Step>>) -> Vec<Action> {
 /// Lets a team fly on from a state, undisturbed but for the radio and for robots that die now: the
 /// others must arrive, together in one view.
 fn fly_on(world: &World, grid: &Rc<Grid>, seed: u64, dead: &[usize], trace: impl FnOnce() -> Vec<Action>) {
-    let loss = if seed % 2 == 0 { 0.0 } else { 0.3 };
+    let loss = if seed.is_multiple_of(2) { 0.0 } else { 0.3 };
     let lists = grid.clone();
     let robots = world.bodies.iter().map(|body| {
         let mut robot = Robot::new(Rounds::of(body.protocol.clone(), Timing::DEFAULT), body.stamp.epoch);
