@@ -1,10 +1,10 @@
 //! The rules that safety rests on: what one robot may join, open, score and decide.
 
 use super::super::{MAX_TEAM, Member, RobotId};
-use super::digest::Digester;
+use super::reach::Location;
 use super::{
-    Answer, Choice, Claim, Digest, Fact, Heard, JointPolicies, Proposal, RoundMessage, Scores, Teammates,
-    View, Waiting, choose,
+    Answer, Choice, Claim, Digest, Fact, JointPolicies, Proposal, RoundMessage, Scores, Teammates, View,
+    Waiting, choose,
 };
 use crate::bounded::up_to;
 
@@ -27,39 +27,30 @@ pub enum Event {
 /// start again, no two plans meet. When to open a round is left to [`Rounds`](super::Rounds).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Protocol<F: Fact, const K: usize> {
-    member: Member,
-    epoch: u32,
-    mission: u64,
-    proposal: Proposal<F::Claim>,
-    fact: F,
-    given: Option<Given<K>>,
-    located: [Location<F::Claim>; MAX_TEAM],
+    pub(super) member: Member,
+    pub(super) epoch: u32,
+    pub(super) mission: u64,
+    pub(super) proposal: Proposal<F::Claim>,
+    pub(super) fact: F,
+    pub(super) given: Option<Given<K>>,
+    pub(super) located: [Location<F::Claim>; MAX_TEAM],
 }
 
 /// The scores that a robot has given in its round.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct Given<const K: usize> {
-    digest: Digest,
-    scores: Scores<K>,
+pub(super) struct Given<const K: usize> {
+    pub(super) digest: Digest,
+    pub(super) scores: Scores<K>,
     /// The epochs of the members, under the digest.
-    epochs: [u32; MAX_TEAM],
-    plan: Option<Plan>,
+    pub(super) epochs: [u32; MAX_TEAM],
+    pub(super) plan: Option<Plan>,
 }
 
 /// What all members decided, and how far this robot is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Plan {
-    policy: Option<u8>,
-    step: u16,
-}
-
-/// Where a teammate may be.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct Location<C> {
-    /// `None`: anywhere, because this robot does not know what it was told before it started.
-    reach: Option<C>,
-    /// Epoch and round of the newest message that was taken into account.
-    known: (u32, u32),
+pub(super) struct Plan {
+    pub(super) policy: Option<u8>,
+    pub(super) step: u16,
 }
 
 impl<F: Fact, const K: usize> Protocol<F, K> {
@@ -122,12 +113,6 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         self.plan().map_or(0, |plan| plan.step)
     }
 
-    /// Where a teammate may be; `None`: anywhere.
-    #[must_use]
-    pub fn reach(&self, robot: RobotId) -> Option<&F::Claim> {
-        self.located.get(robot.index())?.reach.as_ref()
-    }
-
     /// Hears the teammates; then joins a newer round, if the robot stands at the place of `fact`, or
     /// decides, if it can. `list` is the one that was scored in this round; before, it is not looked
     /// at.
@@ -148,17 +133,6 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
             Some(Event::Decided(self.policy()))
         } else {
             None
-        }
-    }
-
-    /// Takes in where the teammates may be by what they say. The list is the one that was scored in
-    /// this round.
-    fn hear<L>(&mut self, teammates: &Teammates<'_, F, K>, list: &L)
-    where
-        L: JointPolicies<Claim = F::Claim>,
-    {
-        for (robot, heard) in teammates.iter() {
-            self.locate(robot, heard, list);
         }
     }
 
@@ -286,41 +260,9 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         RoundMessage { proposal: self.proposal.clone(), fact: self.fact.clone(), answer }
     }
 
-    /// The facts of the members that are known to be in this round, in the order of the robots.
-    pub fn facts<'a>(
-        &'a self,
-        teammates: &Teammates<'a, F, K>,
-    ) -> impl Iterator<Item = (RobotId, &'a F)> + Clone {
-        let teammates = *teammates;
-        let fact = move |robot| Some((robot, self.declared(robot, &teammates)?.1));
-        self.proposal.view.iter().filter_map(fact)
-    }
-
     /// The other members of the round.
     pub(super) fn others(&self) -> impl Iterator<Item = RobotId> + Clone + use<F, K> {
         self.proposal.view.without(self.member.robot()).iter()
-    }
-
-    /// The newest message of a robot, unless it is of an earlier start than one known before.
-    pub(super) fn newest<'a>(
-        &self,
-        robot: RobotId,
-        teammates: &Teammates<'a, F, K>,
-    ) -> Option<Heard<'a, F, K>> {
-        teammates.get(robot).filter(|&heard| self.is_current(robot, heard))
-    }
-
-    /// Whether a robot has scored the list that this one has scored, in this round.
-    pub(super) fn follows(&self, heard: Heard<'_, F, K>) -> bool {
-        let message = heard.message;
-        let digest = message.answer.digest();
-        message.proposal.round == self.proposal.round && digest.is_some() && digest == self.digest()
-    }
-
-    /// Whether the epoch of a robot is another than the one under the digest.
-    pub(super) fn has_restarted(&self, robot: RobotId, heard: Heard<'_, F, K>) -> bool {
-        let epoch = self.given.as_ref().and_then(|given| given.epochs.get(robot.index()));
-        epoch.is_some_and(|&epoch| epoch != heard.stamp.epoch)
     }
 
     /// Whether the robot is in a view that may decide.
@@ -347,129 +289,6 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
             }
         }
         Ok(())
-    }
-
-    /// The digest of what all members decide from.
-    ///
-    /// # Errors
-    /// What is missing.
-    pub(super) fn common(&self, teammates: &Teammates<'_, F, K>) -> Result<Digest, Waiting> {
-        self.is_seated(self.proposal.view)?;
-        for robot in self.others() {
-            self.is_in_round(robot, teammates)?;
-        }
-        self.is_disjoint(teammates)?;
-        self.accepts_walls()?;
-        Ok(self.sum(teammates))
-    }
-
-    /// Whether a member is known to be in this round, with the same members and walls.
-    pub(super) fn is_in_round(&self, robot: RobotId, teammates: &Teammates<'_, F, K>) -> Result<(), Waiting> {
-        let heard = self.newest(robot, teammates).ok_or(Waiting::Unheard(robot))?;
-        if heard.message.proposal.round != self.proposal.round {
-            Err(Waiting::Fact(robot))
-        } else if heard.message.proposal != self.proposal {
-            Err(Waiting::Proposal(robot))
-        } else {
-            Ok(())
-        }
-    }
-
-    /// Whether no two members claim the same place. They can, if one message is outdated.
-    fn is_disjoint(&self, teammates: &Teammates<'_, F, K>) -> Result<(), Waiting> {
-        for (robot, fact) in self.facts(teammates) {
-            let anchor = fact.anchor();
-            let mut others = self.facts(teammates).filter(|&(other, _)| other > robot);
-            if let Some((other, _)) = others.find(|(_, fact)| fact.anchor().overlaps(&anchor)) {
-                let is_own = robot == self.member.robot();
-                return Err(if is_own {
-                    Waiting::Overlap(other, robot)
-                } else {
-                    Waiting::Overlap(robot, other)
-                });
-            }
-        }
-        Ok(())
-    }
-
-    fn sum(&self, teammates: &Teammates<'_, F, K>) -> Digest {
-        let members = self.proposal.view.iter().filter_map(|robot| self.declared(robot, teammates));
-        members
-            .fold(Digester::new(self.mission).absorb(&self.proposal), |sum, member| sum.absorb(&member))
-            .finish()
-    }
-
-    /// Epoch and fact of a member that is in this round.
-    fn declared<'a>(&'a self, robot: RobotId, teammates: &Teammates<'a, F, K>) -> Option<(u32, &'a F)> {
-        if robot == self.member.robot() {
-            return Some((self.epoch, &self.fact));
-        }
-        let heard = self.newest(robot, teammates)?;
-        (heard.message.proposal == self.proposal).then_some((heard.stamp.epoch, &heard.message.fact))
-    }
-
-    fn epochs(&self, teammates: &Teammates<'_, F, K>) -> [u32; MAX_TEAM] {
-        let mut epochs = [0; MAX_TEAM];
-        for (robot, epoch) in (0..).map(RobotId).zip(&mut epochs) {
-            *epoch = self.declared(robot, teammates).map_or(0, |(epoch, _)| epoch);
-        }
-        epochs
-    }
-
-    fn is_current(&self, robot: RobotId, heard: Heard<'_, F, K>) -> bool {
-        self.located.get(robot.index()).is_some_and(|location| heard.stamp.epoch >= location.known.0)
-    }
-
-    /// Takes in where one teammate may be.
-    fn locate<L>(&mut self, robot: RobotId, heard: Heard<'_, F, K>, list: &L)
-    where
-        L: JointPolicies<Claim = F::Claim>,
-    {
-        let message = heard.message;
-        let rest = self.follows(heard).then(|| self.rest(robot, heard, list));
-        let Some(location) = self.located.get_mut(robot.index()) else { return };
-        let stamp = (heard.stamp.epoch, message.proposal.round);
-        if stamp < location.known {
-            return;
-        }
-        // A robot that has just started believes no message before one that answers its new epoch:
-        // the teammate may be on a plan that it has heard of in its life before.
-        let anchor = || message.fact.anchor();
-        let is_news = stamp > location.known && location.reach.is_some();
-        location.known = stamp;
-        if let Some(reach) = rest.or_else(|| is_news.then(anchor)) {
-            location.reach = Some(reach);
-        }
-    }
-
-    /// What a teammate that follows may still occupy: the rest of its path, or of all paths as long
-    /// as the choice is not known.
-    fn rest<L>(&self, robot: RobotId, heard: Heard<'_, F, K>, list: &L) -> F::Claim
-    where
-        L: JointPolicies<Claim = F::Claim>,
-    {
-        let (anchor, step) = (heard.message.fact.anchor(), heard.message.answer.step());
-        match self.plan() {
-            Some(Plan { policy: Some(policy), .. }) => list.claim((*policy).into(), robot, step),
-            Some(Plan { policy: None, .. }) => anchor,
-            None => any_of(list, robot, step, anchor),
-        }
-    }
-
-    /// Takes in that every other member may follow any policy, and that those left out are within
-    /// their walls.
-    fn widen<L>(&mut self, list: &L)
-    where
-        L: JointPolicies<Claim = F::Claim>,
-    {
-        let (own, team) = (self.member.robot(), self.member.team());
-        for (robot, location) in (0..).map(RobotId).zip(&mut self.located) {
-            if let Some(wall) = self.proposal.wall(robot, team) {
-                location.reach = Some(wall);
-            } else if let Some(reach) = location.reach.take_if(|_| robot != own && robot.index() < team) {
-                location.reach = Some(any_of(list, robot, 0, reach));
-            }
-        }
     }
 
     fn decided<L>(&self, list: &L, teammates: &Teammates<'_, F, K>) -> Option<Plan>
@@ -499,7 +318,7 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         })
     }
 
-    fn plan(&self) -> Option<&Plan> {
+    pub(super) fn plan(&self) -> Option<&Plan> {
         self.given.as_ref()?.plan.as_ref()
     }
 
@@ -526,9 +345,4 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         let ahead = (u32::from(self.member.robot().0) + team - self.proposal.round % team - 1) % team + 1;
         self.proposal.round.checked_add(ahead)
     }
-}
-
-/// What a robot may occupy on any path of a list from a step on, and `more`.
-fn any_of<L: JointPolicies>(list: &L, robot: RobotId, step: u16, more: L::Claim) -> L::Claim {
-    (0..list.len()).fold(more, |reach, policy| reach.union(&list.claim(policy, robot, step)))
 }
