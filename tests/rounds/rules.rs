@@ -218,6 +218,20 @@ fn rule_4_every_fact_epoch_and_wall_and_the_mission_are_under_the_digest() {
 }
 
 #[test]
+fn rule_4_a_round_that_two_lives_of_a_robot_have_opened_is_void() {
+    let mut stage = Stage::corridor(3);
+    stage.decide(0);
+    stage.open(0, view(&[R0, R1]));
+    stage.hear(1, 0);
+    stage.act(Action::Restart(0));
+    stage.open(0, View::full(3));
+    stage.hear(1, 0);
+    assert_eq!([0, 1].map(|robot| stage.of(robot).proposal().round), [3, 3]);
+    assert!(!stage.wants_list(1));
+    assert_eq!(stage.waiting(1), Some(Waiting::Proposal(R0)));
+}
+
+#[test]
 fn rule_4_two_members_on_one_place_are_not_believed() {
     let mut stage = Stage::corridor(2);
     stage.world = World::new(&[1, 1], 0, &[]);
