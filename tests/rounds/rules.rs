@@ -259,6 +259,29 @@ fn rule_4_a_member_that_knows_more_refuses_the_walls_and_both_are_united() {
     assert_eq!(stage.waiting(1), Some(Waiting::Wall(R2)));
     stage.open(1, view(&[R0, R1]));
     assert_eq!(stage.of(1).proposal().wall(R2, 3), Some(Places(0b1_1100)));
+    stage.hear(0, 1);
+    stage.act(Action::Give(0, 0));
+    assert_eq!(stage.of(0).reach(R2), Some(&Places(0b1_1100)), "what it has accepted it remembers");
+}
+
+#[test]
+fn rule_4_a_robot_that_has_started_again_leaves_nobody_out() {
+    let mut stage = Stage::corridor(3);
+    stage.decide(0);
+    stage.open(0, view(&[R0, R2]));
+    stage.hear(2, 0);
+    stage.hear(1, 2); // where robot 2 stands in a round in which it may yet drive
+    stage.hear(0, 2);
+    stage.act(Action::Give(0, 1));
+    stage.act(Action::Give(2, 1));
+    stage.hear(2, 0);
+    stage.act(Action::Restart(0));
+    stage.open(1, view(&[R0, R1]));
+    stage.hear(0, 1);
+    stage.hear(1, 0);
+    assert!(stage.may_move(2) && stage.of(0).proposal().round == stage.of(1).proposal().round);
+    assert!(!stage.wants_list(0));
+    assert_eq!(stage.waiting(0), Some(Waiting::Unheard(R2)));
 }
 
 /// All triples of scores over a few values: the choice is that of an exhaustive comparison.
@@ -274,7 +297,7 @@ fn rule_5_the_choice_is_the_least_sum_with_the_largest_delay() {
             [u16::MAX, 8, 9][policy]
         }
         fn habit(&self, policy: usize) -> u16 {
-            [0, 3, 2][policy]
+            [0, 3, 0][policy]
         }
         fn needs(&self, policy: usize, robot: RobotId) -> bool {
             policy != usize::from(robot.0)
