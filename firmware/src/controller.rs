@@ -128,10 +128,11 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
         if self.last_sent.is_some_and(|sent| now.since(sent) < self.period) {
             return;
         }
+        let Some(message) = self.robot.message() else { return };
         // Taken even if the link then refuses the frame: a number that is used twice reads as a
         // replay.
         let Some(stamp) = self.numbering.next_stamp() else { return };
-        let envelope = Envelope { sender: self.roster.own(), stamp, message: self.robot.message() };
+        let envelope = Envelope { sender: self.roster.own(), stamp, message };
         let mut buffer = [0; MAX_FRAME];
         let taken = encode(&envelope, &self.auth, self.context, &mut buffer)
             .is_ok_and(|frame| self.hardware.send(frame));

@@ -9,16 +9,24 @@ pub const CELLS: usize = 49;
 /// The words of a map of [`CELLS`].
 pub const WORDS: usize = words(7, 7);
 
-/// The candidate paths of each robot in [`SECTION_5_1`].
-pub const CANDIDATES: usize = 4;
+/// The steps of a plan in images, its start included.
+pub const LAYERS: usize = 33;
+
+/// The nodes of a search in images.
+pub const NODES: usize = 64;
+
+/// The joint policies that are weighed in images.
+pub const POLICIES: usize = 16;
+
+/// The paths of each robot in [`SECTION_5_1`].
+const PATHS: usize = 4;
 
 /// The paper's section 5.1: two robots, goals 24 and 26, and four candidate paths each.
 ///
 /// Robot 1 (index 0) starts on 28 with paths A to D, robot 2 on 2 with paths b, a, c, d: the short
 /// one first, which is the order of the paper's numbers, not of its text.
 pub static SECTION_5_1: Mission<'static, WORDS> = Mission {
-    candidates: Some(&[&FIRST, &SECOND]),
-    lateness_cost: 0.0,
+    paths: Some(&[&FIRST, &SECOND]),
     ..Mission::new(MAP, &[Cell(28), Cell(2)], &[Cell(24), Cell(26)])
 };
 
@@ -27,14 +35,14 @@ const MAP: Map<WORDS> = match Map::new(7, 7) {
     Err(_) => panic!("the map has a word for every 32 cells"),
 };
 
-static FIRST: [Path; CANDIDATES] = [
+static FIRST: [Path; PATHS] = [
     through(&[28, 29, 30, 31, 24]),
     through(&[28, 35, 36, 37, 38, 31, 24]),
     through(&[28, 29, 30, 31, 32, 33, 26]),
     through(&[28, 35, 36, 37, 38, 39, 40, 41, 34, 27, 26]),
 ];
 
-static SECOND: [Path; CANDIDATES] = [
+static SECOND: [Path; PATHS] = [
     through(&[2, 3, 10, 17, 24]),
     through(&[2, 1, 8, 15, 22, 23, 24]),
     through(&[2, 3, 4, 11, 18, 25, 26]),

@@ -3,8 +3,7 @@
 use crate::Robot;
 use crate::Settings;
 use crate::hardware::{Battery, Drive, Localiser, Scanner};
-use iibt_core::iibt::{InferenceNode, Task};
-use iibt_core::inference::Preference;
+use iibt_core::iibt::InferenceNode;
 use iibt_core::navigation::{GridPercept, Intention, Mission, MissionError, Navigation};
 use iibt_core::team::{Invalid, Peers};
 use iibt_core::time::{Duration, Instant};
@@ -44,24 +43,25 @@ static TREE: Tree<Skill, NODES> = tree! {
     }
 };
 
-/// A robot of a navigating team, for maps of up to `S` cells in `W` words, weighing up to `P`
-/// candidates.
+/// A robot of a navigating team, for maps of up to `S` cells in `W` words, plans of less than `L`
+/// steps, searches of up to `M` nodes and up to `K` joint policies.
 ///
-/// `W` is [`words`](iibt_core::grid::words) of the map's width and height. A decision takes memory
-/// for `P * S` predicted probabilities twice over and time for `P * P` pairs with each teammate; 16
-/// candidates serve three or four goals. Robots with the same `P` choose alike, whatever their `S`.
+/// `W` is [`words`](iibt_core::grid::words) of the map's width and height. Robots of a team have
+/// the same `L`, `M` and `K`, whatever their `S`. On 64 cells, 33 steps, 64 nodes and 16 policies
+/// serve eight robots.
 #[derive(Clone, Debug)]
-pub struct Navigator<'m, const S: usize, const W: usize, const P: usize> {
+pub struct Navigator<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> {
     memory: Memory<NODES>,
-    skills: Skills<'m, S, W, P>,
+    skills: Skills<'m, S, W, L, M, K>,
     percept: GridPercept,
+    message: Option<Intention<W, K>>,
 }
 
 /// The state that the leaves share.
 #[derive(Clone, Debug)]
-struct Skills<'m, const S: usize, const W: usize, const P: usize> {
-    navigation: Navigation<'m, S, W, P>,
-    node: InferenceNode<Navigation<'m, S, W, P>>,
+struct Skills<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> {
+    navigation: Navigation<'m, S, W, L, M, K>,
+    node: InferenceNode<Navigation<'m, S, W, L, M, K>>,
     charge: u8,
     thresholds: Thresholds,
 }
@@ -80,7 +80,9 @@ impl Thresholds {
     pub const DEFAULT: Self = Self { low: 20, charged: 90 };
 }
 
-impl<'m, const S: usize, const W: usize, const P: usize> Navigator<'m, S, W, P> {
+impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
+    Navigator<'m, S, W, L, M, K>
+{
     /// The timeout of the inference node in ticks: how long a precondition may stay unmet before
     /// the node fails.
     pub const TIMEOUT_TICKS: u32 = 100;
@@ -100,6 +102,7 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigator<'m, S, W, P> 
                 thresholds: Thresholds::DEFAULT,
             },
             percept: GridPercept::default(),
+            message: None,
         })
     }
 
@@ -112,20 +115,20 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigator<'m, S, W, P> 
 
     /// Returns the task of the inference node, with its last decision.
     #[must_use]
-    pub const fn navigation(&self) -> &Navigation<'m, S, W, P> {
+    pub const fn navigation(&self) -> &Navigation<'m, S, W, L, M, K> {
         &self.skills.navigation
     }
 
     /// Returns the task for instructions: way-points and preferences for goals.
-    pub const fn navigation_mut(&mut self) -> &mut Navigation<'m, S, W, P> {
+    pub const fn navigation_mut(&mut self) -> &mut Navigation<'m, S, W, L, M, K> {
         &mut self.skills.navigation
     }
 
-    /// Returns the current preference C, temporary raises included.
+    /// Sets the most work units of a tick; see [`Navigation::set_budget`].
     #[must_use]
-    pub fn preference(&self) -> Preference<S> {
-        let Skills { navigation, node, .. } = &self.skills;
-        node.raised().copied().unwrap_or_else(|| navigation.preference())
+    pub fn with_budget(mut self, units: u32) -> Self {
+        self.skills.navigation.set_budget(units);
+        self
     }
 
     /// Returns the name of the running leaf.
@@ -135,17 +138,18 @@ impl<'m, const S: usize, const W: usize, const P: usize> Navigator<'m, S, W, P> 
     }
 }
 
-impl<'m, H, const S: usize, const W: usize, const P: usize> Robot<H> for Navigator<'m, S, W, P>
+impl<'m, H, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> Robot<H>
+    for Navigator<'m, S, W, L, M, K>
 where
     H: Drive + Localiser + Scanner + Battery,
 {
-    type Message = Intention;
+    type Message = Intention<W, K>;
 
     fn mission(&self) -> u64 {
         self.skills.navigation.mission_id()
     }
 
-    fn accepts(&self, intention: &Intention) -> Result<(), Invalid> {
+    fn accepts(&self, intention: &Intention<W, K>) -> Result<(), Invalid> {
         self.skills.navigation.accepts(intention)
     }
 
@@ -159,11 +163,18 @@ where
             // There is room: the list is not full.
             let _ = self.percept.hazards.push(hazard);
         }
+        self.percept.clear.clear();
+        for cell in self.skills.navigation.watched().filter(|&cell| hardware.is_clear(cell)) {
+            // Without room, a cell that is still clear is told at a later tick.
+            let _ = self.percept.clear.push(cell);
+        }
     }
 
-    fn tick(&mut self, peers: Peers<'_, Intention>, now: Instant) -> Status {
+    fn tick(&mut self, peers: Peers<'_, Intention<W, K>>, now: Instant) -> Status {
         let mut leaves = Ticking { skills: &mut self.skills, percept: &self.percept, peers };
-        TREE.tick(&mut self.memory, &mut leaves, now).status
+        let status = TREE.tick(&mut self.memory, &mut leaves, now).status;
+        self.message = self.skills.navigation.intention(peers);
+        status
     }
 
     fn act(&mut self, hardware: &mut H) {
@@ -172,47 +183,52 @@ where
         }
     }
 
-    fn message(&self) -> Intention {
-        self.skills.navigation.intention()
+    fn message(&self) -> Option<Intention<W, K>> {
+        self.message.clone()
     }
 }
 
 /// The skills in a tick, with what was sensed and heard.
-struct Ticking<'t, 'm, const S: usize, const W: usize, const P: usize> {
-    skills: &'t mut Skills<'m, S, W, P>,
+struct Ticking<'t, 'm, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> {
+    skills: &'t mut Skills<'m, S, W, L, M, K>,
     percept: &'t GridPercept,
-    peers: Peers<'t, Intention>,
+    peers: Peers<'t, Intention<W, K>>,
 }
 
-impl<const S: usize, const W: usize, const P: usize> Ticking<'_, '_, S, W, P> {
-    /// Takes no part in decisions until the battery is charged, and drives to the charger if there
-    /// is one.
-    fn recharge(&mut self) -> Status {
+impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
+    Ticking<'_, '_, S, W, L, M, K>
+{
+    /// Drives to the charger with the team's consent, and stands there until the battery is charged.
+    fn recharge(&mut self, now: Instant) -> Status {
         if self.skills.charge >= self.skills.thresholds.charged {
+            self.skills.navigation.set_charging(false);
             return Status::Success;
         }
-        self.skills.navigation.recharge(self.percept, self.peers);
-        Status::Running
+        self.skills.navigation.set_charging(true);
+        match self.decide(now) {
+            Status::Failure => Status::Failure,
+            // It is not done before the battery is charged.
+            _ => Status::Running,
+        }
     }
 
-    fn move_to_goal(&mut self, now: Instant) -> Status {
+    fn decide(&mut self, now: Instant) -> Status {
         let Skills { navigation, node, .. } = &mut *self.skills;
-        if navigation.step_aside(self.percept, self.peers) {
-            return Status::Running;
-        }
         node.tick(navigation, self.percept, self.peers, now)
     }
 }
 
-impl<const S: usize, const W: usize, const P: usize> Leaves<Skill> for Ticking<'_, '_, S, W, P> {
+impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> Leaves<Skill>
+    for Ticking<'_, '_, S, W, L, M, K>
+{
     fn condition(&mut self, leaf: &Skill, _: Instant) -> bool {
         *leaf == Skill::BatteryEnough && self.skills.charge >= self.skills.thresholds.low
     }
 
     fn on_running(&mut self, leaf: &Skill, now: Instant) -> Status {
         match leaf {
-            Skill::MoveToGoal => self.move_to_goal(now),
-            Skill::Recharge => self.recharge(),
+            Skill::MoveToGoal => self.decide(now),
+            Skill::Recharge => self.recharge(now),
             Skill::BatteryEnough => Status::Failure,
         }
     }

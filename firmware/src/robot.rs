@@ -95,8 +95,8 @@ use iibt_core::tree::Status;
 ///     fn act(&mut self, hardware: &mut H) {
 ///         hardware.light(self.skills.lit);
 ///     }
-///     fn message(&self) -> Button {
-///         Button(self.skills.held)
+///     fn message(&self) -> Option<Button> {
+///         Some(Button(self.skills.held))
 ///     }
 /// }
 ///
@@ -175,6 +175,6 @@ pub trait Robot<H> {
     /// Carries out the decision of the tick.
     fn act(&mut self, hardware: &mut H);
 
-    /// Returns the message to announce now.
-    fn message(&self) -> Self::Message;
+    /// Returns the message to announce now; `None` while there is nothing true to say.
+    fn message(&self) -> Option<Self::Message>;
 }

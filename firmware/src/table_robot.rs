@@ -235,8 +235,8 @@ where
         self.parts.skills.act(hardware);
     }
 
-    fn message(&self) -> Self::Message {
-        self.parts.task.announcement().with(self.parts.skills.message())
+    fn message(&self) -> Option<Self::Message> {
+        Some(self.parts.task.announcement().with(self.parts.skills.message()))
     }
 }
 
@@ -391,7 +391,7 @@ mod tests {
         };
         assert_eq!(asked(&mut robot, 0, 0), (Status::Running, vec!["sense", "run", "act"], 1));
         assert_eq!(robot.running(), Some(&TaskLeaf::Own(Leaf::Turn)));
-        assert_eq!(robot.message().own, Choice(0));
+        assert_eq!(robot.message().unwrap().own, Choice(0));
         assert_eq!(asked(&mut robot, 1, 1), (Status::Running, vec!["sense", "halt", "act"], 1));
         let (status, calls, _) = asked(&mut robot, 1, 2);
         assert_eq!((status, calls), (Status::Success, vec!["sense", "still", "run", "act"]));

@@ -1,5 +1,4 @@
-//! The body of a simulated robot: the hardware of its controller, filled and read by the simulated
-//! world.
+//! A robot's body: the hardware its controller works on, filled and read by the world around it.
 //!
 //! Within a tick a body is alone. The world puts in what the sensors read before the controller
 //! ticks, and carries out what the controller has commanded afterwards.
@@ -12,7 +11,7 @@ use std::collections::VecDeque;
 /// The hardware of one simulated robot.
 pub(crate) type Body = adapters::Body<Antenna, Clock, Wheels, Localiser, Scanner, Battery>;
 
-/// A body whose clock is at zero.
+/// A body at the beginning of time.
 pub(crate) fn body() -> Body {
     Body {
         link: Antenna::default(),
@@ -29,18 +28,18 @@ pub(crate) fn body() -> Body {
 pub struct Antenna {
     pub(crate) received: VecDeque<u8>,
     pub(crate) sent: Vec<Vec<u8>>,
-    /// The frames sent in the last tick of a flight.
+    /// What was sent in the last tick of a flight.
     pub(crate) last: Vec<Vec<u8>>,
 }
 
-/// The wheels, the commanded move, and whether a move is under way.
+/// The wheels, the move they have been told to make, and whether they are still making one.
 #[derive(Debug, Default)]
 pub struct Wheels {
     pub(crate) command: Option<Move>,
     pub(crate) moving: bool,
 }
 
-/// The positioning, and its reading in this tick.
+/// The positioning, and what it reads in this tick.
 #[derive(Debug, Default)]
 pub struct Localiser {
     pub(crate) reading: Option<Cell>,
@@ -51,6 +50,7 @@ pub struct Localiser {
 pub struct Scanner {
     in_view: Vec<Cell>,
     unreported: VecDeque<Cell>,
+    clear: Vec<Cell>,
 }
 
 /// The battery and its charge in percent.
@@ -66,8 +66,9 @@ pub struct Clock {
 }
 
 impl Scanner {
-    /// Updates the obstacles in view.
-    pub(crate) fn look(&mut self, in_view: Vec<Cell>) {
+    /// Turns to the obstacles that are in view now, and to the cells that are empty.
+    pub(crate) fn look(&mut self, in_view: Vec<Cell>, clear: Vec<Cell>) {
+        self.clear = clear;
         self.unreported.retain(|cell| in_view.contains(cell));
         for &cell in in_view.iter().rev().filter(|cell| !self.in_view.contains(cell)) {
             self.unreported.push_front(cell);
@@ -114,6 +115,10 @@ impl hardware::Scanner for Scanner {
     fn scan(&mut self) -> Option<Cell> {
         self.unreported.pop_front()
     }
+
+    fn is_clear(&mut self, cell: Cell) -> bool {
+        self.clear.contains(&cell)
+    }
 }
 
 impl hardware::Battery for Battery {
@@ -137,7 +142,7 @@ mod tests {
     fn what_comes_into_view_is_reported_first_and_what_stays_again() {
         let mut scanner = Scanner::default();
         let mut reported = |in_view: &[u16]| {
-            scanner.look(in_view.iter().copied().map(Cell).collect());
+            scanner.look(in_view.iter().copied().map(Cell).collect(), vec![]);
             scanner.scan().map(|cell| cell.0)
         };
         assert_eq!(reported(&[]), None);

@@ -28,7 +28,7 @@ fn choice(robot: usize, old: &Report, new: &Report, floor: &Floor) -> Option<Fli
         return None;
     }
     let path = new.path.cells(floor).collect();
-    Some(FlightEvent::Chose { robot, round: new.round.0, goal, path, probability: new.probability })
+    Some(FlightEvent::Chose { robot, round: new.round, goal, path, probability: new.probability })
 }
 
 /// Returns the event of a robot that leaves the team or comes back.

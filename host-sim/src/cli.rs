@@ -1,6 +1,7 @@
 //! The verbs, what they read and what they print.
 
 mod campaign;
+mod frames;
 mod learn;
 mod manipulate;
 mod notebook;
@@ -14,7 +15,9 @@ use self::reproduce::Reproduce;
 use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand};
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, series_lines, summary};
-use host_sim::{Conditions, Logbook, Observer, Pilot, Record, Scenario, fly, fly_series, library};
+use host_sim::{
+    Conditions, FrameRecording, Logbook, Observer, Pilot, Record, Scenario, fly, fly_series, library,
+};
 use serde::Serialize;
 use std::error::Error;
 use std::fmt::Display;
@@ -47,8 +50,8 @@ Examples:
 From a checkout, `host-sim run ...` is `cargo run --release -- run ...`.
 
 Exit status:
-  0  all robots arrived together at different goals
-  1  they did not
+  0  the mission was accomplished, or there was nothing to do
+  1  it was not
   2  wrong usage or input";
 
 const RUN_EXAMPLES: &str = "\
@@ -70,8 +73,8 @@ A scenario of your own:
 host-sim/scenarios/README.md tells what else a scenario can say.
 
 Exit status:
-  0  all robots arrived together at different goals
-  1  they did not
+  0  the mission was accomplished, or there was nothing to do
+  1  it was not
   2  wrong usage or input";
 
 /// Fly teams of robots that decide together, in simulation.
@@ -107,6 +110,9 @@ enum Verb {
     /// Write a model from a notebook as Rust source for firmware
     #[command(after_help = notebook::EXPORT_EXAMPLES)]
     Export(notebook::Export),
+    /// Tell from recorded frames who goes where, when and how surely
+    #[command(after_help = frames::EXAMPLES)]
+    Frames(frames::Frames),
     /// Learn from a log how often each robot's moves succeed
     #[command(after_help = learn::EXAMPLES)]
     Learn(Learn),
@@ -134,6 +140,9 @@ struct RunArgs {
     /// Keep a log of every move that a robot was told to make
     #[arg(long, value_name = "FILE.csv")]
     log: Option<PathBuf>,
+    /// Keep all frames that the robots send, for the verb `frames`
+    #[arg(long, value_name = "FILE")]
+    frames: Option<PathBuf>,
     /// Print one JSON object with everything about the flight, and nothing else
     #[arg(long, conflicts_with = "quiet")]
     json: bool,
@@ -164,6 +173,7 @@ impl Cli {
             Some(Verb::Campaign(campaign)) => campaign.run(),
             Some(Verb::Infer(infer)) => infer.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Export(export)) => export.run().map(|()| ExitCode::SUCCESS),
+            Some(Verb::Frames(frames)) => frames.run(),
             Some(Verb::Learn(learn)) => learn.run(),
             Some(Verb::Manipulate(manipulate)) => manipulate.run(),
             Some(Verb::Tree(tree)) => tree.run(),
@@ -203,10 +213,14 @@ impl RunArgs {
         if scenario.missions > 1 {
             return self.run_series(&scenario, conditions);
         }
-        let mut observer = (self.observer(&scenario), self.logbook()?);
-        let record = fly(&scenario, conditions, &mut observer).map_err(about(&scenario.name))?;
+        let mut observer = (self.observer(&scenario), self.logbook()?, self.recording()?);
+        let record = fly(&scenario, conditions, &mut observer)
+            .map_err(|error| format!("{}: {error}", scenario.name))?;
         if let Some(logbook) = observer.1 {
             logbook.finish()?;
+        }
+        if let Some(recording) = observer.2 {
+            recording.finish()?;
         }
         print(&self.report(&record)?)?;
         Ok(exit_status(record.outcome.is_success()))
@@ -214,6 +228,11 @@ impl RunArgs {
 
     /// Flies the missions of a scenario that has several, a line each.
     fn run_series(&self, scenario: &Scenario, conditions: Conditions) -> Result<ExitCode, Failure> {
+        if self.frames.is_some() {
+            return Err(
+                format!("{}: --frames keeps those of one mission, not of a series", scenario.name).into()
+            );
+        }
         let mut logbook = self.logbook()?;
         let mut observer: (Box<dyn Observer>, _) = (Box::new(()), logbook.take());
         let series = fly_series(scenario, conditions, true, &mut observer).map_err(about(&scenario.name))?;
@@ -240,6 +259,12 @@ impl RunArgs {
         let Some(path) = &self.log else { return Ok(None) };
         let file = File::create(path).map_err(about(path.display()))?;
         Ok(Some(Logbook::new(BufWriter::new(file))))
+    }
+
+    fn recording(&self) -> Result<Option<FrameRecording<BufWriter<File>>>, Failure> {
+        let Some(path) = &self.frames else { return Ok(None) };
+        let file = File::create(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(Some(FrameRecording::new(BufWriter::new(file))))
     }
 
     fn report(&self, record: &Record) -> Result<String, Failure> {

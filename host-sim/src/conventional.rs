@@ -1,24 +1,20 @@
-//! Robots with conventional trees: the same body and frames, but behavior trees of conditions and
-//! actions, written by hand.
+//! Robots with conventional trees: the same body, the same frames, but behavior trees of conditions
+//! and actions written by hand.
 //!
 //! They tick the trees of the paper's figures 8 and 5(a) from `trees/`: loaded, lowered to the
 //! core's table, each leaf bound by its name. They are the baseline for inference, written as an
 //! engineer would with the same sensors, radio and maps, and no probabilities:
 //!
-//! - **Position**: where the last move should have led, if the reading agrees. Any other reading
-//!   counts when it comes twice in a row.
-//! - **Assignment of goals**: the least sum of distances from the announced cells. The robot with
-//!   the lower number keeps the goal that it has announced.
-//! - **Path**: in space and time, past the robots with the right of way and those that stand. It is
-//!   planned again when an obstacle or a teammate is on it.
-//! - **Arrival**: not before the slowest teammate. A robot waits before its last move until all are
-//!   one move away.
-//! - **Permission to move**: into a cell that was announced a tick before, that no teammate can be
-//!   on, and that no robot with the right of way goes to.
-//! - **Right of way**: robots on their way to a charger, then the lower number.
-//! - **Silent teammates**: may be anywhere they can have reached. After sixteen frames without a
-//!   message, a teammate counts as standing where it was.
-//! - **Low battery**: drive to the charger, stay until charged, come back.
+//! | question | answer |
+//! |---|---|
+//! | where am I | where the last move should have led, if the reading says so; any other reading counts when it comes twice in a row |
+//! | whose goal is which | least sum of ways from the announced cells; the lower number keeps the goal it has announced |
+//! | which way | a path in space and time past those with the right of way and those that stand, constructed again when an obstacle or a teammate is on it |
+//! | when to arrive | not before the slowest teammate: waits before the last move, and the last move only when all are one move away |
+//! | may I move | into a cell that was announced a tick before, where no teammate can be, and that none with the right of way goes to |
+//! | who has the right of way | robots on their way to a charger, then the lower number |
+//! | who was not heard | may be anywhere it can have come to; one not heard for sixteen frames stands where it was |
+//! | battery low | drive to the charger, stay until charged, come back |
 //!
 //! There is no round and no agreement: every robot decides by itself from the last messages. It
 //! announces `Agreed` when it makes the next step of its path in this tick, and `Announced` when it
@@ -26,12 +22,13 @@
 //!
 //! ```text
 //! frames ─► roster ─► teammates ─┐
-//! localiser ─► position ─────────┼─► tree: conditions ask, actions propose ─► if safe ─► drive
-//! scanner ─► known obstacles ────┘                     └─► intention ─► frame
+//! localiser ─► position ─────────┼─► tree: conditions ask, actions propose ─► released if safe ─► drive
+//! scanner ─► known obstacles ────┘                     └─► message ─► frame
 //! ```
 
 mod assignment;
 mod leaves;
+mod message;
 mod navigator;
 mod position;
 mod route;
@@ -40,6 +37,7 @@ mod teammate;
 pub(crate) use leaves::ConventionalTree;
 
 use self::leaves::ConventionalLeaf;
+use self::message::PathMessage;
 use self::navigator::{Navigator, Orders};
 use self::teammate::Teammate;
 use crate::body::Body;
@@ -50,7 +48,8 @@ use firmware::hardware::{Battery, Drive, Localiser, Scanner};
 use firmware::{Controller, LinkReport, Robot, Settings, Thresholds};
 use heapless::Vec as Bounded;
 use iibt_core::grid::{Cell, Map};
-use iibt_core::navigation::{Intention, MAX_GOALS, MAX_HAZARDS, MissionError, Report, Round};
+use iibt_core::navigation::{MAX_GOALS, MAX_HAZARDS, MissionError, Report};
+use iibt_core::team::rounds::View;
 use iibt_core::team::{Freshness, Invalid, MAX_TEAM, Peers, RobotId};
 use iibt_core::time::Instant;
 use iibt_core::tree::{self, Full, Halt, Leaves};
@@ -115,7 +114,7 @@ impl<const S: usize, const W: usize> ConventionalRobot<S, W> {
     }
 
     /// Returns the state of every teammate from its newest frame.
-    fn teammates(&mut self, map: &Map<W>, peers: Peers<'_, Intention>) -> Bounded<Teammate, MAX_TEAM> {
+    fn teammates(&mut self, map: &Map<W>, peers: Peers<'_, PathMessage>) -> Bounded<Teammate, MAX_TEAM> {
         let (orders, now) = (self.navigator.orders(), peers.now());
         let mut team: Bounded<Teammate, MAX_TEAM> = Bounded::new();
         for (robot, &start) in orders.starts.iter().enumerate().filter(|&(robot, _)| robot != orders.robot) {
@@ -140,11 +139,11 @@ impl<H, const S: usize, const W: usize> Robot<H> for ConventionalRobot<S, W>
 where
     H: Drive + Localiser + Scanner + Battery,
 {
-    type Message = Intention;
+    type Message = PathMessage;
 
-    fn accepts(&self, intention: &Intention) -> Result<(), Invalid> {
+    fn accepts(&self, message: &PathMessage) -> Result<(), Invalid> {
         let map = &self.navigator.orders().map;
-        if intention.fits(map.len()) && intention.path.is_open(map) {
+        if message.fits(map.len()) && message.path.is_open(map) {
             Ok(())
         } else {
             Err(Invalid("it speaks of another map"))
@@ -164,7 +163,7 @@ where
         }
     }
 
-    fn tick(&mut self, peers: Peers<'_, Intention>, now: Instant) -> tree::Status {
+    fn tick(&mut self, peers: Peers<'_, PathMessage>, now: Instant) -> tree::Status {
         let map = self.navigator.orders().map;
         for hazard in peers.iter().flat_map(|peer| peer.message().hazards.iter().copied()) {
             self.navigator.notice(hazard);
@@ -181,19 +180,16 @@ where
         }
     }
 
-    fn message(&self) -> Intention {
+    fn message(&self) -> Option<PathMessage> {
         let navigator = &self.navigator;
         let newest = navigator.hazards.len().saturating_sub(MAX_HAZARDS);
-        Intention {
-            round: Round(0),
+        Some(PathMessage {
             stage: navigator.stage,
-            plan: 0,
             goal: navigator.goal,
             path: navigator.path,
             step: navigator.step.min(navigator.path.len()) as u8,
-            probability: 1.0,
             hazards: navigator.hazards.iter().skip(newest).copied().collect(),
-        }
+        })
     }
 }
 
@@ -230,16 +226,20 @@ impl<const S: usize, const W: usize> AnyRobot for Controller<ConventionalRobot<S
         let navigator = &self.robot().navigator;
         Report {
             stage: navigator.stage,
-            round: Round(0),
+            round: 0,
+            members: View::EMPTY,
             goal: navigator.goal,
             path: navigator.path,
             step: navigator.step,
+            policy: None,
             probability: 1.0,
             cell: navigator.position.last(),
             confidence: self.belief(navigator.position.last()),
             surprise: Some(0.0),
             waypoint: navigator.waypoints.first().copied(),
             cause: None,
+            waiting: None,
+            failure: None,
         }
     }
 

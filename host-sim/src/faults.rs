@@ -117,6 +117,7 @@ impl Scenario {
             start,
             battery: 100,
             charger: mission.chargers.get(index).copied().flatten(),
+            goal: mission.own_goals.get(index).copied().flatten(),
             drain: 0.0,
             charging: f64::from(CHARGING[0]),
             slip: faults.slip,
@@ -126,13 +127,18 @@ impl Scenario {
             pace: mission.paces.get(index).copied().unwrap_or(1).into(),
             paths: Vec::new(),
         };
+        let own = mission.own_goals.iter().flatten().filter(|own| !mission.goals.contains(own));
+        let goals: Vec<Cell> = mission.goals.iter().chain(own).copied().collect();
         Ok(Self {
             name: "mission".to_owned(),
             title: String::new(),
             limit: u32::MAX,
             map: resized(&mission.map).ok_or(MissionError::MapTooLarge)?,
-            goals: mission.goals.to_vec(),
-            serves: vec![1.0; mission.goals.len()],
+            serves: vec![1.0; goals.len()],
+            need: mission.need.map_or(goals.len().min(mission.starts.len()), usize::from),
+            goals,
+            waits_for_charging: mission.waits_for_charging,
+            forgets: mission.forgets,
             missions: 1,
             robots: mission.starts.iter().enumerate().map(robot).collect(),
             events: Vec::new(),

@@ -15,8 +15,8 @@ use crate::radio::{KEY, RadioChannel, Traffic};
 use crate::random::{Random, Stream};
 use crate::referee::Collisions;
 use crate::robot::AnyRobot;
-use crate::scenario::{DriveFault, EventEffect, Floor, Scenario};
-use crate::team::{Boot, Navigating, TeamError, navigating};
+use crate::scenario::{DriveFault, EventEffect, Floor, Scenario, parts};
+use crate::team::{Boot, Navigating, TeamError, UNLIMITED, navigating};
 use crate::world::World;
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::{Mission, Report};
@@ -91,10 +91,12 @@ pub struct Flight<'m, R: AnyRobot + ?Sized> {
 
 /// A flight of navigating robots for maps of up to `S` cells in `W` words, weighing up to `P`
 /// candidates.
-pub type NavigatorFlight<'m, const S: usize, const W: usize, const P: usize> =
-    Flight<'m, Navigating<'m, S, W, P>>;
+pub type NavigatorFlight<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> =
+    Flight<'m, Navigating<'m, S, W, L, M, K>>;
 
-impl<'m, const S: usize, const W: usize, const P: usize> NavigatorFlight<'m, S, W, P> {
+impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
+    NavigatorFlight<'m, S, W, L, M, K>
+{
     /// The team of a mission at its start. Robots see the cells around them.
     ///
     /// # Errors
@@ -113,7 +115,8 @@ impl<'m, const S: usize, const W: usize, const P: usize> NavigatorFlight<'m, S, 
         faults: Faults,
         seed: u64,
     ) -> Result<Self, TeamError> {
-        let boot = move |robot, epoch| navigating(mission, key.clone(), robot, epoch).map(Box::new);
+        let boot =
+            move |robot, epoch| navigating(mission, key.clone(), robot, epoch, UNLIMITED).map(Box::new);
         Self::new(Scenario::of(mission, &faults)?, faults, seed, Box::new(boot))
     }
 }
@@ -159,7 +162,8 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
 
     /// Ticks the world and every robot once; returns the events, without those that robots report.
     pub fn tick(&mut self) -> Vec<FlightEvent> {
-        let mut events = self.world.begin(self.tick, self.progress);
+        let ahead: Vec<_> = (0..self.robots.len()).map(|robot| self.ahead(robot)).collect();
+        let mut events = self.world.begin(self.tick, self.progress, |robot| ahead[robot]);
         self.instruct(&mut events);
         events.extend(self.sense());
         for (index, robot) in self.robots.iter_mut().enumerate() {
@@ -176,6 +180,30 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         }
         self.tick += 1;
         events
+    }
+
+    /// The cell two moves ahead on a robot's path by the newest plan, or one move ahead where two are
+    /// the end of it; none that a robot is in or is to come to.
+    fn ahead(&self, robot: usize) -> Option<Cell> {
+        let report = &self.reports[robot];
+        let is_newest = self.reports.iter().all(|other| other.round <= report.round);
+        let is_known = report.policy.is_some() || report.members.is_empty();
+        let mut cells: Vec<Cell> = report.path.cells(self.world.floor()).skip(report.step).collect();
+        cells.dedup();
+        let inner = cells.get(1..cells.len().saturating_sub(1)).filter(|_| is_newest && is_known)?;
+        let free = |cell: &Cell| !self.scenario.has_place_at(*cell) && !self.world.cells().contains(cell);
+        inner.iter().take(2).rev().copied().find(|cell| free(cell) && self.leaves_ways(*cell))
+    }
+
+    /// Whether an obstacle in a cell cuts nothing off, with all that are to appear.
+    fn leaves_ways(&self, cell: Cell) -> bool {
+        let mut floor = *self.world.floor();
+        for event in &self.scenario.events {
+            if let EventEffect::Block(cell) = event.effect {
+                floor.block(cell);
+            }
+        }
+        parts(&floor.avoiding([cell])) <= parts(&floor)
     }
 
     /// Tells the robots which way-points to visit.
@@ -204,12 +232,13 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
                     events.push(FlightEvent::Found { robot: index, cell });
                 }
             }
+            let clear = self.world.clear_in_view(index, self.scenario.robots[index].view).collect();
             let body = self.robots[index].body();
             body.clock.now = self.began.wrapping_add(self.tick);
             body.battery.charge = self.world.battery(index).percent();
             body.localiser.reading = reading;
             body.drive.moving = self.world.is_moving(index);
-            body.scanner.look(in_view);
+            body.scanner.look(in_view, clear);
         }
         for (receiver, frame) in self.radio.arrivals(self.tick) {
             self.deliver(receiver, &frame);
@@ -413,6 +442,10 @@ impl<R: AnyRobot + ?Sized> Flight<'_, R> {
     #[must_use]
     pub fn traffic(&self) -> &[Traffic] {
         self.radio.traffic()
+    }
+
+    pub(crate) const fn progress(&self) -> Progress {
+        self.progress
     }
 
     pub(crate) const fn world(&self) -> &World {

@@ -1,5 +1,6 @@
 //! The events of a flight that are shown and recorded.
 
+use crate::awaited::Awaited;
 use crate::scenario::Scenario;
 use crate::text::route;
 use iibt_core::grid::Cell;
@@ -11,22 +12,27 @@ use serde::Serialize;
 pub enum FlightEvent {
     /// An obstacle appeared.
     Appeared {
-        /// The cell.
+        /// Where.
+        cell: Cell,
+    },
+    /// An obstacle was taken away.
+    Cleared {
+        /// Where.
         cell: Cell,
     },
     /// A robot observed an obstacle that no robot had observed.
     Found {
-        /// The robot, by its index.
+        /// Who.
         robot: usize,
-        /// The cell.
+        /// Where.
         cell: Cell,
     },
     /// A robot chose a policy.
     Chose {
-        /// The robot, by its index.
+        /// Who.
         robot: usize,
-        /// The round.
-        round: u16,
+        /// In which round.
+        round: u32,
         /// The goal it leads to.
         goal: Cell,
         /// The cells of its path, from where it stands.
@@ -34,73 +40,81 @@ pub enum FlightEvent {
         /// The posterior probability of the choice.
         probability: f32,
     },
-    /// All robots know each other's choices and will follow their own.
+    /// All members of the round know the joint plan.
     Agreed {
-        /// The round.
-        round: u16,
+        /// In which round.
+        round: u32,
     },
     /// A robot stands on its goal.
     Arrived {
-        /// The robot, by its index.
+        /// Who.
         robot: usize,
-        /// Its true cell.
+        /// Where it stands in truth.
         cell: Cell,
     },
     /// A robot was told to visit a cell before its goal.
     Asked {
-        /// The robot, by its index.
+        /// Who.
         robot: usize,
-        /// The cell.
+        /// Where.
         cell: Cell,
     },
     /// A robot was told to visit a cell, but there is an obstacle or no room for another way-point.
     Refused {
-        /// The robot, by its index.
+        /// Who.
         robot: usize,
-        /// The cell.
+        /// Where.
         cell: Cell,
     },
     /// A robot has visited a way-point according to its belief.
     Visited {
-        /// The robot, by its index.
+        /// Who.
         robot: usize,
-        /// The way-point.
+        /// Which.
         cell: Cell,
     },
     /// A robot's battery fell.
     Drained {
-        /// The robot, by its index.
+        /// Whose.
         robot: usize,
-        /// The charge afterwards, in percent.
+        /// To how many percent.
         charge: u8,
     },
-    /// A robot left the team, to charge or to step out of a teammate's way.
+    /// A robot goes to charge its battery.
     Left {
-        /// The robot, by its index.
+        /// Who.
         robot: usize,
         /// Its charge in percent.
         charge: u8,
     },
-    /// A robot is back and takes part again.
+    /// A robot has charged its battery.
     Returned {
-        /// The robot, by its index.
+        /// Who.
         robot: usize,
         /// Its charge in percent.
         charge: u8,
     },
     /// A robot stopped.
     Stopped {
-        /// The robot, by its index.
+        /// Who.
         robot: usize,
     },
     /// A robot that had stopped goes on.
     Resumed {
-        /// The robot, by its index.
+        /// Who.
         robot: usize,
+    },
+    /// A robot has waited for the same for a while.
+    Waits {
+        /// Who.
+        robot: usize,
+        /// What it waits for.
+        #[serde(rename = "for")]
+        awaited: Awaited,
     },
     /// Robots shared or swapped cells, or ran into something.
     Collided {
-        /// The number of collisions in this tick.
+        /// How often in this tick.
         times: u32,
     },
 }
@@ -112,6 +126,7 @@ impl FlightEvent {
         let name = |robot: usize| scenario.robots.get(robot).map_or("?", |robot| robot.name.as_str());
         match self {
             Self::Appeared { cell } => format!("an obstacle appears at {}", cell.0),
+            Self::Cleared { cell } => format!("the obstacle at {} is gone", cell.0),
             Self::Found { robot, cell } => format!("{} finds the obstacle at {}", name(*robot), cell.0),
             Self::Chose { robot, goal, path, probability, .. } => format!(
                 "{} chooses goal {} by {}, probability {probability:.3}",
@@ -119,7 +134,7 @@ impl FlightEvent {
                 goal.0,
                 route(path)
             ),
-            Self::Agreed { round } => format!("all agree (round {round})"),
+            Self::Agreed { round } => format!("all know the plan (round {round})"),
             Self::Arrived { robot, cell } => format!("{} has arrived at {}", name(*robot), cell.0),
             Self::Asked { robot, cell } => format!("{} is to visit {}", name(*robot), cell.0),
             Self::Refused { robot, cell } => format!("{} cannot visit {}", name(*robot), cell.0),
@@ -128,11 +143,12 @@ impl FlightEvent {
                 format!("the battery of {} falls to {charge} %", name(*robot))
             }
             Self::Left { robot, charge } => {
-                format!("{} leaves the team with {charge} % in its battery", name(*robot))
+                format!("{} leaves to charge with {charge} % in its battery", name(*robot))
             }
             Self::Returned { robot, charge } => format!("{} is back with {charge} %", name(*robot)),
             Self::Stopped { robot } => format!("{} stops", name(*robot)),
             Self::Resumed { robot } => format!("{} goes on", name(*robot)),
+            Self::Waits { robot, awaited } => format!("{} stands, {awaited}", name(*robot)),
             Self::Collided { times } => format!("COLLISION ({times})"),
         }
     }

@@ -1,16 +1,19 @@
 //! A scenario flown to its end, with its observers and its record.
 
+use crate::awaited::{Awaited, Waits};
 use crate::changes;
 use crate::faults::Faults;
 use crate::flight::Flight;
 use crate::flight_event::FlightEvent;
 use crate::phases::{self, Phase};
-use crate::record::{self, Activity, Outcome, Record, RobotRecord, TimedEvent};
+use crate::record::{self, Activity, Record, RobotRecord, TimedEvent};
 use crate::robot::AnyRobot;
 use crate::scenario::{Floor, Scenario};
 use crate::team::{Pilot, TeamError, with_team};
+use crate::verdict::{self, Evidence};
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::{MAX_GOALS, Report, Stage};
+use iibt_core::team::RobotId;
 
 /// The conditions of a flight besides its scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,7 +49,9 @@ pub struct Snapshot<'f> {
     pub commands: &'f [Option<Move>],
     /// The leaf of each robot's tree that is running.
     pub activities: &'f [Option<&'static str>],
-    /// The events of the last tick.
+    /// The frames that the robots sent in the last tick, one after the other.
+    pub frames: &'f [u8],
+    /// What has happened in the last tick.
     pub events: &'f [TimedEvent],
 }
 
@@ -68,6 +73,15 @@ impl<A: Observer> Observer for (Box<dyn Observer + '_>, Option<A>) {
         if let Some(other) = &mut self.1 {
             other.observe(snapshot);
         }
+    }
+}
+
+/// Three observers; the second and the third may be absent.
+impl<A: Observer, B: Observer> Observer for (Box<dyn Observer + '_>, Option<A>, Option<B>) {
+    fn observe(&mut self, snapshot: &Snapshot<'_>) {
+        self.0.observe(snapshot);
+        self.1.iter_mut().for_each(|other| other.observe(snapshot));
+        self.2.iter_mut().for_each(|other| other.observe(snapshot));
     }
 }
 
@@ -118,8 +132,10 @@ struct Recorder<'f, 'm> {
     tree: Vec<Vec<Activity>>,
     waypoints: Vec<Vec<Cell>>,
     visited: Vec<Vec<Cell>>,
+    waits: Waits,
     phases: Vec<Phase>,
     certainty: Vec<Vec<f32>>,
+    frames: Vec<u8>,
     events: Vec<TimedEvent>,
     history: Vec<Vec<Cell>>,
 }
@@ -134,8 +150,10 @@ impl<'f, 'm> Recorder<'f, 'm> {
             tree: vec![Vec::new(); size],
             waypoints: vec![Vec::new(); size],
             visited: vec![Vec::new(); size],
+            waits: Waits::new(size),
             phases: Vec::new(),
             certainty: Vec::new(),
+            frames: Vec::new(),
             events: Vec::new(),
             history: vec![flight.cells().to_vec()],
             flight,
@@ -159,20 +177,56 @@ impl<'f, 'm> Recorder<'f, 'm> {
             moving: &moving,
             commands: self.flight.commands(),
             activities: &self.activities,
+            frames: &self.frames,
             events: &self.events[told..],
         });
     }
 
+    /// Whether every robot says that it has arrived, or is lost to the team for good, the mission is
+    /// accomplished, and no event is to come.
     fn is_over(&self) -> bool {
-        let arrived = self.flight.reports().iter().all(|report| report.stage == Stage::Arrived);
-        let accomplished = arrived && record::at_different_goals(&self.scenario.goals, self.flight.cells());
-        accomplished || self.flight.ticks() >= self.scenario.limit
+        let members = self.members();
+        let (reports, world) = (self.flight.reports(), self.flight.world());
+        let has_arrived = |(robot, report): (usize, &Report)| {
+            report.stage == Stage::Arrived || (!members[robot] && world.is_stopped(robot))
+        };
+        let is_done =
+            !world.has_event_to_come(self.flight.progress()) && reports.iter().enumerate().all(has_arrived);
+        self.flight.ticks() >= self.scenario.limit
+            || (is_done && self.evidence(&members, &self.moving()).is_accomplished())
+    }
+
+    /// Which robots take part: the members of the newest round; all, where there are no rounds.
+    fn members(&self) -> Vec<bool> {
+        let reports = self.flight.reports();
+        let newest = reports.iter().max_by_key(|report| report.round).map(|report| report.members);
+        let view = newest.filter(|view| !view.is_empty());
+        let is_member = |robot: usize| view.is_none_or(|view| view.contains(RobotId(robot as u8)));
+        (0..reports.len()).map(is_member).collect()
+    }
+
+    fn moving(&self) -> Vec<bool> {
+        (0..self.scenario.robots.len()).map(|robot| self.flight.world().is_moving(robot)).collect()
+    }
+
+    fn evidence<'e>(&'e self, members: &'e [bool], moving: &'e [bool]) -> Evidence<'e> {
+        let has_errand = |robot: usize| members[robot] && !self.flight.robot(robot).waypoints().is_empty();
+        Evidence {
+            scenario: self.scenario,
+            collisions: self.flight.collisions(),
+            floor: self.flight.floor(),
+            history: &self.history,
+            moving,
+            members,
+            has_errand: (0..members.len()).any(has_errand),
+        }
     }
 
     fn tick(&mut self) {
         let (tick, stood) = (self.flight.ticks(), self.flight.cells().to_vec());
         let before = self.flight.reports().to_vec();
         let mut events = self.flight.tick();
+        self.frames = (0..stood.len()).flat_map(|robot| self.flight.sent(robot).concat()).collect();
         for item in &events {
             if let FlightEvent::Asked { robot, cell } = *item {
                 self.waypoints[robot].push(cell);
@@ -197,6 +251,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
         phases::note(&mut self.phases, tick, reports, world.floor(), || world.obstacles().collect());
         let mut events = changes::between(before, reports, world);
         events.splice(0..0, self.ticked_off());
+        events.extend(self.long_waits());
         events
     }
 
@@ -220,9 +275,21 @@ impl<'f, 'm> Recorder<'f, 'm> {
         events
     }
 
+    /// The robots that have waited for a while, and for what.
+    fn long_waits(&mut self) -> Vec<FlightEvent> {
+        let mut events = Vec::new();
+        for (robot, report) in self.flight.reports().iter().enumerate() {
+            let waiting = report.waiting.filter(|_| !self.flight.world().is_stopped(robot));
+            if let Some(waiting) = self.waits.note(robot, waiting) {
+                events.push(FlightEvent::Waits { robot, awaited: Awaited::of(waiting, self.scenario) });
+            }
+        }
+        events
+    }
+
     fn record(self) -> Record {
         let robots: Vec<_> = (0..self.scenario.robots.len()).map(|index| self.robot(index)).collect();
-        let outcome = self.outcome(&robots);
+        let outcome = self.evidence(&self.members(), &self.moving()).outcome();
         Record {
             scenario: self.scenario.name.clone(),
             title: self.scenario.title.clone(),
@@ -244,16 +311,6 @@ impl<'f, 'm> Recorder<'f, 'm> {
         }
     }
 
-    fn outcome(&self, robots: &[RobotRecord]) -> Outcome {
-        let is_joint = match self.conditions.tree {
-            Pilot::Inference => record::is_joint(robots.iter().map(|robot| robot.path.as_slice())),
-            Pilot::Conventional | Pilot::Figure5 => {
-                record::is_close(robots.iter().map(|robot| robot.arrived))
-            }
-        };
-        record::outcome(&self.flight.collisions(), &self.scenario.goals, self.flight.cells(), is_joint)
-    }
-
     fn robot(&self, index: usize) -> RobotRecord {
         let (setup, report) = (&self.scenario.robots[index], &self.flight.reports()[index]);
         let received = self.flight.robot(index).link_report().received;
@@ -267,8 +324,10 @@ impl<'f, 'm> Recorder<'f, 'm> {
             path: report.path.cells(&self.scenario.map).collect(),
             probability: report.probability,
             status: record::status(report),
+            waiting: report.waiting.map(|waiting| Awaited::of(waiting, self.scenario)),
+            failure: report.failure.map(|failure| failure.to_string()),
             moves: cells.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32,
-            arrived: cells.iter().rposition(|&before| before != cell).map_or(0, |last| last as u32 + 1),
+            arrived: verdict::arrival(&self.history, index).unwrap_or(0),
             frames: self.flight.traffic()[index],
             battery: world.battery(index).percent(),
             visited: self.visited[index].clone(),

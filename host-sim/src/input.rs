@@ -3,7 +3,7 @@
 mod values;
 
 pub(crate) use values::{
-    RadioEntry, RealNumber, Text, WholeNumber, line_of_text, parameter, percent, real, share, whole,
+    RadioEntry, RealNumber, Text, WholeNumber, line_of_text, optional, parameter, percent, real, share, whole,
 };
 
 use std::ops::Range;

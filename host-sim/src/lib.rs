@@ -23,6 +23,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod awaited;
 mod battery;
 pub mod beyond;
 mod body;
@@ -33,6 +34,7 @@ mod faults;
 mod flight;
 mod flight_event;
 mod fly;
+mod frames;
 mod input;
 mod learn;
 pub mod library;
@@ -45,6 +47,7 @@ mod progress;
 mod radio;
 mod random;
 mod record;
+mod recording;
 mod referee;
 pub mod reproduce;
 mod robot;
@@ -57,19 +60,23 @@ mod team;
 mod testbed;
 mod text;
 pub mod tree;
+mod verdict;
 mod world;
 
+pub use awaited::Awaited;
 pub use faults::Faults;
 pub use flight::{Flight, NavigatorFlight, Reading};
 pub use flight_event::FlightEvent;
 pub use fly::{Conditions, Observer, Snapshot, fly};
+pub use frames::{ChosenPolicy, HeardRound, TeamFrames, Way};
 pub use input::FileError;
 pub use learn::{Learned, MoveRatio, RobotRatios};
 pub use log::{Attempt, ExecutionLog, Logbook};
 pub use phases::{Chosen, Phase};
 pub use radio::{KEY, Traffic};
 pub use random::Random;
-pub use record::{Activity, Outcome, Record, RobotRecord, TOGETHER, TimedEvent};
+pub use record::{Activity, Record, RobotRecord, TimedEvent};
+pub use recording::FrameRecording;
 pub use referee::Collisions;
 pub use robot::AnyRobot;
 pub use scenario::{
@@ -79,6 +86,7 @@ pub use scenario::{
 pub use series::{Series, SeriesMission, fly_series};
 pub use team::{Navigating, Pilot, TeamError};
 pub use testbed::Testbed;
+pub use verdict::{Outcome, TOGETHER};
 
 /// The code in the README and in the documents is compiled and run with the tests.
 #[cfg(doctest)]

@@ -31,5 +31,5 @@ pub use comparison::{CONTENDERS, Compared, Contender, LEVELS, compare};
 pub use narration::narrate;
 pub use record::{ActionCounts, Decided, RobotTick, Run, Thought, TickRecord};
 pub use run::{Detail, RunError, run};
-pub use terms::{Disturbances, Order, Preset, Terms, Trees, Trust};
+pub use terms::{Disturbances, Order, Preset, RunTerms, Trees, Trust};
 pub use trees::TreeSize;

@@ -4,14 +4,14 @@ use crate::progress::agreed_round;
 use crate::scenario::Floor;
 use iibt_core::grid::Cell;
 use iibt_core::navigation::Cause;
-use iibt_core::navigation::{Report, Stage};
+use iibt_core::navigation::Report;
 use serde::Serialize;
 
 /// One round: its opener, its cause, and the choices of all robots.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Phase {
     /// The number of the round.
-    pub round: u16,
+    pub round: u32,
     /// The robot that opened it, by its index.
     pub opener: usize,
     /// The cause; `None` for the round that the mission begins with.
@@ -49,13 +49,13 @@ pub(crate) fn note(
 ) {
     let size = reports.len();
     for (robot, report) in reports.iter().enumerate() {
-        let is_opener = report.round.opener(size as u8).index() == robot;
-        let is_known = phases.iter().any(|phase| phase.round == report.round.0);
-        if is_opener && !is_known && (report.cause.is_some() || report.round.0 == 0) {
+        let is_opener = report.round as usize % size.max(1) == robot;
+        let is_known = phases.iter().any(|phase| phase.round == report.round);
+        if is_opener && !is_known && (report.cause.is_some() || report.round == 0) {
             phases.push(Phase::opened(robot, report, tick, size));
         }
-        let chosen = matches!(report.stage, Stage::Announced | Stage::Agreed | Stage::Arrived);
-        let Some(phase) = phases.iter_mut().find(|phase| phase.round == report.round.0) else { continue };
+        let chosen = report.policy.is_some();
+        let Some(phase) = phases.iter_mut().find(|phase| phase.round == report.round) else { continue };
         if chosen && phase.choices[robot].is_none() {
             phase.choices[robot] = Some(Chosen::by(report, tick, floor));
             phase.obstacles = obstacles();
@@ -71,7 +71,7 @@ pub(crate) fn note(
 impl Phase {
     fn opened(opener: usize, report: &Report, tick: u32, size: usize) -> Self {
         Self {
-            round: report.round.0,
+            round: report.round,
             opener,
             cause: report.cause,
             opened: tick,

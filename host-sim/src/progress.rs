@@ -1,40 +1,68 @@
-//! The progress of the team: the joint plans that all have agreed to, and the moves made of the
-//! last.
+//! The progress of the team: the joint plans that were chosen, and the moves made of the last.
 
 use iibt_core::navigation::{Report, Stage};
+use iibt_core::team::RobotId;
 
 /// The progress of a team according to its robots' reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Progress {
     plans: u32,
     moves: u32,
-    round: Option<u16>,
+    round: Option<u32>,
+    is_done: bool,
 }
 
 impl Progress {
     /// Updates the progress with the reports of a tick.
     pub(crate) fn note(&mut self, reports: &[Report]) {
-        let Some(round) = agreed_round(reports) else { return };
+        self.is_done = reports.iter().all(|report| report.stage == Stage::Arrived);
+        let Some(round) = chosen_round(reports) else { return };
         if self.round != Some(round) {
             self.plans += 1;
         }
-        let under_way = reports.iter().filter(|report| report.step < report.path.len());
-        let moves = under_way.map(|report| report.step as u32).min();
+        let moves = members(reports).filter_map(|report| match follows(report, round) {
+            true => (report.step < report.path.len()).then_some(report.step as u32),
+            false => Some(0),
+        });
         // When all paths are done, all their moves are made.
-        (self.round, self.moves) = (Some(round), moves.unwrap_or(u32::MAX));
+        (self.round, self.moves) = (Some(round), moves.min().unwrap_or(u32::MAX));
     }
 
-    /// Returns whether the team has agreed to `plans` plans and made `moves` moves of the last one,
-    /// or has agreed to a later plan.
+    /// Returns whether `plans` plans were chosen and `moves` moves of the last one made, or another
+    /// plan was chosen since. A team that has arrived has come to all of them: it makes no other
+    /// plan by itself.
     pub(crate) const fn has_come_to(self, plans: u32, moves: u32) -> bool {
-        self.plans > plans || (self.plans == plans && self.moves >= moves)
+        self.is_done || self.plans > plans || (self.plans == plans && self.moves >= moves)
     }
 }
 
-/// Returns the round that all robots have agreed to, if there is one.
-pub(crate) fn agreed_round(reports: &[Report]) -> Option<u16> {
-    let first = reports.first()?.round;
-    let agrees =
-        |report: &Report| report.round == first && matches!(report.stage, Stage::Agreed | Stage::Arrived);
-    reports.iter().all(agrees).then_some(first.0)
+/// Returns the newest round, if a member knows its plan: then the choice is made, whether or not
+/// the others know. Conventional robots have no rounds; there it is when all follow a path.
+fn chosen_round(reports: &[Report]) -> Option<u32> {
+    let newest = reports.iter().max_by_key(|report| report.round)?;
+    if newest.members.is_empty() {
+        return agreed_round(reports);
+    }
+    members(reports).any(|report| follows(report, newest.round)).then_some(newest.round)
+}
+
+/// The reports of the members of the newest round.
+fn members(reports: &[Report]) -> impl Iterator<Item = &Report> {
+    let newest = reports.iter().max_by_key(|report| report.round).map(|report| report.members);
+    let view = newest.filter(|view| !view.is_empty());
+    let is_member = move |robot: usize| view.is_none_or(|view| view.contains(RobotId(robot as u8)));
+    reports.iter().enumerate().filter(move |&(robot, _)| is_member(robot)).map(|(_, report)| report)
+}
+
+/// Whether a robot knows the plan of a round.
+fn follows(report: &Report, round: u32) -> bool {
+    let knows = report.policy.is_some() || matches!(report.stage, Stage::Agreed | Stage::Arrived);
+    report.round == round && knows
+}
+
+/// Returns the newest round, if all its members know its plan; with conventional robots, which have
+/// no rounds, that is when all follow a path.
+pub(crate) fn agreed_round(reports: &[Report]) -> Option<u32> {
+    let newest = reports.iter().map(|report| report.round).max()?;
+    members(reports).all(|report| follows(report, newest)).then_some(newest)
 }

@@ -1,17 +1,19 @@
 //! The record of a flight: all that is printed at its end, and the content of `--json`.
 
+use crate::awaited::Awaited;
 use crate::flight_event::FlightEvent;
 use crate::phases::Phase;
 use crate::radio::Traffic;
 use crate::referee::Collisions;
 use crate::scenario::Scenario;
 use crate::team::Pilot;
+use crate::verdict::Outcome;
 use iibt_core::grid::Cell;
 use iibt_core::navigation::{Report, Stage};
 use serde::Serialize;
 
-/// The record of a flight, from its first to its last tick. Cells are numbered row by row from the
-/// top left, from zero.
+/// A flight from its first to its last tick. Cells are numbered row by row from the top left, from
+/// zero.
 ///
 /// ```
 /// use host_sim::{Conditions, FlightEvent, Outcome, fly, library};
@@ -20,8 +22,7 @@ use serde::Serialize;
 /// let record = fly(&scenario, Conditions { seed: 7, ..Conditions::default() }, &mut ())?;
 /// assert_eq!((record.outcome, record.collisions.total()), (Outcome::Together, 0));
 /// assert_eq!(record.history.len() as u32, record.ticks + 2);
-/// let choices =
-///     record.events.iter().filter(|timed| matches!(timed.event, FlightEvent::Chose { .. }));
+/// let choices = record.events.iter().filter(|timed| matches!(timed.event, FlightEvent::Chose { .. }));
 /// assert!(choices.count() >= record.robots.len());
 /// assert!(record.to_json()?.starts_with(r#"{"scenario":"two-goals""#));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -69,21 +70,6 @@ pub struct Record {
     pub certainty: Vec<Vec<f32>>,
 }
 
-/// The outcome of a flight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// All robots stand at different goals, reached with the same step of one joint plan; robots
-    /// with a conventional tree, which have none, at most [`TOGETHER`] ticks apart.
-    Together,
-    /// All robots stand at different goals, but did not come there together.
-    Apart,
-    /// The limit was reached first, without a collision.
-    Unfinished,
-    /// Robots shared or swapped cells, or ran into something.
-    Collided,
-}
-
 /// One robot's part of a record.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RobotRecord {
@@ -101,6 +87,10 @@ pub struct RobotRecord {
     pub probability: f32,
     /// The announced stage in one word.
     pub status: &'static str,
+    /// What it waits for.
+    pub waiting: Option<Awaited>,
+    /// Why its last joint plan does not lead all robots to their targets, if it does not.
+    pub failure: Option<String>,
     /// The moves it made, waits not counted.
     pub moves: u32,
     /// The first tick in which it stood where it stands at the end.
@@ -137,7 +127,7 @@ pub struct Activity {
 pub struct TimedEvent {
     /// The tick in which it happened, from zero.
     pub tick: u32,
-    /// The event.
+    /// What happened.
     #[serde(flatten)]
     pub event: FlightEvent,
 }
@@ -151,10 +141,11 @@ impl Record {
         serde_json::to_string(self)
     }
 
-    /// Returns the ticks between the first and the last arrival.
+    /// Returns the ticks between the first and the last arrival of the robots that moved.
     #[must_use]
     pub fn spread(&self) -> u32 {
-        self.last_arrival() - self.robots.iter().map(|robot| robot.arrived).min().unwrap_or(0)
+        let moved = self.robots.iter().map(|robot| robot.arrived).filter(|&arrived| arrived > 0);
+        self.last_arrival() - moved.min().unwrap_or(0)
     }
 
     /// Returns the first tick in which all robots stood in their last cells.
@@ -169,29 +160,6 @@ impl TimedEvent {
     #[must_use]
     pub fn line(&self, scenario: &Scenario) -> String {
         format!("tick {:>3}  {}", self.tick, self.event.line(scenario))
-    }
-}
-
-impl Outcome {
-    /// Returns whether the mission was accomplished.
-    #[must_use]
-    pub const fn is_success(self) -> bool {
-        matches!(self, Self::Together)
-    }
-}
-
-/// Returns the outcome for robots at `cells`, given the collisions and whether they arrived
-/// together.
-pub(crate) fn outcome(collisions: &Collisions, goals: &[Cell], cells: &[Cell], is_joint: bool) -> Outcome {
-    // First, because a mission with a collision is not accomplished wherever the robots end.
-    if collisions.total() > 0 {
-        Outcome::Collided
-    } else if !at_different_goals(goals, cells) {
-        Outcome::Unfinished
-    } else if is_joint {
-        Outcome::Together
-    } else {
-        Outcome::Apart
     }
 }
 
@@ -210,30 +178,6 @@ pub(crate) fn times_charged(events: &[TimedEvent], index: usize) -> u32 {
     times
 }
 
-/// Whether every robot stands at a goal, and no two at the same.
-pub(crate) fn at_different_goals(goals: &[Cell], cells: &[Cell]) -> bool {
-    let alone = |cell| cells.iter().filter(|&other| other == cell).count() == 1;
-    cells.iter().all(|cell| goals.contains(cell) && alone(cell))
-}
-
-/// Whether the paths reach their ends with the same step; one that stays at its end from the first
-/// agrees with any.
-pub(crate) fn is_joint<'p>(paths: impl Iterator<Item = &'p [Cell]>) -> bool {
-    let last_step = |path: &[Cell]| path.iter().rposition(|cell| Some(cell) != path.last());
-    let mut steps = paths.filter_map(last_step);
-    let first = steps.next();
-    steps.all(|step| Some(step) == first)
-}
-
-/// The most ticks between the arrivals of robots without a joint plan that count as together.
-pub const TOGETHER: u32 = 2;
-
-/// Whether these arrivals, in ticks, are at most [`TOGETHER`] apart.
-pub(crate) fn is_close(arrivals: impl Iterator<Item = u32> + Clone) -> bool {
-    let last = arrivals.clone().max().unwrap_or(0);
-    arrivals.min().is_none_or(|first| last - first <= TOGETHER)
-}
-
 /// Returns a stage in one word.
 pub(crate) const fn status(report: &Report) -> &'static str {
     match report.stage {
@@ -242,32 +186,5 @@ pub(crate) const fn status(report: &Report) -> &'static str {
         Stage::Agreed => "agreed",
         Stage::Arrived => "arrived",
         Stage::Away => "away",
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn ends(cells: [u16; 2], paths: [&[u16]; 2]) -> Outcome {
-        let paths = paths.map(|path| path.iter().copied().map(Cell).collect::<Vec<_>>());
-        let joint = is_joint(paths.iter().map(Vec::as_slice));
-        outcome(&Collisions::default(), &[Cell(3), Cell(8)], &cells.map(Cell), joint)
-    }
-
-    #[test]
-    fn together_means_different_goals_with_the_same_step() {
-        assert_eq!(ends([3, 8], [&[1, 2, 3], &[6, 7, 8]]), Outcome::Together);
-        assert_eq!(ends([8, 3], [&[6, 6, 8], &[1, 2, 3]]), Outcome::Together);
-        assert_eq!(ends([3, 8], [&[2, 3, 3], &[6, 7, 8]]), Outcome::Apart);
-        assert_eq!(ends([3, 8], [&[3, 3, 3], &[6, 7, 8]]), Outcome::Together, "it was there all along");
-        assert_eq!(ends([3, 3], [&[2, 3], &[2, 3]]), Outcome::Unfinished);
-        assert_eq!(ends([3, 7], [&[2, 3], &[6, 7]]), Outcome::Unfinished);
-    }
-
-    #[test]
-    fn a_collision_spoils_everything() {
-        let collisions = Collisions { swapped: 1, ..Collisions::default() };
-        assert_eq!(outcome(&collisions, &[Cell(0)], &[Cell(0)], true), Outcome::Collided);
     }
 }

@@ -45,7 +45,9 @@ pub(crate) fn shrunk<const W: usize>(floor: &Floor) -> Map<W> {
     resized(floor).unwrap_or_else(|| unreachable!("W fits the map"))
 }
 
-impl<const S: usize, const W: usize, const P: usize> AnyRobot for Controller<Navigator<'_, S, W, P>, Body> {
+impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> AnyRobot
+    for Controller<Navigator<'_, S, W, L, M, K>, Body>
+{
     fn tick(&mut self) -> Status {
         Controller::tick(self)
     }
@@ -75,7 +77,7 @@ impl<const S: usize, const W: usize, const P: usize> AnyRobot for Controller<Nav
     }
 
     fn belief(&self, cell: Cell) -> f32 {
-        self.robot().navigation().probability_of(cell)
+        self.robot().navigation().localisation().probability_of(cell)
     }
 
     fn body(&mut self) -> &mut Body {

@@ -10,6 +10,7 @@ mod event;
 mod file;
 mod reach;
 mod team;
+pub(crate) use reach::parts;
 
 use crate::input::{Fault, FileError, utf8};
 use iibt_core::grid::{Cell, Map, Move, Path};
@@ -60,8 +61,14 @@ pub struct Scenario {
     pub limit: u32,
     /// The map that the robots know when they start.
     pub map: Floor,
-    /// The goals, at least as many as there are robots.
+    /// The goals, with those that robots own.
     pub goals: Vec<Cell>,
+    /// The number of goals on which robots must stand at the end.
+    pub need: usize,
+    /// Whether the others stand while a robot charges.
+    pub waits_for_charging: bool,
+    /// The ticks after which evidence about obstacles fades by a sixteenth of a nat; zero for never.
+    pub forgets: u16,
     /// The probability with which each goal serves a robot that stands there at the end of a
     /// mission.
     pub serves: Vec<f64>,
@@ -90,6 +97,8 @@ pub struct RobotSpec {
     pub battery: u8,
     /// The charging cell, if the robot has one.
     pub charger: Option<Cell>,
+    /// The goal that the robot owns; `None` for a robot that takes any.
+    pub goal: Option<Cell>,
     /// The charge that a move takes, in percent.
     pub drain: f64,
     /// The charge gained per tick on the charger, in percent.
@@ -123,6 +132,11 @@ pub struct Event {
 pub enum EventEffect {
     /// An obstacle appears in this cell, as soon as no robot stands there.
     Block(Cell),
+    /// An obstacle appears on a robot's path, two moves ahead of it or, before its last cell, one;
+    /// as soon as it has two moves to make.
+    BlockPath(usize),
+    /// The obstacle in this cell is taken away.
+    Clear(Cell),
     /// A robot's battery falls to a charge in percent, if it has more.
     Charge(usize, u8),
     /// A robot is told to visit a cell before its goal.
@@ -138,8 +152,8 @@ pub enum Trigger {
     Tick(u32),
     /// Once this robot, by its index, stands in this cell.
     Reached(usize, Cell),
-    /// Once all robots have agreed to this number of joint plans, and made this number of moves of
-    /// the last one, waits included.
+    /// Once this number of joint plans was chosen, and all robots have made this number of moves of
+    /// the last one, waits included; at the latest when all have arrived.
     Planned(u32, u32),
 }
 
@@ -178,20 +192,17 @@ pub struct Radio {
 /// The parameters of the robots' inference; `None` keeps the core's default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InferenceSpec {
-    /// The policy precision γ.
+    /// The precision β of the posterior over policies, in nats per tick.
     pub precision: Option<f32>,
     /// The modelled probability that a robot's own localiser is right.
     pub sensor: Option<f32>,
-    /// The modelled probability that a teammate's announced position is correct.
-    pub peer_sensor: Option<f32>,
-    /// The lateness cost: what each move beyond the team's earliest arrival costs in a policy's
-    /// prior.
-    pub lateness_cost: Option<f32>,
-    /// The preference for a collision, at most zero.
-    pub collision: Option<f32>,
+    /// The number of joint policies that are weighed.
+    pub policies: Option<u8>,
+    /// The work units that planning may take in a tick; `None` for as many as it takes.
+    pub budget: Option<u32>,
     /// The learning rate for failures of the drive; zero turns learning off.
     pub learning: Option<f32>,
-    /// Whether the robots' models ignore differences of paces and sensors between them.
+    /// Whether the robots' models ignore that paces and sensors differ.
     pub alike: bool,
 }
 
@@ -210,6 +221,15 @@ impl Default for Radio {
 }
 
 impl Scenario {
+    /// Returns whether a cell is a goal, a charger, or a way-point of an event.
+    pub(crate) fn has_place_at(&self, cell: Cell) -> bool {
+        let is_waypoint = |event: &Event| matches!(event.effect, EventEffect::Visit(_, at) if at == cell);
+        let is_charger = |robot: &RobotSpec| robot.charger == Some(cell);
+        self.goals.contains(&cell)
+            || self.robots.iter().any(is_charger)
+            || self.events.iter().any(is_waypoint)
+    }
+
     /// Reads a scenario from the bytes of a file; see [`Scenario::parse`].
     ///
     /// # Errors

@@ -1,5 +1,5 @@
-//! The team: a controller for every robot, each in a body of its own. It is the firmware's own, or
-//! one with a conventional tree.
+//! The team: a controller for every robot, each in a body of its own: the firmware's own, or one
+//! with a conventional tree.
 //!
 //! A controller is compiled for a size of map; this module alone chooses the size.
 
@@ -7,7 +7,7 @@ use crate::body::{Body, body};
 use crate::conventional::{ConventionalRobot, ConventionalTree, period};
 use crate::radio::KEY;
 use crate::robot::{AnyRobot, shrunk};
-use crate::scenario::{MAX_CELLS, MAX_PATHS, Scenario};
+use crate::scenario::{MAX_CELLS, Scenario};
 use clap::ValueEnum;
 use firmware::{Controller, Navigator, Settings};
 use iibt_core::grid::{Cell, Path, words};
@@ -19,14 +19,26 @@ use std::num::NonZero;
 use thiserror::Error;
 
 /// A navigating robot with the firmware's controller in a simulated body.
-pub type Navigating<'m, const S: usize, const W: usize, const P: usize> =
-    Controller<Navigator<'m, S, W, P>, Body>;
+pub type Navigating<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> =
+    Controller<Navigator<'m, S, W, L, M, K>, Body>;
 
 /// Builds the controller of a robot by its number and the epoch of its start.
 pub(crate) type Boot<'m, R> = Box<dyn Fn(u8, u32) -> Result<Box<R>, TeamError> + 'm>;
 
-const SMALL: usize = 49;
-const MEDIUM: usize = 256;
+pub(crate) const SMALL: usize = 64;
+pub(crate) const MEDIUM: usize = 256;
+
+/// The steps of a plan, its start included.
+pub(crate) const LAYERS: usize = 65;
+
+/// The nodes of a search for robots with goals of their own.
+pub(crate) const NODES: usize = 4096;
+
+/// The work units of a tick unless the scenario says otherwise: a simulated robot has time.
+pub(crate) const UNLIMITED: u32 = u32::MAX;
+
+/// The joint policies that are weighed at the most.
+pub(crate) const POLICIES: usize = 16;
 
 /// The reason why a team is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -103,13 +115,33 @@ fn sized<const S: usize, const W: usize, T>(
             Ok(Box::new(Controller::new(robot, settings, body())))
         }));
     }
+    on_mission::<W, T>(scenario, |mission| {
+        let budget = scenario.inference.budget.unwrap_or(UNLIMITED);
+        fly(Box::new(move |robot, epoch| {
+            Ok(Box::new(navigating::<S, W, LAYERS, NODES, POLICIES>(mission, KEY, robot, epoch, budget)?))
+        }))
+    })
+}
+
+/// Gives the mission of a scenario to `work`, on maps of `W` words.
+pub(crate) fn on_mission<const W: usize, T>(
+    scenario: &Scenario,
+    work: impl for<'m> FnOnce(&'m Mission<'m, W>) -> Result<T, TeamError>,
+) -> Result<T, TeamError> {
     let starts: Vec<Cell> = scenario.robots.iter().map(|robot| robot.start).collect();
     let paths: Vec<&[Path]> = scenario.robots.iter().map(|robot| robot.paths.as_slice()).collect();
     let chargers: Vec<Option<Cell>> = scenario.robots.iter().map(|robot| robot.charger).collect();
     let mut mission = Mission::new(shrunk::<W>(&scenario.map), &starts, &scenario.goals);
     mission.chargers = &chargers;
+    let own_goals: Vec<Option<Cell>> = scenario.robots.iter().map(|robot| robot.goal).collect();
+    if own_goals.iter().any(Option::is_some) {
+        mission.own_goals = &own_goals;
+    }
+    let owned = own_goals.iter().flatten().count();
+    mission.need = u8::try_from(scenario.need.saturating_sub(owned)).ok();
+    (mission.waits_for_charging, mission.forgets) = (scenario.waits_for_charging, scenario.forgets);
     if paths.iter().all(|paths| !paths.is_empty()) {
-        mission.candidates = Some(&paths);
+        mission.paths = Some(&paths);
     }
     tune(&mut mission, scenario);
     let paces: Vec<u8> = scenario.robots.iter().map(crate::scenario::RobotSpec::steps).collect();
@@ -118,18 +150,26 @@ fn sized<const S: usize, const W: usize, T>(
     if !scenario.inference.alike {
         (mission.paces, mission.sensors) = (&paces, &sensors);
     }
-    fly(Box::new(|robot, epoch| Ok(Box::new(navigating::<S, W, MAX_PATHS>(&mission, KEY, robot, epoch)?))))
+    work(&mission)
 }
 
 /// A robot of the team of a mission, by its number.
-pub(crate) fn navigating<'m, const S: usize, const W: usize, const P: usize>(
+pub(crate) fn navigating<
+    'm,
+    const S: usize,
+    const W: usize,
+    const L: usize,
+    const M: usize,
+    const K: usize,
+>(
     mission: &'m Mission<'m, W>,
     key: Key,
     robot: u8,
     epoch: u32,
-) -> Result<Navigating<'m, S, W, P>, TeamError> {
+    budget: u32,
+) -> Result<Navigating<'m, S, W, L, M, K>, TeamError> {
     let settings = settings(robot, mission.starts.len(), key, epoch, NonZero::<u16>::MIN)?;
-    Ok(Controller::new(Navigator::new(mission, &settings)?, settings, body()))
+    Ok(Controller::new(Navigator::new(mission, &settings)?.with_budget(budget), settings, body()))
 }
 
 fn settings(robot: u8, team: usize, key: Key, epoch: u32, tick: NonZero<u16>) -> Result<Settings, TeamError> {
@@ -138,16 +178,11 @@ fn settings(robot: u8, team: usize, key: Key, epoch: u32, tick: NonZero<u16>) ->
 
 fn tune<const W: usize>(mission: &mut Mission<'_, W>, scenario: &Scenario) {
     let wanted = &scenario.inference;
-    let settings = [
-        (&mut mission.sensor, wanted.sensor),
-        (&mut mission.peer_sensor, wanted.peer_sensor),
-        (&mut mission.lateness_cost, wanted.lateness_cost),
-        (&mut mission.collision, wanted.collision),
-        (&mut mission.scoring.precision, wanted.precision),
-    ];
+    let settings = [(&mut mission.sensor, wanted.sensor), (&mut mission.precision, wanted.precision)];
     for (setting, value) in settings {
         *setting = value.unwrap_or(*setting);
     }
+    mission.policies = wanted.policies.unwrap_or(mission.policies);
     if let Some(learning) = wanted.learning {
         mission.learning = Rates::new(learning, mission.learning.forgetting());
     }

@@ -53,7 +53,7 @@ impl<R: Robot<T>, T> Robot<Simulated<T>> for OnParts<R> {
     fn act(&mut self, hardware: &mut Simulated<T>) {
         self.0.act(&mut hardware.parts);
     }
-    fn message(&self) -> R::Message {
+    fn message(&self) -> Option<R::Message> {
         self.0.message()
     }
 }

@@ -39,13 +39,12 @@ pub(crate) fn nearest(names: impl Iterator<Item = &'static str>, typed: &str) ->
 /// Returns the cause of a round in a few words.
 pub(crate) const fn cause_words(cause: Cause) -> &'static str {
     match cause {
-        Cause::Obstacle => "an obstacle on its path",
-        Cause::WayPoint => "a way-point to visit",
+        Cause::Obstacle => "an obstacle",
+        Cause::WayPoint => "a way-point",
         Cause::Battery => "a low battery",
-        Cause::Room => "room for a teammate",
-        Cause::Charged => "back from its charger",
-        Cause::Position => "not where its path says",
-        Cause::Outdated => "a teammate that started over",
-        Cause::Misfit => "its choice did not fit",
+        Cause::Free => "an errand done",
+        Cause::Position => "off its path",
+        Cause::Teammate => "a teammate",
+        Cause::Shortfall => "a goal missed",
     }
 }

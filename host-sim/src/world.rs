@@ -1,4 +1,4 @@
-//! The true world: where the robots stand, and what blocks their way.
+//! The world as it is, whatever the robots believe: where they stand and what blocks their way.
 
 use crate::battery::BatteryState;
 use crate::flight_event::FlightEvent;
@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use crate::scenario::{Event, EventEffect, Floor, Scenario, Trigger};
 use iibt_core::grid::{Cell, Move};
 
-/// The true state of a flight.
+/// The truth of a flight.
 #[derive(Debug)]
 pub(crate) struct World {
     known: Floor,
@@ -26,7 +26,7 @@ pub(crate) struct World {
 /// A move that takes more than a tick.
 #[derive(Clone, Copy, Debug)]
 struct Passage {
-    /// The next cell.
+    /// Where it leads.
     to: Cell,
     /// The ticks that it takes from now on.
     ticks: u32,
@@ -47,12 +47,12 @@ impl World {
         }
     }
 
-    /// The cells of the robots.
+    /// Where the robots stand.
     pub(crate) fn cells(&self) -> &[Cell] {
         &self.cells
     }
 
-    /// The cell that each robot is moving to; during the move it occupies both.
+    /// The cell that each robot is on its way to; it counts as in both until it is there.
     pub(crate) fn entering(&self) -> impl Iterator<Item = Option<Cell>> + '_ {
         self.under_way.iter().map(|passage| passage.map(|passage| passage.to))
     }
@@ -82,12 +82,12 @@ impl World {
         self.paces[robot] = ticks.max(1);
     }
 
-    /// Puts a robot into another cell, and ends its move.
+    /// Puts a robot into another cell, whatever it was doing.
     pub(crate) fn place(&mut self, robot: usize, cell: Cell) {
         (self.cells[robot], self.under_way[robot]) = (cell, None);
     }
 
-    /// Schedules an event for the next tick.
+    /// Has something happen with the next tick.
     pub(crate) fn cause(&mut self, effect: EventEffect) {
         self.to_come.push(Event { when: Trigger::Tick(0), effect });
     }
@@ -97,17 +97,49 @@ impl World {
         self.stopped[robot].is_some()
     }
 
-    /// Applies the events of this tick; instructions to robots are left to the flight. An obstacle
-    /// does not appear on a robot, but when that has gone.
-    pub(crate) fn begin(&mut self, tick: u32, progress: Progress) -> Vec<FlightEvent> {
-        let mut happened = self.resume(tick);
-        let cells = &self.cells;
-        let is_due = |event: &mut Event| match event.when {
-            Trigger::Tick(at) => at <= tick,
-            Trigger::Reached(robot, at) => cells.get(robot) == Some(&at),
-            Trigger::Planned(plans, moves) => progress.has_come_to(plans, moves),
+    /// Whether an event is still to come: one that comes by the clock, or one whose time has come.
+    ///
+    /// An obstacle on a path that is too short for it does not count: it may never come.
+    pub(crate) fn has_event_to_come(&self, progress: Progress) -> bool {
+        let comes = |event: &Event| match (event.when, event.effect) {
+            (Trigger::Tick(_), EventEffect::BlockPath(_)) => false,
+            (Trigger::Tick(_), _) => true,
+            (_, EventEffect::BlockPath(_)) => false,
+            _ => self.is_time(event, u32::MAX, progress),
         };
-        let events: Vec<_> = self.to_come.extract_if(.., is_due).collect();
+        self.to_come.iter().any(comes) || self.stopped.iter().flatten().any(|&until| until < u32::MAX)
+    }
+
+    /// Whether the time of an event has come in a tick.
+    fn is_time(&self, event: &Event, tick: u32, progress: Progress) -> bool {
+        match event.when {
+            Trigger::Tick(at) => at <= tick,
+            Trigger::Reached(robot, at) => self.cells.get(robot) == Some(&at),
+            Trigger::Planned(plans, moves) => progress.has_come_to(plans, moves),
+        }
+    }
+
+    /// Lets the events of this tick happen; what a robot is told is left to the flight. An obstacle
+    /// does not appear on a robot, but when that has gone.
+    ///
+    /// `ahead` is where each robot's path can be blocked.
+    pub(crate) fn begin(
+        &mut self,
+        tick: u32,
+        progress: Progress,
+        ahead: impl Fn(usize) -> Option<Cell>,
+    ) -> Vec<FlightEvent> {
+        let mut happened = self.resume(tick);
+        let mut to_come = std::mem::take(&mut self.to_come);
+        let is_due = |event: &mut Event| {
+            if !self.is_time(event, tick, progress) {
+                return false;
+            }
+            let EventEffect::BlockPath(robot) = event.effect else { return true };
+            ahead(robot).map(|cell| event.effect = EventEffect::Block(cell)).is_some()
+        };
+        let events: Vec<_> = to_come.extract_if(.., is_due).collect();
+        self.to_come = to_come;
         happened.extend(events.into_iter().filter_map(|event| self.happen(event.effect, tick)));
         let taken: Vec<_> = self.cells.iter().copied().chain(self.entering().flatten()).collect();
         let appearing: Vec<_> = self.due.extract_if(.., |cell| !taken.contains(cell)).collect();
@@ -116,7 +148,7 @@ impl World {
         happened
     }
 
-    /// Resumes the robots whose stop has ended.
+    /// Lets the robots go on whose time has come.
     fn resume(&mut self, tick: u32) -> Vec<FlightEvent> {
         let waking = |(robot, until): (usize, &mut Option<u32>)| {
             until.take_if(|until| *until <= tick).map(|_| FlightEvent::Resumed { robot })
@@ -129,6 +161,14 @@ impl World {
             EventEffect::Block(cell) => {
                 self.due.push(cell);
                 None
+            }
+            // It has become the obstacle that it stands for.
+            EventEffect::BlockPath(_) => None,
+            EventEffect::Clear(cell) => {
+                self.due.retain(|&due| due != cell);
+                let is_obstacle = self.known.is_free(cell) && !self.floor.is_free(cell);
+                self.floor.clear(cell);
+                is_obstacle.then_some(FlightEvent::Cleared { cell })
             }
             EventEffect::Charge(robot, charge) => {
                 self.batteries[robot].fall_to(charge).then_some(FlightEvent::Drained { robot, charge })
@@ -151,6 +191,14 @@ impl World {
     pub(crate) fn in_view(&self, robot: usize, view: u16) -> impl Iterator<Item = Cell> + '_ {
         let here = self.cells[robot];
         self.obstacles().filter(move |&cell| self.distance(here, cell) <= view)
+    }
+
+    /// The cells within `view` cells of a robot on which there is nothing.
+    pub(crate) fn clear_in_view(&self, robot: usize, view: u16) -> impl Iterator<Item = Cell> + '_ {
+        let here = self.cells[robot];
+        let is_empty = |cell: &Cell| self.floor.is_free(*cell) && !self.cells.contains(cell);
+        let cells = (0..self.floor.len() as u16).map(Cell).filter(is_empty);
+        cells.filter(move |&cell| self.distance(here, cell) <= view)
     }
 
     /// Carries out one command of every robot, all at once; a robot that runs into something stays,
@@ -205,7 +253,11 @@ mod tests {
         let entering = |world: &World| world.entering().collect::<Vec<_>>();
         world.carry_out(&[Move::Right, Move::Up]);
         assert_eq!((world.cells(), entering(&world)), (&[Cell(0), Cell(5)][..], vec![Some(Cell(1)), None]));
-        assert_eq!(world.begin(1, Progress::default()), [], "no obstacle appears where it is going");
+        assert_eq!(
+            world.begin(1, Progress::default(), |_| None),
+            [],
+            "no obstacle appears where it is going"
+        );
         world.carry_out(&[Move::Wait, Move::Wait]);
         assert!(world.is_moving(0) && world.cells()[0] == Cell(0));
         world.carry_out(&[Move::Wait, Move::Wait]);
@@ -215,24 +267,24 @@ mod tests {
     #[test]
     fn an_obstacle_waits_for_its_tick_and_for_a_free_cell() {
         let mut world = world("[[event]]\ntick = 1\nblock = 1\n[[event]]\ntick = 2\nblock = 3");
-        assert_eq!(world.begin(0, Progress::default()), []);
+        assert_eq!(world.begin(0, Progress::default(), |_| None), []);
         world.carry_out(&[Move::Right, Move::Wait]);
-        assert_eq!(world.begin(1, Progress::default()), [], "a robot stands there");
+        assert_eq!(world.begin(1, Progress::default(), |_| None), [], "a robot stands there");
         world.carry_out(&[Move::Left, Move::Wait]);
         assert_eq!(
-            world.begin(2, Progress::default()),
+            world.begin(2, Progress::default(), |_| None),
             [1, 3].map(|cell| FlightEvent::Appeared { cell: Cell(cell) })
         );
         assert!(!world.floor().is_free(Cell(1)));
-        assert_eq!(world.begin(3, Progress::default()), []);
+        assert_eq!(world.begin(3, Progress::default(), |_| None), []);
     }
 
     #[test]
     fn an_obstacle_waits_for_a_robot() {
         let mut world = world("[[event]]\nrobot = 'R2'\nat = 5\nblock = 1");
-        assert_eq!(world.begin(0, Progress::default()), []);
+        assert_eq!(world.begin(0, Progress::default(), |_| None), []);
         world.carry_out(&[Move::Wait, Move::Up]);
-        assert_eq!(world.begin(1, Progress::default()), [FlightEvent::Appeared { cell: Cell(1) }]);
+        assert_eq!(world.begin(1, Progress::default(), |_| None), [FlightEvent::Appeared { cell: Cell(1) }]);
     }
 
     #[test]
@@ -241,27 +293,30 @@ mod tests {
             "[[event]]\ntick = 1\nwho = 'R1'\ncharge = 12\n[[event]]\nrobot = 'R2'\nat = 7\nvisit = 0\n\
              [[event]]\ntick = 2\nwho = 'R2'\nstop = true\nfor = 3",
         );
-        assert_eq!(world.begin(0, Progress::default()), []);
-        assert_eq!(world.begin(1, Progress::default()), [FlightEvent::Drained { robot: 0, charge: 12 }]);
+        assert_eq!(world.begin(0, Progress::default(), |_| None), []);
+        assert_eq!(
+            world.begin(1, Progress::default(), |_| None),
+            [FlightEvent::Drained { robot: 0, charge: 12 }]
+        );
         assert_eq!((world.battery(0).percent(), world.battery(1).percent()), (12, 100));
         world.carry_out(&[Move::Wait, Move::Left]);
         assert_eq!(
-            world.begin(2, Progress::default()),
+            world.begin(2, Progress::default(), |_| None),
             [FlightEvent::Asked { robot: 1, cell: Cell(0) }, FlightEvent::Stopped { robot: 1 }]
         );
         assert!(world.is_stopped(1) && !world.is_stopped(0));
         assert_eq!(
-            (world.begin(3, Progress::default()), world.begin(4, Progress::default())),
+            (world.begin(3, Progress::default(), |_| None), world.begin(4, Progress::default(), |_| None)),
             (vec![], vec![])
         );
-        assert_eq!(world.begin(5, Progress::default()), [FlightEvent::Resumed { robot: 1 }]);
+        assert_eq!(world.begin(5, Progress::default(), |_| None), [FlightEvent::Resumed { robot: 1 }]);
         assert!(!world.is_stopped(1));
     }
 
     #[test]
     fn only_what_the_map_does_not_show_is_in_view() {
         let mut world = world("[[event]]\ntick = 0\nblock = 1\n[[event]]\ntick = 0\nblock = 7");
-        world.begin(0, Progress::default());
+        world.begin(0, Progress::default(), |_| None);
         let seen = |robot, view| world.in_view(robot, view).collect::<Vec<_>>();
         assert_eq!(seen(0, 1), [Cell(1)]);
         assert_eq!(seen(1, 1), [Cell(7)]);

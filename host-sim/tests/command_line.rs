@@ -99,6 +99,59 @@ fn a_model_is_run_and_a_table_of_a_campaign_printed() {
 }
 
 #[test]
+fn recorded_frames_tell_who_goes_where_when_and_how_surely() {
+    let recording = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("flight.bin");
+    let flown =
+        host_sim("run two-goals --json --frames").arg(&recording).assert().success().stderr(is_empty());
+    let flight: Value = serde_json::from_slice(&flown.get_output().stdout).expect("JSON");
+    let frames = |arguments: &str| {
+        let mut command = host_sim("frames");
+        command.arg(&recording).args(arguments.split_whitespace());
+        command
+    };
+    let told = frames("--mission two-goals").assert().success().stderr(is_empty());
+    let told = String::from_utf8_lossy(&told.get_output().stdout).into_owned();
+    let path = |robot: usize| {
+        let cells = flight["robots"][robot]["path"].as_array().expect("a path");
+        cells.iter().map(Value::to_string).collect::<Vec<_>>().join(" ")
+    };
+    for (robot, name) in ["R1", "R2"].into_iter().enumerate() {
+        let line = told.lines().find(|line| line.trim_start().starts_with(name)).expect("a line");
+        assert!(line.contains("in 6 steps, 6 of 6 moves made: ") && line.ends_with(&path(robot)), "{told}");
+    }
+    let probability = flight["robots"][0]["probability"].as_f64().expect("a number");
+    assert!(told.starts_with("round 0, R1 R2: joint policy "), "{told}");
+    let said: f64 =
+        told.lines().next().and_then(|line| line.rsplit(' ').next()?.parse().ok()).expect("a number");
+    assert!((said - probability).abs() < 0.003, "{told}");
+    assert!(told.ends_with(&format!("{} frames read\n", flight["frames"]["sent"])), "{told}");
+
+    refuses(&mut frames("--mission factory"), "no frame of the mission factory");
+    refuses(&mut frames("--mission two-goals --key 00112233445566778899aabbccddeeff"), "wrong tag");
+    refuses(&mut frames("--mission two-goals --key 0011"), "a key is 32 hexadecimal digits");
+    refuses(&mut frames("--mission factry"), "did you mean 'factory'?");
+    refuses(host_sim("frames --mission two-goals").arg(file("empty.bin", "")), "empty.bin: no frame");
+    refuses(&mut host_sim("frames nowhere.bin --mission two-goals"), "nowhere.bin: ");
+    refuses(&mut host_sim("run deliveries --frames x.bin"), "not of a series");
+}
+
+#[test]
+fn nothing_to_do_is_its_own_word_and_success() {
+    let scenario = file("there.toml", "title = 't'\nmap = '''\n1..\n2..\n'''\ngoals = [0, 3]\n");
+    let run = host_sim("run --quiet").arg(&scenario).assert().success();
+    run.stdout(contains("there was nothing to do"));
+    let campaign = host_sim("campaign --seeds 2 --disturbance none --json").arg(&scenario).assert().success();
+    let report: Value = serde_json::from_slice(&campaign.get_output().stdout).expect("JSON");
+    assert_eq!(report["rows"][0]["summaries"][0]["accomplished"]["count"], 0, "no points");
+}
+
+#[test]
+fn what_a_robot_waits_for_is_printed() {
+    let run = host_sim("run two-goals --loss 1").assert().code(1);
+    run.stdout(contains("R1 stands on 28: waiting for R2: it was never heard, so it may be anywhere"));
+}
+
+#[test]
 fn output_that_is_not_read_to_its_end_is_no_error() {
     let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin!("host-sim"));
     command

@@ -1,7 +1,7 @@
 //! Two robots that agree: each is to reach another of two goals, and both arrive together.
 //!
-//! Nobody assigns the goals. Each robot infers from its own beliefs and the other's announced
-//! intention, and what they tell each other travels as authenticated frames. `cargo run -p
+//! Nobody assigns the goals. From what they tell each other in authenticated frames both make the
+//! same list of joint policies, weigh them, and follow the same one. `cargo run -p
 //! iibt-core --example two_robots`
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -20,16 +20,22 @@ use iibt_core::tree::Status;
 
 const CELLS: usize = 15;
 const WORDS: usize = iibt_core::grid::words(5, 3);
-const POLICIES: usize = 8;
+/// The steps of a plan, its start included.
+const LAYERS: usize = 17;
+/// The nodes of a search for robots that own their goals.
+const NODES: usize = 16;
+/// The joint policies to weigh.
+const POLICIES: usize = 4;
 
-type Task<'m> = Navigation<'m, CELLS, WORDS, POLICIES>;
+type Task<'m> = Navigation<'m, CELLS, WORDS, LAYERS, NODES, POLICIES>;
+type Message = Intention<WORDS, POLICIES>;
 
 /// A robot without hardware: it reads its cell, and its moves are made.
 struct Robot<'m> {
     cell: Cell,
     task: Task<'m>,
     node: InferenceNode<Task<'m>>,
-    roster: Roster<Intention>,
+    roster: Roster<Message>,
     deframer: Deframer,
     numbering: Numbering,
 }
@@ -52,9 +58,9 @@ fn play() {
     let map = Map::<WORDS>::drawn(".....\n.....\n.....").unwrap();
     let (starts, goals) = ([Cell(0), Cell(10)], [Cell(4), Cell(14)]);
     let mission = Mission::new(map, &starts, &goals);
-    let (auth, context) =
-        (SipHash64::new(Key::new(*b"sixteen bytes...")), Context::of::<Intention>(0, mission.id()));
     let mut robots = [Robot::new(&mission, 0), Robot::new(&mission, 1)];
+    let auth = SipHash64::new(Key::new(*b"sixteen bytes..."));
+    let context = Context::of::<Message>(0, robots[0].task.mission_id());
     // The frame on its way to each robot.
     let mut on_air = [[0; MAX_FRAME]; 2];
     let (mut statuses, mut ticks) = ([Status::Running; 2], 0);
@@ -70,9 +76,11 @@ fn play() {
         for (number, robot) in robots.iter_mut().enumerate() {
             let percept = GridPercept { reading: Some(robot.cell), ..GridPercept::default() };
             statuses[number] = robot.node.tick(&mut robot.task, &percept, robot.roster.at(now), now);
-            let stamp = robot.numbering.next_stamp().expect("there are numbers left");
-            let said = Envelope { sender: RobotId(number as u8), stamp, message: robot.task.intention() };
             on_air[1 - number] = [0; MAX_FRAME];
+            // A robot that does not know yet where it stands says nothing.
+            let Some(message) = robot.task.intention(robot.roster.at(now)) else { continue };
+            let stamp = robot.numbering.next_stamp().expect("there are numbers left");
+            let said = Envelope { sender: RobotId(number as u8), stamp, message };
             encode(&said, &auth, context, &mut on_air[1 - number]).unwrap();
         }
         let before = robots.each_ref().map(|robot| robot.cell);
@@ -86,7 +94,7 @@ fn play() {
         show!("tick {ticks}: {one:?} {other:?}");
         ticks += 1;
     }
-    assert!(robots.iter().all(|robot| robot.task.stage() == Stage::Arrived), "after {ticks} ticks");
+    assert!(robots.iter().all(|robot| robot.task.report().stage == Stage::Arrived), "after {ticks} ticks");
     let reached = robots.each_ref().map(|robot| robot.cell);
     assert!(reached == goals || reached == [goals[1], goals[0]], "each is on a goal of its own: {reached:?}");
 }

@@ -11,7 +11,6 @@
 //! | which cells are in a set | [`CellSet`] |
 //! | what is the shortest way | [`Planner::shortest`] |
 //! | how far is every cell | [`Planner::distances`] |
-//! | what other ways are there | [`Planner::alternatives`] |
 //! | how to arrive later | [`Path::with_waits`] |
 //! | how to arrive at step T past moving teammates | [`TimedPlanner::sweep`] |
 //! | do two paths get in each other's way | [`first_conflict`] |
@@ -20,7 +19,6 @@
 //! Every planner works in an arena whose size is in its type, gives the same path for the same
 //! input on every machine, and reports input that makes no sense as a typed error.
 
-mod alternatives;
 mod cell;
 mod conflict;
 mod drawing;
@@ -36,7 +34,6 @@ mod spread;
 mod timed;
 mod waits;
 
-pub use alternatives::Variety;
 pub use cell::{Cell, Move};
 pub use conflict::{Conflict, ConflictKind, first_conflict};
 pub use drawing::DrawingError;

@@ -9,6 +9,7 @@
 //! | E = P(π) | [`Habits`] | policies |
 //! | q(s) | [`Beliefs`] | states |
 //! | G | [`Terms`] | by policy |
+//! | G in ticks, of policies a team has in common | [`PolicyCost`], weighed by [`WeighedPolicies`] | by policy |
 //! | γ | [`Scoring::precision`], updated by a [`Precision`] | |
 //! | a, counts of A | [`LikelihoodCounts`], itself a [`Likelihood`] | outcomes x states |
 //! | b, counts of B | [`TransitionCounts`], itself a [`Transition`] | states x states per action |
@@ -27,6 +28,7 @@
 mod agent;
 mod belief;
 mod candidates;
+mod costs;
 mod error;
 mod estimation;
 mod evaluation;
@@ -48,6 +50,7 @@ pub mod transition;
 pub use agent::{Agent, Decision, Room};
 pub use belief::Beliefs;
 pub use candidates::{Candidates, Combinations, Habits};
+pub use costs::{CostTerm, Eighths, PolicyCost, WeighedPolicies, expected_time};
 pub use error::{Argument, DecisionError, Impossible, ObservationError, OutOfRange};
 pub use estimation::{EXACT_LIMIT, MAX_SWEEPS, Update};
 pub use evaluation::Evaluation;
@@ -55,7 +58,7 @@ pub use evidence::Evidence;
 pub use free_energy::{Gain, PreferenceTiming, Scoring, Terms};
 pub use likelihood::{DenseLikelihood, IdentityNoise, Likelihood, OutcomeTable, TableError};
 pub use model::{Control, Factor, MAX_FACTORS, MAX_MODALITIES, Modality, Model, ModelError};
-pub use policy::{Choice, Policy, StarOfPairs};
+pub use policy::{Choice, Policy};
 pub use precision::Precision;
 pub use preference::Preference;
 pub use problem::{PairPreference, Problem};

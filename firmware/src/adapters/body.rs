@@ -101,6 +101,10 @@ impl<L, C, D, P, S: Scanner, B> Scanner for Body<L, C, D, P, S, B> {
     fn scan(&mut self) -> Option<Cell> {
         self.scanner.scan()
     }
+
+    fn is_clear(&mut self, cell: Cell) -> bool {
+        self.scanner.is_clear(cell)
+    }
 }
 
 impl<L, C, D, P, S, B: Battery> Battery for Body<L, C, D, P, S, B> {

@@ -18,7 +18,7 @@ mod image {
     use firmware::adapters::{Body, Chassis, Counted, DeadReckoning};
     use firmware::board::{self, Board, Milliseconds, Motors, TeamLink};
     use firmware::hardware::{Clock, Drive};
-    use firmware::missions::{CANDIDATES, CELLS, SECTION_5_1, WORDS};
+    use firmware::missions::{CELLS, LAYERS, NODES, POLICIES, SECTION_5_1, WORDS};
     use firmware::{Controller, LinkReport, Navigator, Settings};
     use heapless::Vec;
     use iibt_core::actions::HORIZON;
@@ -37,7 +37,7 @@ mod image {
     type Hardware =
         Body<TeamLink, Milliseconds, Counted<'static, Motors, WORDS>, &'static DeadReckoning<WORDS>>;
 
-    type Robot = Controller<Navigator<'static, CELLS, WORDS, CANDIDATES>, Hardware>;
+    type Robot = Controller<Navigator<'static, CELLS, WORDS, LAYERS, NODES, POLICIES>, Hardware>;
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
@@ -107,25 +107,23 @@ mod image {
             defmt::info!("tick {=u32}: step {=usize} done, on p{=u16}", tick, now.step, now.cell.0);
         }
         if now.stage != before.stage {
-            if now.stage == Stage::Announced {
+            if now.stage == Stage::Agreed {
                 tell_decision(robot, tick, now);
             }
-            defmt::info!("tick {=u32}: {} in round {=u16}", tick, now.stage, now.round.0);
+            defmt::info!("tick {=u32}: {} in round {=u32}", tick, now.stage, now.round);
         }
     }
 
     /// Logs the posterior over the joint policies, bit by bit, and the choice.
     fn tell_decision(robot: &Robot, tick: u32, now: &Report) {
-        for (policy, row) in robot.robot().navigation().decision().joint().iter().enumerate() {
-            let [first, second, third, fourth] = row.map(f32::to_bits);
+        let weighed = robot.robot().navigation().weighed();
+        for (policy, (p, cost)) in weighed.posterior().iter().zip(weighed.costs()).enumerate() {
             defmt::info!(
-                "tick {=u32}: posterior of {=usize}: {=u32:08x} {=u32:08x} {=u32:08x} {=u32:08x}",
+                "tick {=u32}: posterior of {=usize}: {=u32:08x}, cost {=u32}",
                 tick,
                 policy,
-                first,
-                second,
-                third,
-                fourth
+                p.to_bits(),
+                cost.total()
             );
         }
         let mut cells = Vec::<u16, { HORIZON + 1 }>::new();

@@ -1,8 +1,8 @@
 //! Disturbances of a mission, drawn from the flight's seed and equal for all pilots.
 
 use crate::random::{Random, Stream};
-use crate::scenario::{Event, EventEffect, Floor, Scenario, Trigger};
-use iibt_core::grid::{Cell, Move};
+use crate::scenario::{Event, EventEffect, Scenario, Trigger, parts};
+use iibt_core::grid::Cell;
 use serde::Serialize;
 
 /// A kind of disturbance, added to the scenario's own events.
@@ -176,25 +176,6 @@ fn is_needed(scenario: &Scenario, cell: Cell) -> bool {
     scenario.goals.contains(&cell)
         || scenario.robots.iter().any(|robot| robot.start == cell || robot.charger == Some(cell))
         || scenario.events.iter().any(visits)
-}
-
-/// The number of connected components of the free cells.
-fn parts(floor: &Floor) -> usize {
-    let mut seen: Vec<bool> = (0..floor.len() as u16).map(|cell| !floor.is_free(Cell(cell))).collect();
-    let mut parts = 0;
-    while let Some(first) = seen.iter().position(|seen| !seen) {
-        parts += 1;
-        let mut open = vec![Cell(first as u16)];
-        seen[first] = true;
-        while let Some(cell) = open.pop() {
-            for next in Move::ALL.map(|step| floor.neighbour(cell, step)) {
-                if !std::mem::replace(&mut seen[next.index()], true) {
-                    open.push(next);
-                }
-            }
-        }
-    }
-    parts
 }
 
 #[cfg(test)]

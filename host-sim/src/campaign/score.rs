@@ -1,10 +1,11 @@
 //! The score of one flight, and the summary of all flights of a kind.
 
 use super::validator::{Trace, Violations};
-use crate::record::{Outcome, Record, TOGETHER};
+use crate::record::Record;
 use crate::scenario::Scenario;
 use crate::statistics::{Difference, Distribution, Share};
 use crate::team::Pilot;
+use crate::verdict::Outcome;
 use serde::Serialize;
 
 /// One flight.
@@ -14,10 +15,9 @@ pub struct Score {
     pub seed: u64,
     /// The outcome.
     pub outcome: Outcome,
-    /// Whether all robots stood at different goals at the end, all way-points visited, without a
-    /// collision.
+    /// Whether the mission was accomplished by moves, without a collision.
     pub accomplished: bool,
-    /// Whether they also came there at most [`TOGETHER`] ticks apart.
+    /// Whether the robots also came together, as [`Outcome::Together`] says.
     pub together: bool,
     /// The ticks until the last robot reached its final cell.
     pub ticks: u32,
@@ -49,7 +49,7 @@ impl Score {
             seed: record.seed,
             outcome: record.outcome,
             accomplished,
-            together: accomplished && spread <= TOGETHER,
+            together: accomplished && record.outcome == Outcome::Together,
             ticks: record.last_arrival(),
             spread,
             faults,

@@ -8,7 +8,7 @@ use super::teammate::{Rank, Teammate};
 use heapless::Vec;
 use iibt_core::grid::{Cell, Map, Move, Path};
 use iibt_core::navigation::Stage;
-use iibt_core::navigation::{MAX_GOALS, MAX_KNOWN_HAZARDS, MAX_WAYPOINTS};
+use iibt_core::navigation::{MAX_GOALS, MAX_OBSTACLES, MAX_WAYPOINTS};
 use iibt_core::team::MAX_TEAM;
 use iibt_core::tree::Status;
 
@@ -33,7 +33,7 @@ pub(super) struct Navigator<const S: usize, const W: usize> {
     orders: Orders<W>,
     /// The map with the known obstacles.
     floor: Map<W>,
-    pub(super) hazards: Vec<Cell, MAX_KNOWN_HAZARDS>,
+    pub(super) hazards: Vec<Cell, MAX_OBSTACLES>,
     pub(super) position: Position,
     pub(super) charge: u8,
     pub(super) team: Vec<Teammate, MAX_TEAM>,

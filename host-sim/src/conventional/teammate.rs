@@ -5,8 +5,9 @@
 //! tick, and [`Stage::Announced`] when it stands and will make it later. It enters only cells that
 //! it announced a tick before.
 
+use super::message::Said;
 use iibt_core::grid::{Cell, Map, Path};
-use iibt_core::navigation::{Said, Stage};
+use iibt_core::navigation::Stage;
 
 /// The right of way between two robots that want the same cell: the lesser rank goes first.
 ///
@@ -158,8 +159,8 @@ impl Teammate {
 
 #[cfg(test)]
 mod tests {
+    use super::super::message::PathMessage;
     use super::*;
-    use iibt_core::navigation::{Intention, Round};
     use iibt_core::team::{RobotId, Stamp};
 
     fn corridor() -> Map<1> {
@@ -168,14 +169,11 @@ mod tests {
 
     fn saying(cells: &[u16], stage: Stage) -> Said {
         let cells: Vec<Cell> = cells.iter().copied().map(Cell).collect();
-        let message = Intention {
-            round: Round(0),
+        let message = PathMessage {
             stage,
-            plan: 0,
             goal: cells.last().copied(),
             path: Path::through(&corridor(), &cells).unwrap(),
             step: 0,
-            probability: 1.0,
             hazards: Default::default(),
         };
         Said { sender: RobotId(1), stamp: Stamp { epoch: 1, sequence: 1 }, message }

@@ -50,6 +50,15 @@ pub(crate) fn whole(
     value.ok_or_else(|| outside(key, number, &range))
 }
 
+/// A whole number in `range`, where one is written.
+pub(crate) fn optional(
+    key: &str,
+    number: Option<&WholeNumber>,
+    range: RangeInclusive<u32>,
+) -> Read<Option<u32>> {
+    number.map(|_| whole(key, number, range, 0)).transpose()
+}
+
 /// A probability, or `usual` where none is written.
 pub(crate) fn share(key: &str, number: Option<&RealNumber>, usual: f64) -> Read<f64> {
     real(key, number, 0.0..=1.0, usual)

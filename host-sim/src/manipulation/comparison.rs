@@ -3,7 +3,7 @@
 
 use super::campaign::{CampaignRuns, Findings};
 use super::run::RunError;
-use super::terms::{Disturbances, Order, Terms, Trees, Trust};
+use super::terms::{Disturbances, Order, RunTerms, Trees, Trust};
 use serde::Serialize;
 
 /// A contender.

@@ -74,7 +74,7 @@ impl Robot<Station> for Conventional<'_> {
         station.command = self.skills.command;
     }
 
-    fn message(&self) -> Announcement {
+    fn message(&self) -> Option<Announcement> {
         let Skills { sense, doing, .. } = &self.skills;
         let place = Some(sense.place()).filter(|_| doing.is_none());
         let grip = match sense.state() {
@@ -82,7 +82,7 @@ impl Robot<Station> for Conventional<'_> {
             PUT => PLACED,
             _ => EMPTY,
         };
-        Announcement::new([place, Some(grip)], doing.map_or(IDLE, |command| command.operator), 1.0)
+        Some(Announcement::new([place, Some(grip)], doing.map_or(IDLE, |command| command.operator), 1.0))
     }
 }
 

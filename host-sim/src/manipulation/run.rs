@@ -1,7 +1,9 @@
 //! A run: the mission flown with two trees, and its record.
 
 use super::conventional::Conventional;
-use super::record::{Actions, Decided, RobotTick, Run, Thought, Tick, operator_name, place_name, state_name};
+use super::record::{
+    ActionCounts, Decided, RobotTick, Run, Thought, TickRecord, operator_name, place_name, state_name,
+};
 use super::robot::{Mover, leaf};
 use super::sense::Sense;
 use super::skill::Skill;
@@ -82,7 +84,7 @@ pub(super) trait Hand<'t>: Worker<'t> {
 }
 
 fn fly<'t, R: Hand<'t>>(
-    terms: &Terms,
+    terms: &RunTerms,
     detail: Detail,
     tables: &'t Tables<'t>,
     truth: &'t Truth,
@@ -126,7 +128,7 @@ fn truth(tables: &Tables<'_>, of: Disturbances) -> Truth {
     }
 }
 
-fn noted<'t, R: Hand<'t>>(flight: &TaskFlight<'t, R>) -> Tick {
+fn noted<'t, R: Hand<'t>>(flight: &TaskFlight<'t, R>) -> TickRecord {
     let world = &flight.world;
     let robots = [0, 1].map(|index| {
         let (robot, place) = (flight.robots().nth(index), world.state(index, PLACE.into()));

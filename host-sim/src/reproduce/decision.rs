@@ -124,6 +124,31 @@ impl PaperDecision {
         first_conflict(&map(), &first, &second).is_some()
     }
 
+    /// Returns the joint policy that a team which lists its paths follows: of those without a
+    /// conflict that end at different goals and avoid cells of negative preference, the first that
+    /// takes the fewest steps, and of equal ones the one with the shortest wait at a goal.
+    ///
+    /// # Panics
+    /// When there is none.
+    #[must_use]
+    pub fn soonest(&self) -> usize {
+        let map = map();
+        let fits = |&pair: &usize| {
+            let paths = self.pair(pair).map(|(_, path)| path);
+            let avoids = |robot: usize| {
+                let mut cells = paths[robot].cells(&map).skip(1);
+                cells.all(|cell| self.preferences[robot][cell.index()] >= 0.0)
+            };
+            paths[0].end(&map) != paths[1].end(&map) && avoids(0) && avoids(1) && !self.conflicts(pair)
+        };
+        let cost = |pair: &usize| {
+            let steps = self.pair(*pair).map(|(_, path)| path.len());
+            (steps.into_iter().max(), steps[0].abs_diff(steps[1]))
+        };
+        // The first of equal ones.
+        (0..self.pairs()).filter(fits).min_by_key(cost).expect("the paper lists such a pair")
+    }
+
     /// Returns the name of a joint policy.
     ///
     /// # Panics

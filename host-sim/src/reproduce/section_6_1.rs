@@ -10,11 +10,12 @@ use super::report::Section;
 pub(super) fn mission(run: &Reproduction<'_>) -> Section {
     let mut section = Section::new("6.1", "Three robots: obstacles, way-points, batteries");
     section.say(
-        "By default the whole mission is one flight of the firmware's own controllers: a first choice, an obstacle on p23, \
-         another on p31, the way-points p4 and p39, and two batteries that run low, one after the other. The robot that \
-         notices opens a round and chooses first, the others follow in turn, each knowing the announced paths; a robot that \
-         charges leaves the team, which waits. Where the robots are when something happens depends on their own choices, so \
-         the phases are the paper's and the paths are not.",
+        "By default the whole mission is one flight of the firmware's own controllers: a first choice, an obstacle on the way of \
+         one robot, another on the way of a second one, the way-points p4 and p39, and two batteries that run low, one after the \
+         other. The robot that notices opens a round; all announce what they know, make the same list of joint policies from it, \
+         exchange their scores, and follow the one that costs all of them the least. While a robot charges, the others stand, as \
+         in the paper. Where the robots are when something happens depends on their own choices, so the phases are the paper's \
+         and the cells and paths are not.",
     );
     section.say(
         "Of the paper's own run it prints the chosen paths and, in bar charts, probabilities of ten strategies per robot whose \

@@ -1,9 +1,9 @@
-//! Checking a scenario file: a sound scenario, or the first error.
+//! From a file as written to a sound scenario, or the first thing that is wrong with it.
 
 use super::drawing::Drawing;
 use super::file::ScenarioFile;
 use super::{DriveFault, InferenceSpec, MAX_TICKS, RobotSpec, Scenario, file, reach};
-use crate::input::{Fault, Read, WholeNumber, line_of_text, parameter, refuse, share, whole};
+use crate::input::{Fault, Read, WholeNumber, line_of_text, optional, parameter, share, whole};
 use crate::text::{counted, move_called};
 use iibt_core::grid::Cell;
 use iibt_core::navigation::MAX_GOALS;
@@ -18,12 +18,14 @@ const MOST_MISSIONS: u32 = 1000;
 pub(super) fn check(name: &str, text: &str, file: &ScenarioFile) -> Read<Scenario> {
     let drawing = Drawing::read(text, &file.map)?;
     let goals = drawing.goals(file)?;
-    enough(goals.len(), drawing.team_size(file)?).map_err(|reason| {
+    let robots = drawing.team(file, &goals)?;
+    let goals = with_own_goals(goals, &robots);
+    sensible(goals.len(), robots.len()).map_err(|reason| {
         let span = file.goals.as_ref().map_or(file.map.span(), Spanned::span);
         Fault::new(span, reason)
     })?;
-    let robots = drawing.team(file, &goals)?;
-    reach::goals_for_all(&drawing.map, &goals, &robots)
+    let need = needed(file, &goals, &robots)?;
+    reach::enough_goals(&drawing.map, &goals, &robots, need)
         .map_err(|(robot, reason)| Fault::new(start_of(robot, file), reason))?;
     let events = file.events.iter().map(|event| drawing.event(event, &robots));
     let serves = services(file, &goals)?;
@@ -31,6 +33,9 @@ pub(super) fn check(name: &str, text: &str, file: &ScenarioFile) -> Read<Scenari
         name: name.to_owned(),
         title: line_of_text("title", &file.title, LONGEST_TITLE)?,
         limit: whole("limit", file.limit.as_ref(), 1..=MAX_TICKS, 200)?,
+        need,
+        waits_for_charging: file.wait_for_charging.unwrap_or(false),
+        forgets: whole("forget", file.forget.as_ref(), 0..=MAX_TICKS.min(u16::MAX.into()), 0)? as u16,
         missions: whole("missions", file.missions.as_ref(), 1..=MOST_MISSIONS, 1)?,
         radio: file.radio.check()?,
         inference: inference(&file.inference)?,
@@ -60,20 +65,20 @@ impl Drawing {
                 format!("{what} {value} is outside the map, whose cells are 0 to {last}")
             }
         };
-        refuse(number.span(), reason)
+        Err(Fault::new(number.span(), reason))
     }
 
     fn goals(&self, file: &ScenarioFile) -> Read<Vec<Cell>> {
         let Some(listed) = &file.goals else { return Ok(self.goals.clone()) };
         if !self.goals.is_empty() {
             let reason = "the map draws goals as 'G' already: leave one of the two out";
-            return refuse(listed.span(), reason);
+            return Err(Fault::new(listed.span(), reason));
         }
         let mut goals = Vec::new();
         for number in listed.get_ref() {
             let goal = self.free("goal", number)?;
             if goals.contains(&goal) {
-                return refuse(number.span(), format!("goal {} is listed twice", goal.0));
+                return Err(Fault::new(number.span(), format!("goal {} is listed twice", goal.0)));
             }
             goals.push(goal);
         }
@@ -81,34 +86,53 @@ impl Drawing {
     }
 }
 
-/// The probability with which each goal serves, stated at most once per goal.
+/// With which probability each goal serves: one says so at the most once.
 fn services(file: &ScenarioFile, goals: &[Cell]) -> Read<Vec<f64>> {
     let mut serves = vec![None; goals.len()];
     for service in &file.services {
         let service = service.get_ref();
         let number = *service.cell.get_ref();
         let Some(goal) = goals.iter().position(|goal| i64::from(goal.0) == number) else {
-            return refuse(service.cell.span(), format!("{number} is no goal"));
+            return Err(Fault::new(service.cell.span(), format!("{number} is no goal")));
         };
         if serves[goal].replace(share("serves", Some(&service.serves), 1.0)?).is_some() {
-            return refuse(service.cell.span(), format!("goal {number} has a [[goal]] already"));
+            return Err(Fault::new(service.cell.span(), format!("goal {number} has a [[goal]] already")));
         }
     }
     Ok(serves.into_iter().map(|serves| serves.unwrap_or(1.0)).collect())
 }
 
-fn enough(goals: usize, robots: usize) -> Result<(), String> {
-    if goals > MAX_GOALS {
-        return Err(format!("{goals} goals, but a mission has at most {MAX_GOALS}"));
+/// The most joint policies that robots weigh.
+const POLICIES: u32 = crate::team::POLICIES as u32;
+
+/// The goals, with those that robots own and that are not listed.
+fn with_own_goals(mut goals: Vec<Cell>, robots: &[RobotSpec]) -> Vec<Cell> {
+    for own in robots.iter().filter_map(|robot| robot.goal) {
+        if !goals.contains(&own) {
+            goals.push(own);
+        }
     }
-    if goals < robots {
-        let (goals, robots) = (counted(goals as u32, "goal"), counted(robots as u32, "robot"));
-        return Err(format!("{goals} for {robots}: each robot needs one of its own"));
-    }
-    Ok(())
+    goals
 }
 
-/// The place where a robot's start is written: as a number, or else on the map.
+/// The number of goals that must be reached: by default one for each robot, at most all.
+fn needed(file: &ScenarioFile, goals: &[Cell], robots: &[RobotSpec]) -> Read<usize> {
+    let most = goals.len().min(robots.len());
+    Ok(whole("need", file.need.as_ref(), 1..=most as u32, most as u32)? as usize)
+}
+
+/// Whether a mission has so many goals.
+fn sensible(goals: usize, robots: usize) -> Result<(), String> {
+    match goals {
+        0 => {
+            Err(format!("no goal for {}: draw 'G' on the map or list them", counted(robots as u32, "robot")))
+        }
+        1..=MAX_GOALS => Ok(()),
+        _ => Err(format!("{goals} goals, but a mission has at most {MAX_GOALS}")),
+    }
+}
+
+/// Where the start of a robot is written: as a number, or else on the map.
 fn start_of(robot: usize, file: &ScenarioFile) -> Range<usize> {
     let written = file.robots.get(robot).and_then(|robot| robot.get_ref().start.as_ref());
     written.map_or(file.map.span(), Spanned::span)
@@ -137,9 +161,8 @@ fn inference(written: &file::InferenceEntry) -> Read<InferenceSpec> {
     Ok(InferenceSpec {
         precision: parameter("precision", written.precision.as_ref(), 0.0..=1000.0)?,
         sensor: parameter("sensor", written.sensor.as_ref(), 0.0..=1.0)?,
-        peer_sensor: parameter("peer_sensor", written.peer_sensor.as_ref(), 0.0..=1.0)?,
-        lateness_cost: parameter("haste", written.lateness_cost.as_ref(), 0.0..=1000.0)?,
-        collision: parameter("collision", written.collision.as_ref(), -1000.0..=0.0)?,
+        policies: optional("policies", written.policies.as_ref(), 1..=POLICIES)?.map(|count| count as u8),
+        budget: optional("budget", written.budget.as_ref(), 1..=1_000_000_000)?,
         learning: parameter("learning", written.learning.as_ref(), 0.0..=1000.0)?,
         alike: written.alike.unwrap_or(false),
     })

@@ -1,15 +1,15 @@
-//! Events: their triggers and effects.
+//! What happens on the way: the trigger and the effect of an event.
 
 use super::check::named;
 use super::drawing::Drawing;
 use super::{Event, EventEffect, MAX_TICKS, RobotSpec, Trigger, file, reach};
-use crate::input::{Fault, Read, WholeNumber, refuse, whole};
+use crate::input::{Fault, Read, WholeNumber, whole};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::Cell;
 use toml::Spanned;
 
 const WHEN: &str = "say when it happens: tick = N, or robot = \"NAME\" and at = CELL, or plan = N";
-const WHAT: &str = "say what happens: exactly one of block, charge, visit and stop";
+const WHAT: &str = "say what happens: exactly one of block, block_path_of, clear, charge, visit and stop";
 
 impl Drawing {
     /// An event, checked against the team.
@@ -34,67 +34,77 @@ impl Drawing {
             _ => return Err(Fault::anywhere(WHEN)),
         };
         match &written.moves {
-            Some(moves) => refuse(moves.span(), "moves are those of a plan: write plan = N with it"),
+            Some(moves) => Err(Fault::new(moves.span(), "moves are those of a plan: write plan = N with it")),
             None => Ok(when),
         }
     }
 
     fn effect(&self, written: &file::EventEntry, when: Trigger, robots: &[RobotSpec]) -> Read<EventEffect> {
+        let given = [
+            written.block.is_some(),
+            written.block_path_of.is_some(),
+            written.clear.is_some(),
+            written.charge.is_some(),
+            written.visit.is_some(),
+            written.stop.is_some(),
+        ];
+        if given.iter().filter(|&&given| given).count() != 1 {
+            return Err(Fault::anywhere(WHAT));
+        }
+        if let (Some(ticks), None) = (&written.ticks, &written.stop) {
+            return Err(Fault::new(ticks.span(), "only stop takes a time: leave `for` out"));
+        }
+        if let (Some(who), true) = (&written.who, given[..3].contains(&true)) {
+            return Err(Fault::new(who.span(), "an obstacle is nobody's: leave `who` out"));
+        }
         let concerned = || whose(written, when, robots);
-        let effect = match (&written.block, &written.charge, &written.visit, &written.stop) {
-            (Some(cell), None, None, None) => self.obstacle(written, cell, robots)?,
-            (None, Some(charge), None, None) => {
-                EventEffect::Charge(concerned()?, whole("charge", Some(charge), 0..=100, 0)? as u8)
-            }
-            (None, None, Some(cell), None) => {
-                let robot = concerned()?;
-                EventEffect::Visit(robot, self.within_reach("way-point", cell, &robots[robot])?)
-            }
-            (None, None, None, Some(stop)) if *stop.get_ref() => {
-                let ticks = whole("for", written.ticks.as_ref(), 1..=MAX_TICKS, MAX_TICKS)?;
-                return Ok(EventEffect::Stop(concerned()?, written.ticks.as_ref().map(|_| ticks)));
-            }
-            (None, None, None, Some(stop)) => {
-                return refuse(stop.span(), "stop = false says nothing: write true, or leave it out");
-            }
-            _ => return Err(Fault::anywhere(WHAT)),
-        };
-        match &written.ticks {
-            Some(ticks) => refuse(ticks.span(), "only stop takes a time: leave `for` out"),
-            None => Ok(effect),
+        if let Some(cell) = &written.block {
+            self.obstacle(cell, robots)
+        } else if let Some(name) = &written.block_path_of {
+            named(name, robots).map(EventEffect::BlockPath)
+        } else if let Some(cell) = &written.clear {
+            self.free("clear", cell).map(EventEffect::Clear)
+        } else if let Some(charge) = &written.charge {
+            Ok(EventEffect::Charge(concerned()?, whole("charge", Some(charge), 0..=100, 0)? as u8))
+        } else if let Some(cell) = &written.visit {
+            let robot = concerned()?;
+            self.within_reach("way-point", cell, &robots[robot]).map(|cell| EventEffect::Visit(robot, cell))
+        } else {
+            stop(written, concerned()?)
         }
     }
 
-    fn obstacle(
-        &self,
-        written: &file::EventEntry,
-        cell: &WholeNumber,
-        robots: &[RobotSpec],
-    ) -> Read<EventEffect> {
+    fn obstacle(&self, cell: &WholeNumber, robots: &[RobotSpec]) -> Read<EventEffect> {
         let (blocked, span) = (self.free("block", cell)?, cell.span());
         if let Some(robot) = robots.iter().find(|robot| robot.start == blocked) {
             let reason =
                 format!("{} is where {} starts: no obstacle can appear there", blocked.0, robot.name);
-            return refuse(span, reason);
+            return Err(Fault::new(span, reason));
         }
-        match &written.who {
-            Some(who) => refuse(who.span(), "an obstacle is nobody's: leave `who` out"),
-            None => Ok(EventEffect::Block(blocked)),
-        }
+        Ok(EventEffect::Block(blocked))
     }
 
-    /// A free cell that a robot can reach on the drawn map.
+    /// A free cell to which a way leads a robot by the drawn map.
     pub(super) fn within_reach(&self, what: &str, number: &WholeNumber, robot: &RobotSpec) -> Read<Cell> {
         let cell = self.free(what, number)?;
         if reach::is_near(&self.map, robot, cell) {
             return Ok(cell);
         }
         let (name, start) = (&robot.name, robot.start.0);
-        refuse(number.span(), format!("{name} on {start} cannot reach the {what} {}", cell.0))
+        Err(Fault::new(number.span(), format!("{name} on {start} cannot reach the {what} {}", cell.0)))
     }
 }
 
-/// The robot that an event concerns: the one that is named, else the one that triggers it.
+fn stop(written: &file::EventEntry, robot: usize) -> Read<EventEffect> {
+    if let Some(stop) = written.stop.as_ref().filter(|stop| !*stop.get_ref()) {
+        let reason = "stop = false says nothing: write true, or leave it out";
+        return Err(Fault::new(stop.span(), reason));
+    }
+    let ticks = whole("for", written.ticks.as_ref(), 1..=MAX_TICKS, MAX_TICKS)?;
+    Ok(EventEffect::Stop(robot, written.ticks.as_ref().map(|_| ticks)))
+}
+
+/// Whom an event concerns: the robot that is named, else the one that sets it off.
 fn whose(written: &file::EventEntry, when: Trigger, robots: &[RobotSpec]) -> Read<usize> {
     match (&written.who, when) {
         (Some(who), _) => named(who, robots),

@@ -12,6 +12,9 @@ pub(super) struct ScenarioFile {
     pub goals: Option<Spanned<Vec<WholeNumber>>>,
     pub limit: Option<WholeNumber>,
     pub missions: Option<WholeNumber>,
+    pub need: Option<WholeNumber>,
+    pub wait_for_charging: Option<bool>,
+    pub forget: Option<WholeNumber>,
     pub view: Option<WholeNumber>,
     pub slip: Option<RealNumber>,
     #[serde(default)]
@@ -33,10 +36,8 @@ pub(super) struct ScenarioFile {
 pub(super) struct InferenceEntry {
     pub precision: Option<RealNumber>,
     pub sensor: Option<RealNumber>,
-    pub peer_sensor: Option<RealNumber>,
-    #[serde(rename = "haste")]
-    pub lateness_cost: Option<RealNumber>,
-    pub collision: Option<RealNumber>,
+    pub policies: Option<WholeNumber>,
+    pub budget: Option<WholeNumber>,
     pub learning: Option<RealNumber>,
     pub alike: Option<bool>,
 }
@@ -48,6 +49,7 @@ pub(super) struct RobotEntry {
     pub name: Option<Spanned<String>>,
     pub battery: Option<WholeNumber>,
     pub charger: Option<WholeNumber>,
+    pub goal: Option<WholeNumber>,
     pub drain: Option<RealNumber>,
     pub charging: Option<RealNumber>,
     pub slip: Option<RealNumber>,
@@ -68,6 +70,8 @@ pub(super) struct EventEntry {
     pub moves: Option<WholeNumber>,
     pub who: Option<Spanned<String>>,
     pub block: Option<WholeNumber>,
+    pub block_path_of: Option<Spanned<String>>,
+    pub clear: Option<WholeNumber>,
     pub charge: Option<WholeNumber>,
     pub visit: Option<WholeNumber>,
     pub stop: Option<Spanned<bool>>,

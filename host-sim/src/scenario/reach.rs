@@ -1,25 +1,51 @@
-//! Reachability: every robot has a path to a goal of its own on the drawn map.
+//! Reachability: by the drawn map, as many robots as needed have ways to goals that differ.
 //!
 //! The assignment uses augmenting paths (Kuhn 1955): a robot takes a goal that is free, or one that
 //! another robot can exchange for a different goal.
 
 use super::{Floor, MAX_CELLS, RobotSpec};
 use iibt_core::actions::HORIZON;
-use iibt_core::grid::{Cell, Planner};
+use iibt_core::grid::{Cell, Move, Planner};
 
 /// A robot without a goal, by its index, and the reason.
 pub(super) type Stranded = (usize, String);
 
-/// Assigns every robot a goal of its own, or names the first robot without one.
-pub(super) fn goals_for_all(map: &Floor, goals: &[Cell], robots: &[RobotSpec]) -> Result<(), Stranded> {
+/// Assigns robots to goals that differ, as many as needed, or names the first robot without one.
+pub(super) fn enough_goals(
+    map: &Floor,
+    goals: &[Cell],
+    robots: &[RobotSpec],
+    need: usize,
+) -> Result<(), Stranded> {
     let reachable: Vec<_> = robots.iter().map(|robot| reachable(map, goals, robot)).collect();
     let mut owners = vec![None; goals.len()];
+    let mut stranded = None;
     for (index, robot) in robots.iter().enumerate() {
         if !takes_a_goal(index, &reachable, &mut vec![false; goals.len()], &mut owners) {
-            return Err((index, reason(robot, goals, &reachable[index])));
+            stranded.get_or_insert_with(|| (index, reason(robot, goals, &reachable[index])));
         }
     }
-    Ok(())
+    let found = owners.iter().flatten().count();
+    stranded.filter(|_| found < need).map_or(Ok(()), Err)
+}
+
+/// How many parts the free cells fall into between which no way leads.
+pub(crate) fn parts(floor: &Floor) -> usize {
+    let mut seen: Vec<bool> = (0..floor.len() as u16).map(|cell| !floor.is_free(Cell(cell))).collect();
+    let mut parts = 0;
+    while let Some(first) = seen.iter().position(|seen| !seen) {
+        parts += 1;
+        let mut open = vec![Cell(first as u16)];
+        seen[first] = true;
+        while let Some(cell) = open.pop() {
+            for next in Move::ALL.map(|step| floor.neighbour(cell, step)) {
+                if !std::mem::replace(&mut seen[next.index()], true) {
+                    open.push(next);
+                }
+            }
+        }
+    }
+    parts
 }
 
 /// Whether a robot's plan can lead from its start to a cell.
@@ -79,7 +105,12 @@ mod tests {
     }
 
     #[test]
-    fn every_robot_needs_a_way_to_a_goal() {
+    fn as_many_robots_as_needed_have_a_way_to_a_goal() {
+        assert_eq!(
+            verdict("1.#G 2.#. ..#."),
+            "R1 on 0 can reach no goal: no way of at most 64 moves leads to one"
+        );
+        assert_eq!(verdict("12. .G. ..."), "sound", "one goal is enough for one of two");
         assert_eq!(
             verdict("1.#G 2.#. G.#."),
             "R2 on 4 can reach no goal of its own: other robots need those it can reach (8)"

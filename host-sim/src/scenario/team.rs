@@ -3,7 +3,7 @@
 use super::drawing::Drawing;
 use super::file::{self, ScenarioFile};
 use super::{MAX_PATHS, RobotSpec};
-use crate::input::{Fault, Read, WholeNumber, line_of_text, parameter, percent, refuse, share, whole};
+use crate::input::{Fault, Read, WholeNumber, line_of_text, parameter, percent, share, whole};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Path};
 use iibt_core::navigation::MAX_PACE;
@@ -16,11 +16,11 @@ const LONGEST_NAME: usize = 12;
 const SLOWEST: u32 = MAX_PACE as u32;
 
 impl Drawing {
-    /// The number of robots.
+    /// How many robots there are.
     pub(super) fn team_size(&self, file: &ScenarioFile) -> Read<usize> {
         if let Some(extra) = file.robots.get(MAX_TEAM) {
             let reason = format!("{} robots, but a team has at most {MAX_TEAM}", file.robots.len());
-            return refuse(extra.span(), reason);
+            return Err(Fault::new(extra.span(), reason));
         }
         let drawn = self.starts.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
         let missing = |&index: &usize| file.robots.get(index).is_none() && self.starts[index].is_none();
@@ -34,7 +34,7 @@ impl Drawing {
                 )
             }
         };
-        refuse(file.map.span(), reason)
+        Err(Fault::new(file.map.span(), reason))
     }
 
     /// The robots in the order of their numbers: those written, and those only drawn.
@@ -50,6 +50,7 @@ impl Drawing {
             robot.slip = share("slip", written.slip.as_ref().or(file.slip.as_ref()), 0.0)?;
             robot.view = whole("view", written.view.as_ref().or(file.view.as_ref()), 1..=8, 1)? as u16;
             robot.charger = self.charger(written, &robot, &robots)?;
+            robot.goal = self.own_goal(written, &robot, &robots)?;
             robots.push(robot);
         }
         all_or_none(&robots, file)?;
@@ -66,6 +67,7 @@ impl Drawing {
             start,
             battery: whole("battery", written.battery.as_ref(), 0..=100, 100)? as u8,
             charger: None,
+            goal: None,
             drain: percent("drain", written.drain.as_ref(), 0.0)?,
             charging: percent("charging", written.charging.as_ref(), 10.0)?,
             slip: 0.0,
@@ -85,7 +87,7 @@ impl Drawing {
             (Some(cell), None) => Ok(cell),
             (Some(_), Some(number)) => {
                 let reason = format!("the map draws {name} as '{mark}' already: leave one of the two out");
-                refuse(number.span(), reason)
+                Err(Fault::new(number.span(), reason))
             }
             (None, None) => {
                 let reason = format!("{name} has no start: write start = CELL, or draw '{mark}' on the map");
@@ -94,7 +96,7 @@ impl Drawing {
         }
     }
 
-    /// The charger of a robot: a cell that it can reach and that is no other robot's charger.
+    /// Where a robot charges: a cell that it can reach and that is no other robot's charger.
     fn charger(
         &self,
         written: &file::RobotEntry,
@@ -106,7 +108,25 @@ impl Drawing {
         match others.iter().find(|other| other.charger == Some(cell)) {
             Some(other) => {
                 let reason = format!("{} is the charger of {} already", cell.0, other.name);
-                refuse(number.span(), reason)
+                Err(Fault::new(number.span(), reason))
+            }
+            None => Ok(Some(cell)),
+        }
+    }
+
+    /// The goal that a robot owns: a cell that it can reach and that no other robot owns.
+    fn own_goal(
+        &self,
+        written: &file::RobotEntry,
+        robot: &RobotSpec,
+        others: &[RobotSpec],
+    ) -> Read<Option<Cell>> {
+        let Some(number) = &written.goal else { return Ok(None) };
+        let cell = self.within_reach("goal", number, robot)?;
+        match others.iter().find(|other| other.goal == Some(cell)) {
+            Some(other) => {
+                let reason = format!("{} is the goal of {} already", cell.0, other.name);
+                Err(Fault::new(number.span(), reason))
             }
             None => Ok(Some(cell)),
         }
@@ -117,13 +137,13 @@ impl Drawing {
         let count = listed.get_ref().len();
         if count == 0 || count > MAX_PATHS {
             let reason = format!("{count} paths listed: give 1 to {MAX_PATHS}, or leave `paths` out");
-            return refuse(listed.span(), reason);
+            return Err(Fault::new(listed.span(), reason));
         }
         let paths = listed.get_ref().iter().map(|path| self.path(path, goals));
-        let paths = paths.collect::<Result<Vec<_>, _>>()?;
+        let paths = paths.collect::<Read<Vec<_>>>()?;
         if paths.iter().all(|path| path.start != start) {
             let reason = format!("no path begins at {}, where the robot starts", start.0);
-            return refuse(listed.span(), reason);
+            return Err(Fault::new(listed.span(), reason));
         }
         Ok(paths)
     }
@@ -131,11 +151,11 @@ impl Drawing {
     fn path(&self, listed: &Spanned<Vec<WholeNumber>>, goals: &[Cell]) -> Read<Path> {
         let numbers = listed.get_ref();
         let cells = numbers.iter().map(|number| self.free("path cell", number));
-        let cells = cells.collect::<Result<Vec<_>, _>>()?;
+        let cells = cells.collect::<Read<Vec<_>>>()?;
         for (pair, number) in cells.windows(2).zip(numbers.iter().skip(1)) {
             if self.map.move_between(pair[0], pair[1]).is_none() {
                 let reason = format!("{} and {} on the path are no neighbours", pair[0].0, pair[1].0);
-                return refuse(number.span(), reason);
+                return Err(Fault::new(number.span(), reason));
             }
         }
         ends_well(&cells, goals).map_err(|reason| Fault::new(listed.span(), reason))?;
@@ -173,7 +193,7 @@ fn all_or_none(robots: &[RobotSpec], file: &ScenarioFile) -> Read<()> {
     match (listed, robots.iter().find(|robot| robot.paths.is_empty())) {
         (Some(listed), Some(robot)) => {
             let reason = format!("{} has no paths: list them for every robot or for none", robot.name);
-            refuse(listed.span(), reason)
+            Err(Fault::new(listed.span(), reason))
         }
         _ => Ok(()),
     }

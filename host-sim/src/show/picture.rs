@@ -1,5 +1,6 @@
 //! A flight drawn as text: the map with everything on it, and a line for every robot.
 
+use crate::awaited::Awaited;
 use crate::fly::Snapshot;
 use anstyle::{AnsiColor, Style};
 use iibt_core::grid::Cell;
@@ -98,9 +99,11 @@ fn robot_line(snapshot: &Snapshot<'_>, robot: usize, palette: Palette) -> String
     let stopped = snapshot.stopped[robot].then_some("stopped");
     let activity = stopped.or(snapshot.activities[robot]).unwrap_or("-");
     let errand = report.waypoint.map_or_else(String::new, |cell| format!(", by way of {}", cell.0));
+    let awaited = report.waiting.and_then(|waiting| Awaited::of(waiting, snapshot.scenario).robot);
+    let waiting = awaited.map_or_else(String::new, |name| format!(", waits for {name}"));
     let charge = snapshot.charges[robot];
     let battery = if charge < 100 { format!(", battery {charge} %") } else { String::new() };
-    format!("  {name} at {:>3}  {activity:<10}  {plan}{errand}{battery}", snapshot.cells[robot].0)
+    format!("  {name} at {:>3}  {activity:<10}  {plan}{errand}{battery}{waiting}", snapshot.cells[robot].0)
 }
 
 fn colour(robot: usize) -> Style {
@@ -144,9 +147,9 @@ mod tests {
 
     #[test]
     fn shows_plans_and_says_who_has_one() {
-        let (early, late) = (photograph(0, Palette::Plain), photograph(4, Palette::Plain));
+        let (early, late) = (photograph(0, Palette::Plain), photograph(3, Palette::Plain));
         assert!(early[7].contains("R1") && early[7].contains("has not chosen"), "{early:?}");
-        assert_eq!(late[2], "  1 * * G");
+        assert_eq!(late[2], "  . 1 * G");
         assert!(late[7].contains("to 3, step 0 of 3"), "{late:?}");
     }
 

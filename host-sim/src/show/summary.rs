@@ -1,8 +1,9 @@
 //! The end of a flight in a table and a line.
 
 use super::shortfall::shortfall;
-use crate::record::{Outcome, Record, RobotRecord};
+use crate::record::{Record, RobotRecord};
 use crate::text::{counted, route};
+use crate::verdict::Outcome;
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle};
 
 /// A line below the header and nothing else.
@@ -89,9 +90,10 @@ pub(super) fn ending(record: &Record) -> String {
         (Outcome::Together, 0) => format!("{team} arrived together at tick {arrival}"),
         (Outcome::Together, spread) => {
             let apart = counted(spread, "tick");
-            format!("{team} arrived with the same step, at most {apart} apart, at tick {arrival}")
+            format!("{team} arrived together, at most {apart} apart, at tick {arrival}")
         }
         (Outcome::Apart, _) => format!("{team} arrived, but not together, by tick {arrival}"),
+        (Outcome::NothingToDo, _) => "there was nothing to do".to_owned(),
         (Outcome::Unfinished, _) => format!("NOT accomplished within {flown}"),
         (Outcome::Collided, _) => format!("FAILED by a collision, {flown} flown"),
     }
@@ -137,8 +139,8 @@ mod tests {
         let words = |line: usize| lines[line].split_whitespace().take(9).collect::<Vec<_>>().join(" ");
         assert_eq!(lines.len(), 7, "{text}");
         assert_eq!(words(0), "robot goal chosen path prob. moves sent lost rejected");
-        assert_eq!(words(2), "R1 26 28 29 30 31 32 33 26");
-        assert_eq!(words(3), "R2 24 2 1 8 15 22 23 24");
+        assert_eq!(words(2), "R1 24 28 35 36 37 38 31 24");
+        assert_eq!(words(3), "R2 26 2 3 4 11 18 25 26");
         assert!(lines[5].contains("prob.: of its joint policy"), "{text}");
         assert!(lines[6].starts_with("two-goals: both robots arrived together at tick"), "{text}");
     }
@@ -179,6 +181,11 @@ mod tests {
         assert!(outcome_line(&record).contains("2 collisions (0 shared cells, 2 swaps, 0 bumps)"));
         record.outcome = Outcome::Apart;
         assert!(outcome_line(&record).contains("not together"));
+        record.outcome = Outcome::Together;
+        (record.robots[0].arrived, record.robots[1].arrived) = (7, 8);
+        assert!(outcome_line(&record).contains("both robots arrived together, at most"));
+        record.outcome = Outcome::NothingToDo;
+        assert!(outcome_line(&record).starts_with("two-goals: there was nothing to do; "));
         record.outcome = Outcome::Together;
         record.robots.truncate(1);
         assert!(outcome_line(&record).contains("the robot arrived at tick"));

@@ -6,6 +6,7 @@
 //! | what is the best plan | [`JointPlanner`] |
 //! | what else could the team do | [`PolicyList`]: up to `K` plans, the best one first |
 //! | why is there no plan | [`Failure`]; a plan for a part of the targets says [by how many it is short](JointPlan::short_by) |
+//! | what if every robot owns its target | [`Prioritised`], and where that fails [`Lacam`] |
 //! | when are the robots there | [`JointPlan::execution`], messages counted |
 //! | do two robots plan alike | [`PolicyList::digest`] |
 //!
@@ -18,12 +19,15 @@
 //! colour of their cells; see `flow` and `network` for how. Where one or two robots own their
 //! targets, their paths are fixed and the others flow around them.
 
+mod attempt;
 mod distances;
 mod execution;
 mod flow;
 mod lacam;
+mod list;
 mod network;
 mod owned;
+mod owners;
 mod pibt;
 mod plan;
 mod planner;
@@ -40,8 +44,9 @@ mod walk;
 
 pub use execution::Execution;
 pub use lacam::Lacam;
+pub use list::{PolicyList, VERSION};
 pub use owned::own_targets;
 pub use plan::{Arrival, Failure, JointConflict, JointConflictKind, JointPlan};
-pub use planner::Planner;
+pub use planner::JointPlanner;
 pub use prioritised::Prioritised;
 pub use problem::{Errand, Problem, ProblemError, Target};

@@ -121,6 +121,11 @@ impl<const W: usize> Map<W> {
         self.contains(cell) && self.blocked.insert(cell)
     }
 
+    /// Frees a cell; returns whether the map changed.
+    pub const fn clear(&mut self, cell: Cell) -> bool {
+        self.contains(cell) && self.blocked.remove(cell)
+    }
+
     /// The cell one move away; at the border and outside of the map, the same cell. Obstacles are
     /// not looked at.
     #[must_use]

@@ -1,6 +1,6 @@
 //! Paths on a map: a start and the moves from there.
 
-use super::{Cell, CellSet, Map, Move};
+use super::{Cell, Map, Move};
 use crate::actions::{ActionError, Actions};
 use serde::{Deserialize, Serialize};
 
@@ -149,13 +149,6 @@ impl Path {
                 map.is_free(here) && (step == Move::Wait || here != before)
             })
     }
-
-    /// The cells between the first and the last one, which are not among them even when the path
-    /// passes them on its way.
-    pub(super) fn interior<const W: usize>(&self, map: &Map<W>) -> CellSet<W> {
-        let ends = [self.start, self.end(map)].into_iter().collect();
-        self.cells(map).collect::<CellSet<W>>().without(&ends)
-    }
 }
 
 #[cfg(test)]
@@ -229,12 +222,5 @@ mod tests {
             assert_eq!(path.end(&map), Cell(0));
         }
         assert!(!Path::at(Cell(3)).is_open(&map));
-    }
-
-    #[test]
-    fn interior_is_all_but_the_ends() {
-        let interior = path(&[28, 29, 29, 22, 23]).interior(&paper(&[]));
-        assert_eq!(numbers(interior.iter()), [22, 29]);
-        assert!(Path::at(Cell(4)).interior(&paper(&[])).is_empty());
     }
 }

@@ -8,7 +8,7 @@
 
 use super::open_list::OpenList;
 use super::spread::Spread;
-use super::{Cell, CellSet, Map, Path};
+use super::{Cell, Map, Path};
 use core::fmt;
 
 /// Plans over maps of up to `S` cells; needs 9 bytes per cell and keeps nothing from one call to
@@ -31,8 +31,6 @@ use core::fmt;
 pub struct Planner<const S: usize> {
     /// The cost of the cheapest way found to the goal, or [`UNREACHED`].
     cost: [u16; S],
-    /// The extra cost of entering a cell; zero except during a search for alternatives.
-    penalty: [u8; S],
     open: OpenList<S>,
 }
 
@@ -64,16 +62,11 @@ pub struct Distances<'a> {
 
 const UNREACHED: u16 = u16::MAX;
 
-/// The largest penalty of a cell. Large enough to make any detour within a
-/// [`Variety`](super::Variety) the cheaper way, small enough for sums of 16 bits over a whole
-/// horizon.
-const MOST_PENALTY: u8 = 63;
-
 impl<const S: usize> Planner<S> {
     /// A planner, ready for any map of at most `S` cells.
     #[must_use]
     pub const fn new() -> Self {
-        Self { cost: [UNREACHED; S], penalty: [0; S], open: OpenList::new() }
+        Self { cost: [UNREACHED; S], open: OpenList::new() }
     }
 
     /// A shortest path; of several, the one whose first differing move has the lowest code.
@@ -89,8 +82,15 @@ impl<const S: usize> Planner<S> {
         from: Cell,
         to: Cell,
     ) -> Result<Path, PlanError> {
-        self.forgive();
-        self.cheapest(map, from, to, u16::MAX)
+        self.check_start(map, from)?;
+        if !map.contains(to) {
+            return Err(PlanError::GoalOutside);
+        }
+        if !map.is_free(to) {
+            return Err(PlanError::GoalBlocked);
+        }
+        self.search(map, from, to);
+        self.read_off(map, from, to)
     }
 
     /// The moves from `from` to every cell, breadth first.
@@ -121,40 +121,6 @@ impl<const S: usize> Planner<S> {
         Ok(Distances { table: &self.cost })
     }
 
-    /// The path of least cost through cells on which some way of at most `longest` moves could lie,
-    /// by the estimate; costs are one per move and the penalties of the cells entered.
-    pub(super) fn cheapest<const W: usize>(
-        &mut self,
-        map: &Map<W>,
-        from: Cell,
-        to: Cell,
-        longest: u16,
-    ) -> Result<Path, PlanError> {
-        self.check_start(map, from)?;
-        if !map.contains(to) {
-            return Err(PlanError::GoalOutside);
-        }
-        if !map.is_free(to) {
-            return Err(PlanError::GoalBlocked);
-        }
-        self.search(map, from, to, longest);
-        self.read_off(map, from, to)
-    }
-
-    /// Raises the penalty of every cell of a set by one.
-    pub(super) fn penalise<const W: usize>(&mut self, cells: &CellSet<W>) {
-        for cell in cells.iter() {
-            if let Some(penalty) = self.penalty.get_mut(cell.index()) {
-                *penalty = (*penalty + 1).min(MOST_PENALTY);
-            }
-        }
-    }
-
-    /// Clears all penalties.
-    pub(super) fn forgive(&mut self) {
-        self.penalty.fill(0);
-    }
-
     fn check_start<const W: usize>(&self, map: &Map<W>, from: Cell) -> Result<(), PlanError> {
         if map.len() > S {
             return Err(PlanError::MapTooLarge);
@@ -169,16 +135,16 @@ impl<const S: usize> Planner<S> {
     }
 
     /// Finds the cost to the goal of every cell on a cheapest way from the start.
-    fn search<const W: usize>(&mut self, map: &Map<W>, from: Cell, to: Cell, longest: u16) {
+    fn search<const W: usize>(&mut self, map: &Map<W>, from: Cell, to: Cell) {
         self.cost.fill(UNREACHED);
         self.open.clear();
         self.set_cost(to, 0);
         self.open.put(to, map.manhattan(from, to));
         while let Some(cell) = self.open.pop(self.cost(from)) {
-            let cost = self.cost(cell).saturating_add(self.weight(cell));
+            let cost = self.cost(cell).saturating_add(1);
             for (_, next) in map.free_neighbours(cell) {
                 let ahead = map.manhattan(from, next);
-                if cost < self.cost(next) && ahead.saturating_add(map.manhattan(next, to)) <= longest {
+                if cost < self.cost(next) {
                     self.set_cost(next, cost);
                     self.open.put(next, cost.saturating_add(ahead));
                 }
@@ -194,7 +160,7 @@ impl<const S: usize> Planner<S> {
         let mut path = Path::at(from);
         let mut here = from;
         while here != to {
-            let down = |next| self.cost(next).saturating_add(self.weight(next)) == self.cost(here);
+            let down = |next| self.cost(next).saturating_add(1) == self.cost(here);
             let (step, next) =
                 map.free_neighbours(here).find(|&(_, next)| down(next)).ok_or(PlanError::NoWay)?;
             path.push(step).map_err(|_| PlanError::TooLong)?;
@@ -211,11 +177,6 @@ impl<const S: usize> Planner<S> {
         if let Some(entry) = self.cost.get_mut(cell.index()) {
             *entry = cost;
         }
-    }
-
-    /// The cost of entering a cell.
-    fn weight(&self, cell: Cell) -> u16 {
-        1 + u16::from(self.penalty.get(cell.index()).copied().unwrap_or(0))
     }
 }
 
@@ -389,21 +350,10 @@ mod tests {
     }
 
     #[test]
-    fn searches_only_where_a_short_enough_way_can_lie() {
-        let map = drawn(&["S.G", "..."]);
-        let mut planner = Planner::<6>::new();
-        for _ in 0..5 {
-            planner.penalise::<1>(&[Cell(1)].into_iter().collect());
-        }
-        let mut moves = |longest| planner.cheapest(&map, Cell(0), Cell(2), longest).map(|path| path.len());
-        assert_eq!([2, 3, 4].map(&mut moves), [Ok(2), Ok(2), Ok(4)]);
-    }
-
-    #[test]
-    fn takes_nine_bytes_per_cell() {
+    fn takes_eight_bytes_per_cell() {
         let fixed = 2 * size_of::<usize>();
-        assert!(size_of::<Planner<49>>() <= 9 * 49 + fixed);
-        assert!(size_of::<Planner<1024>>() <= 9 * 1024 + fixed);
+        assert!(size_of::<Planner<49>>() <= 8 * 49 + fixed);
+        assert!(size_of::<Planner<1024>>() <= 8 * 1024 + fixed);
     }
 
     #[test]

@@ -56,7 +56,16 @@ impl<const W: usize> CellSet<W> {
         changes
     }
 
-    /// The number of cells.
+    /// Takes a cell out; returns whether it was there.
+    pub const fn remove(&mut self, cell: Cell) -> bool {
+        let was_there = self.contains(cell);
+        if was_there {
+            self.words[cell.index() / 32] &= !bit(cell);
+        }
+        was_there
+    }
+
+    /// How many cells there are.
     #[must_use]
     pub fn len(&self) -> usize {
         self.words.iter().map(|word| word.count_ones() as usize).sum()
@@ -177,6 +186,8 @@ mod tests {
         let mut cells = set(&[96, 1000, u16::MAX]);
         assert!(cells.is_empty() && !cells.contains(Cell(96)));
         assert!(cells.insert(Cell(95)) && !cells.insert(Cell(95)) && !cells.insert(Cell(96)));
+        assert!(cells.remove(Cell(95)) && !cells.remove(Cell(95)) && !cells.remove(Cell(96)));
+        assert!(cells.is_empty());
     }
 
     #[test]

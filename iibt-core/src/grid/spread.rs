@@ -1,6 +1,6 @@
 //! All the cells one move away from a set of cells, a word of cells at a time.
 
-use super::{Cell, CellSet, Map, Move};
+use super::{Cell, CellSet, Map};
 
 /// The free cells of a map, and its outer columns, where a move to the side must not come out on
 /// the other side.

@@ -34,28 +34,6 @@ impl Path {
         Some(padded)
     }
 
-    /// This path at the pace of a slow robot, whose every move takes `pace` steps: before each
-    /// there are at least as many waits, less one, those that it has already among them.
-    ///
-    /// Returns `None` when that is longer than the [`HORIZON`].
-    #[must_use]
-    pub fn slowed(&self, pace: usize) -> Option<Self> {
-        let mut slowed = Self::at(self.start);
-        let mut waits = 0;
-        for step in self.moves() {
-            if step == Move::Wait {
-                waits += 1;
-            } else {
-                for _ in waits + 1..pace {
-                    slowed.push(Move::Wait).ok()?;
-                }
-                waits = 0;
-            }
-            slowed.push(step).ok()?;
-        }
-        Some(slowed)
-    }
-
     /// The index of the move before which the robot waits.
     fn wait_index(&self, place: WaitPlace) -> usize {
         match place {
@@ -79,17 +57,6 @@ mod tests {
     fn path(cells: &[u16]) -> Path {
         let cells: Vec<Cell> = cells.iter().copied().map(Cell).collect();
         Path::through(&paper(&[]), &cells).unwrap()
-    }
-
-    #[test]
-    fn a_slow_robot_has_the_waits_that_its_moves_take_before_them() {
-        let way = path(&[28, 29, 30, 30, 31, 31]);
-        assert_eq!(way.slowed(1), Some(way));
-        let slow = path(&[28, 28, 29, 29, 30, 30, 31, 31]);
-        assert_eq!(way.slowed(2), Some(slow), "the wait on 30 is one of them");
-        assert_eq!(slow.slowed(2), Some(slow), "once is enough");
-        assert_eq!(way.slowed(3).map(|path| path.len()), Some(10));
-        assert_eq!(way.slowed(40), None, "longer than the horizon");
     }
 
     #[test]

@@ -58,7 +58,7 @@ impl<T: Task> InferenceNode<T> {
         // From the first tick of an unmet precondition; a choice that may be executed clears it.
         let since = *self.unmet_since.get_or_insert(now);
         match decided.policy {
-            Some(policy) if peers.all_connected() => task.execute(policy, &decided.candidates, peers), // 31-32
+            Some(policy) if task.is_connected(peers) => task.execute(policy, &decided.candidates, peers), // 31-32
             Some(_) => task.wait(), // 34-36
             None if now.since(since) >= self.timeout => {
                 self.forget();

@@ -136,6 +136,11 @@ pub trait Task {
     /// 18-19: raises the preference for the evidence that would make a missing literal hold (f_L).
     fn raise(&mut self, missing: Literal, candidates: &Self::Candidates, preference: &mut Self::Preference);
 
+    /// 31: whether the robots that the policy needs are connected: by default all teammates.
+    fn is_connected(&self, peers: Peers<'_, Self::Message>) -> bool {
+        peers.all_connected()
+    }
+
     /// 32: executes one step of a policy.
     fn execute(
         &mut self,

@@ -118,19 +118,6 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         Ok(())
     }
 
-    /// Scores all joint policies of a problem that fits its model and this evaluation by
-    /// construction.
-    ///
-    /// The checks of [`begin`](Self::begin) take 2.5 KB of flash, which an image whose sizes are
-    /// all in types need not carry. More joint policies than there is room for are not scored at
-    /// all.
-    pub(crate) fn evaluate_fitting(&mut self, problem: &Problem<'_, S, G>) {
-        self.forget(problem);
-        let count = Some(problem.candidates.len()).filter(|&count| count <= Self::CAPACITY).unwrap_or(0);
-        self.total = count as u16;
-        while self.advance(problem, Self::CAPACITY) {}
-    }
-
     fn forget(&mut self, problem: &Problem<'_, S, G>) {
         (self.done, self.total) = (0, 0);
         self.groups.iter_mut().for_each(|group| group.used = 0);

@@ -5,20 +5,18 @@
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Cause {
-    /// An obstacle is on its path.
+    /// An obstacle is on a path of the plan.
     Obstacle,
-    /// Its path leads past a way-point.
+    /// It has a way-point to visit.
     WayPoint,
     /// Its battery is low.
     Battery,
-    /// It stands in the way of a teammate that cannot get to its charger, and steps aside.
-    Room,
-    /// It comes back from charging, or from stepping aside.
-    Charged,
+    /// It has charged its battery, or visited its way-points, and is free for a goal.
+    Free,
     /// It is in another cell than its path prescribes.
     Position,
-    /// A teammate has agreed to another plan, because a robot has restarted.
-    Outdated,
-    /// Its best choice is incompatible with the paths chosen before it.
-    Misfit,
+    /// A teammate is lost or back, has restarted, or knows the round otherwise.
+    Teammate,
+    /// The plan misses a goal, and more is known now.
+    Shortfall,
 }

@@ -5,7 +5,9 @@
 //! been visited counts as a good one, so that it is tried.
 
 use super::MAX_GOALS;
-use super::world::GOAL;
+/// The preference for a goal of which nothing is known.
+const GOAL: f32 = 1.0;
+
 use crate::inference::Evidence;
 use crate::inference::learning::{PreferenceCounts, Rates};
 

@@ -1,23 +1,16 @@
 //! The mission of a team: the map, the starts, the goals, and the parameters of the generative
 //! model.
 
-use super::Paces;
+use super::fact::MAX_CELLS;
 use crate::grid::{Cell, Map, Path};
-use crate::inference::Scoring;
 use crate::inference::learning::Rates;
 use crate::team::{Fnv1a, MAX_TEAM, RobotId};
 
 /// The most goals of one mission.
 pub const MAX_GOALS: usize = 8;
 
-/// The labels of cells in the team's outcome: each goal its own, and one for all other cells.
-pub(super) const LABELS: usize = MAX_GOALS + 1;
-
-/// The joint outcomes of two robots: none on a goal, each on a goal of its own, or anything else.
-pub(super) const OUTCOMES: usize = 3;
-const NOBODY: u8 = 0;
-const SUCCESS: u8 = 1;
-const FAILURE: u8 = 2;
+/// The most ticks that a move of a robot takes, as its mission declares.
+pub const MAX_PACE: u8 = 8;
 
 /// A navigation mission of a team, the same on every robot of it. Keep it in a `static`.
 ///
@@ -48,42 +41,47 @@ pub struct Mission<'m, const W: usize> {
     pub map: Map<W>,
     /// The start of each robot; its length is the size of the team.
     pub starts: &'m [Cell],
-    /// The goals; each robot is to reach another one.
+    /// The goals: any robot may reach any of them, but for those that a robot owns.
     pub goals: &'m [Cell],
+    /// The goal that each robot owns: no other robot is to reach it. A robot without one reaches
+    /// any goal that nobody owns.
+    pub own_goals: &'m [Option<Cell>],
+    /// On how many of the goals that nobody owns a robot must end; by default on as many as there
+    /// are, but no more than robots without a goal of their own.
+    pub need: Option<u8>,
     /// The charging cell of each robot. A robot without one stands still when its battery is low.
     pub chargers: &'m [Option<Cell>],
-    /// Candidate paths given by hand for each robot, used while the robot stands where they begin.
-    /// They are planned where this is `None` or a list is empty.
-    pub candidates: Option<&'m [&'m [Path]]>,
-    /// Returns the probability that a robot's own localiser is right.
+    /// Whether the others stand while a robot charges, as in the paper, in place of going on
+    /// without it.
+    pub waits_for_charging: bool,
+    /// Paths given by hand for each robot, used while all robots stand where theirs begin: the
+    /// joint policies are their combinations without conflicts, in order.
+    pub paths: Option<&'m [&'m [Path]]>,
+    /// The number of joint policies to weigh, at least 1; the robot's `K` is the most.
+    pub policies: u8,
+    /// The precision β of the posterior over policies, in nats per tick. The choice does not depend
+    /// on it, only how sure it is.
+    pub precision: f32,
+    /// The probability that a robot's own localiser is right.
     pub sensor: f32,
-    /// The probability that the cell a teammate announces is right.
-    pub peer_sensor: f32,
     /// The probability that each robot's own localiser is right, where it differs from `sensor`.
-    /// The reliability of a teammate's announced position scales in the same proportion.
     pub sensors: &'m [f32],
-    /// The number of steps of a plan that one move of each robot takes, from 1 to
-    /// [`MAX_PACE`](super::MAX_PACE). A robot without an entry makes a move in a step.
+    /// The number of ticks that one move of each robot takes, from 1 to [`MAX_PACE`]. A robot
+    /// without an entry makes a move in a tick.
     pub paces: &'m [u8],
-    /// The parameters of policy scoring.
-    pub scoring: Scoring,
-    /// The preference, on the log scale of C, for a collision: two robots in one cell or swapping
-    /// cells.
-    pub collision: f32,
-    /// The cost, in a policy's prior, of each step of arrival beyond the team's earliest: ln E =
-    /// -lateness_cost * steps.
-    pub lateness_cost: f32,
-    /// The rates of learning and forgetting failures of the robot's own moves. A path that is
-    /// unlikely to be kept in time weighs less in a policy's prior. A learning rate of zero turns
-    /// learning off.
+    /// The rates of learning and forgetting failures of the robot's own moves. A policy with moves
+    /// that fail is later for this robot. A learning rate of zero turns learning off.
     pub learning: Rates,
+    /// The number of ticks after which evidence about obstacles fades by a sixteenth of a nat; it
+    /// never does for zero.
+    pub forgets: u16,
 }
 
 /// Why a mission cannot be flown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MissionError {
-    /// The map has more cells than the controller was built for.
+    /// The map has more cells than the controller was built for, or than the frames can name: 2^14.
     MapTooLarge,
     /// No robot, more than [`MAX_TEAM`], or not as many as the robot's team has.
     TeamSize,
@@ -102,24 +100,26 @@ pub enum MissionError {
 }
 
 impl<'m, const W: usize> Mission<'m, W> {
-    /// Creates a mission with the default model: localisers right in 99.52 % of all readings,
-    /// announced positions in 90.4 %, as in the paper's section 5.1.
+    /// Creates a mission with the default model: localisers right in 99.52 % of all readings, as in
+    /// the paper's section 5.1; four policies, weighed with one nat per tick; obstacles stay.
     #[must_use]
     pub const fn new(map: Map<W>, starts: &'m [Cell], goals: &'m [Cell]) -> Self {
         Self {
             map,
             starts,
             goals,
+            own_goals: &[],
+            need: None,
             chargers: &[],
-            candidates: None,
+            waits_for_charging: false,
+            paths: None,
+            policies: 4,
+            precision: 1.0,
             sensor: 0.9952,
-            peer_sensor: 0.904,
             sensors: &[],
             paces: &[],
-            scoring: Scoring::DEFAULT,
-            collision: -4.0,
-            lateness_cost: 2.0,
             learning: Rates::new(1.0, 0.02),
+            forgets: 0,
         }
     }
 
@@ -129,10 +129,37 @@ impl<'m, const W: usize> Mission<'m, W> {
         if self.starts.len() > u8::MAX as usize { u8::MAX } else { self.starts.len() as u8 }
     }
 
-    /// Returns the paces of the robots.
+    /// Returns the number of ticks that one move of a robot takes, at least one.
     #[must_use]
-    pub const fn paces(&self) -> Paces<'m> {
-        Paces::new(self.paces)
+    pub fn pace_of(&self, robot: RobotId) -> u8 {
+        self.paces.get(robot.index()).copied().unwrap_or(1).max(1)
+    }
+
+    /// Returns the goal that a robot owns, if it does.
+    #[must_use]
+    pub fn own_goal(&self, robot: RobotId) -> Option<Cell> {
+        self.own_goals.get(robot.index()).copied().flatten()
+    }
+
+    /// Returns the charging cell of a robot, if it has one.
+    #[must_use]
+    pub fn charger(&self, robot: RobotId) -> Option<Cell> {
+        self.chargers.get(robot.index()).copied().flatten()
+    }
+
+    /// Returns the goals that no robot owns, in their order.
+    pub fn open_goals(&self) -> impl Iterator<Item = Cell> + Clone + 'm {
+        let owned = self.own_goals;
+        self.goals.iter().copied().filter(move |&goal| !owned.contains(&Some(goal)))
+    }
+
+    /// Returns whether a robot may end there: on its own goal, or on any that nobody owns.
+    #[must_use]
+    pub fn is_goal_of(&self, robot: RobotId, cell: Cell) -> bool {
+        match self.own_goal(robot) {
+            Some(own) => own == cell,
+            None => self.open_goals().any(|goal| goal == cell),
+        }
     }
 
     /// The probability that a robot's own localiser is right.
@@ -141,17 +168,8 @@ impl<'m, const W: usize> Mission<'m, W> {
         self.sensors.get(robot.index()).copied().unwrap_or(self.sensor)
     }
 
-    /// Returns the probability that a robot's announced position is correct.
-    #[must_use]
-    pub fn peer_sensor_of(&self, robot: RobotId) -> f32 {
-        let Some(sensor) = self.sensors.get(robot.index()).filter(|_| self.sensor > 0.0) else {
-            return self.peer_sensor;
-        };
-        (self.peer_sensor * sensor / self.sensor).min(1.0)
-    }
-
-    /// Returns a hash of the mission. Robots with another map, other starts, goals, chargers or
-    /// paces have another one, and reject each other's frames.
+    /// Returns a hash of all that robots must agree on to make the same plans: the map, starts,
+    /// goals, chargers, paths and rules. Robots with another one reject each other's frames.
     #[must_use]
     pub fn id(&self) -> u64 {
         let cells = |hash: Fnv1a, cells: &[Cell]| {
@@ -163,8 +181,18 @@ impl<'m, const W: usize> Mission<'m, W> {
         let free = |cell: usize| map.is_free(Cell(cell as u16));
         let hash = (0..map.len()).fold(size, |hash, cell| hash.write(&[u8::from(free(cell))]));
         let hash = cells(cells(hash, self.starts), self.goals);
-        let of = |charger: &Option<Cell>| charger.map_or(u32::MAX, |cell| u32::from(cell.0));
-        let hash = self.chargers.iter().fold(hash, |hash, charger| hash.write(&of(charger).to_le_bytes()));
+        let of = |cell: &Option<Cell>| cell.map_or(u32::MAX, |cell| u32::from(cell.0));
+        let optional = |hash: Fnv1a, cells: &[Option<Cell>]| {
+            let hash = hash.write(&(cells.len() as u16).to_le_bytes());
+            cells.iter().fold(hash, |hash, cell| hash.write(&of(cell).to_le_bytes()))
+        };
+        let hash = optional(optional(hash, self.chargers), self.own_goals);
+        let hash = hash.write(&[self.need.unwrap_or(u8::MAX), self.waits_for_charging.into(), self.policies]);
+        let paths = self.paths.unwrap_or(&[]).iter().flat_map(|list| list.iter());
+        let hash = paths.fold(hash, |hash, path| {
+            path.moves()
+                .fold(hash.write(&path.start.0.to_le_bytes()), |hash, step| hash.write(&[step.code()]))
+        });
         hash.write(self.paces).finish()
     }
 
@@ -173,13 +201,14 @@ impl<'m, const W: usize> Mission<'m, W> {
     /// # Errors
     /// The first [`MissionError`] found.
     pub fn check<const S: usize>(&self) -> Result<(), MissionError> {
-        if self.map.len() > S || S < 2 {
+        if self.map.len() > S.min(MAX_CELLS) || S < 2 {
             return Err(MissionError::MapTooLarge);
         }
         if self.starts.is_empty() || self.starts.len() > MAX_TEAM {
             return Err(MissionError::TeamSize);
         }
-        if self.goals.is_empty() || self.goals.len() > MAX_GOALS {
+        let has_goal = !self.goals.is_empty() || self.own_goals.iter().any(Option::is_some);
+        if !has_goal || self.goals.len() > MAX_GOALS {
             return Err(MissionError::GoalCount);
         }
         if let Some(cell) = self.misplaced(self.starts.iter().copied()) {
@@ -188,39 +217,27 @@ impl<'m, const W: usize> Mission<'m, W> {
         if let Some(cell) = self.misplaced(self.goals.iter().copied()) {
             return Err(MissionError::Goal(cell));
         }
+        if let Some(cell) = self.misplaced(self.own_goals.iter().copied().flatten()) {
+            return Err(MissionError::Goal(cell));
+        }
         if let Some(cell) = self.misplaced(self.chargers.iter().copied().flatten()) {
             return Err(MissionError::Charger(cell));
         }
         let probability = |p: f32| (0.0..=1.0).contains(&p);
-        let finite =
-            self.lateness_cost.is_finite() && self.lateness_cost >= 0.0 && self.scoring.precision.is_finite();
-        let numbers = finite && self.collision.is_finite() && self.collision <= 0.0;
-        let sensors = [self.sensor, self.peer_sensor].into_iter().chain(self.sensors.iter().copied());
-        if numbers && self.paces().are_sound() && sensors.into_iter().all(probability) {
+        let sensors = [self.sensor].into_iter().chain(self.sensors.iter().copied());
+        let are_paces = self.paces.iter().all(|pace| (1..=MAX_PACE).contains(pace));
+        let is_precision = self.precision.is_finite() && self.precision >= 0.0;
+        if is_precision && are_paces && self.policies > 0 && sensors.into_iter().all(probability) {
             Ok(())
         } else {
             Err(MissionError::Number)
         }
     }
 
-    /// C for the team's outcome.
-    pub(super) const OUTCOME_PREFERENCE: [f32; OUTCOMES] = [0.0, 1.0, 0.0];
-
-    /// Returns the paths given by hand for a robot that stands at `from`, at its pace; none through
-    /// walls.
-    pub(super) fn listed(&self, robot: RobotId, from: Cell) -> impl Iterator<Item = Path> + '_ {
-        let lists = self.candidates.unwrap_or(&[]);
-        let list: &'m [Path] = lists.get(robot.index()).copied().unwrap_or(&[]);
-        let pace = self.paces().of(robot).get();
-        let open = list.iter().filter(move |path| path.start == from && path.is_open(&self.map));
-        open.filter_map(move |path| path.slowed(pace))
-    }
-
-    /// Returns the lengths of the paths given by hand for a robot.
-    pub(super) fn listed_lengths(&self, robot: RobotId) -> impl Iterator<Item = usize> + 'm {
-        let (lists, pace) = (self.candidates.unwrap_or(&[]), self.paces().of(robot).get());
-        let list: &'m [Path] = lists.get(robot.index()).copied().unwrap_or(&[]);
-        list.iter().filter_map(move |path| path.slowed(pace)).map(|path| path.len())
+    /// Returns the paths given by hand for a robot that stands at `from`; none through walls.
+    pub(super) fn listed(&self, robot: RobotId, from: Cell) -> impl Iterator<Item = &'m Path> + Clone + '_ {
+        let list: &'m [Path] = self.paths.unwrap_or(&[]).get(robot.index()).copied().unwrap_or(&[]);
+        list.iter().filter(move |path| path.start == from && path.is_open(&self.map))
     }
 
     /// Returns the first cell that is blocked, outside the map or listed twice.
@@ -228,17 +245,6 @@ impl<'m, const W: usize> Mission<'m, W> {
         let twice = |index: usize, cell| cells.clone().take(index).any(|other| other == cell);
         let wrong = |&(index, cell): &(usize, Cell)| !self.map.is_free(cell) || twice(index, cell);
         cells.clone().enumerate().find(wrong).map(|(_, cell)| cell)
-    }
-}
-
-/// Returns the outcome of two labels, where zero is no goal: success for two different goals,
-/// failure for any other pair with a goal.
-pub(super) const fn outcome_of(first: usize, second: usize) -> u8 {
-    match (first, second) {
-        (0, 0) => NOBODY,
-        (0, _) | (_, 0) => FAILURE,
-        _ if first == second => FAILURE,
-        _ => SUCCESS,
     }
 }
 
@@ -256,9 +262,9 @@ impl core::fmt::Display for MissionError {
             Self::Charger(cell) => {
                 write!(f, "the charger p{} is outside the map, blocked or given twice", cell.0)
             }
-            Self::Number => f.write_str(
-                "a probability, pace, precision, lateness_cost or collision preference is out of range",
-            ),
+            Self::Number => {
+                f.write_str("a probability, pace, precision or number of policies is out of range")
+            }
         }
     }
 }
@@ -293,8 +299,8 @@ mod tests {
         let (right, left, wall) = (through([1, 2, 2]), through([1, 0, 0]), through([1, 2, 3]));
         map.block(Cell(3));
         let paths: [&[Path]; 1] = [&[right, wall, left]];
-        let mission = Mission { candidates: Some(&paths), ..Mission::new(map, &[Cell(1)], &[Cell(0)]) };
-        assert!(mission.listed(RobotId(0), Cell(1)).eq([right, left]));
+        let mission = Mission { paths: Some(&paths), ..Mission::new(map, &[Cell(1)], &[Cell(0)]) };
+        assert!(mission.listed(RobotId(0), Cell(1)).eq([&right, &left]));
         assert_eq!(mission.listed(RobotId(0), Cell(2)).count(), 0);
         assert_eq!(mission.listed(RobotId(1), Cell(1)).count(), 0);
     }

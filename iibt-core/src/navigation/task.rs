@@ -1,153 +1,135 @@
-//! Navigation as the task of the inference node: the lines of Algorithm 1.
+//! The lines of Algorithm 1 for a navigating robot: facts, the list, the choice, the next move.
+//!
+//! What the paper calls a preference is here what the robot is for: any goal, unless an unmet
+//! precondition asks for a way-point or the charger first. Raising it opens a round; it falls back
+//! once a plan that serves it is followed.
 
-use super::candidates::{Place, Situation};
-use super::{
-    Candidate, Cause, GridPercept, Intention, MAX_HAZARDS, MAX_KNOWN_HAZARDS, Navigation, NavigationPlan,
-    RULES, Stage, VISITED, intentions,
+use super::{Cause, Fact, GridPercept, Intention, Navigation, Purpose};
+use crate::iibt::{Condition, Literal, Logic, Task};
+use crate::team::Peers;
+
+/// The logic variable that is true while a blocked cell is on what is left of the plan.
+pub const BLOCKED: u8 = 0;
+/// The logic variable that is true while the robot is where its path says.
+pub const ON_COURSE: u8 = 1;
+/// The logic variable that is true while the battery is full enough, or the plan leads to the
+/// charger.
+pub const CHARGED: u8 = 2;
+/// The logic variable that is true while the plan leads to the next way-point, if there is one.
+pub const VISITED: u8 = 3;
+/// The logic variable that is true unless the plan serves an errand that is done.
+pub const SERVED: u8 = 4;
+/// The logic variable that is false at the end of a plan that misses a goal.
+pub const REACHED: u8 = 5;
+
+/// What must hold for a joint policy to be followed.
+pub const PRECONDITION: Condition = Condition {
+    all: Logic::of(&[ON_COURSE, CHARGED, VISITED, SERVED, REACHED]),
+    none: Logic::of(&[BLOCKED]),
 };
-use crate::bounded::up_to;
-use crate::grid::{Cell, Path};
-use crate::iibt::rules::raise_for;
-use crate::iibt::{Literal, Task};
-use crate::inference::Preference;
-use crate::team::{MAX_TEAM, Peers};
-use heapless::Vec;
 
-impl<const S: usize, const W: usize, const P: usize> Task for Navigation<'_, S, W, P> {
+/// The joint policy that all members have chosen, by its number in their list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct JointPolicy(pub usize);
+
+impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
+    Navigation<'_, S, W, L, M, K>
+{
+    /// Returns the logic variables as of now, for the plan that is being followed.
+    #[must_use]
+    pub fn logic(&self) -> Logic {
+        let announced = self.announced().map_or(Purpose::Goal, |fact| fact.purpose);
+        let wanted = self.purpose();
+        let serves = |is_kind: fn(&Purpose) -> bool| !is_kind(&wanted) || announced == wanted;
+        Logic::NONE
+            .with(BLOCKED, self.is_plan_blocked())
+            .with(ON_COURSE, self.is_on_course())
+            .with(CHARGED, serves(|purpose| matches!(purpose, Purpose::Charge(_) | Purpose::Stand)))
+            .with(VISITED, serves(|purpose| matches!(purpose, Purpose::Visit(_))))
+            .with(SERVED, serves(|purpose| *purpose == Purpose::Goal))
+            .with(REACHED, !self.is_complete() || !self.misses_a_goal())
+    }
+
+    /// Whether the plan leaves a goal out that it should reach.
+    fn misses_a_goal(&self) -> bool {
+        let policy = self.rounds().and_then(|rounds| rounds.protocol().policy());
+        let plan = policy.and_then(|policy| self.policies().get(policy));
+        self.failure().is_some() || plan.is_some_and(|plan| plan.short_by() > 0)
+    }
+
+    /// Whether the robot has done all it is for: it stands at the end of a plan that leads all
+    /// robots to goals, and has no errand.
+    #[must_use]
+    pub fn has_arrived(&self) -> bool {
+        let is_bound = self.purpose() == Purpose::Goal
+            && self.announced().is_some_and(|fact: &Fact<W>| fact.purpose == Purpose::Goal);
+        is_bound
+            && self.is_complete()
+            && self.is_on_course()
+            && self.standing().is_some()
+            && !self.misses_a_goal()
+    }
+}
+
+impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> Task
+    for Navigation<'_, S, W, L, M, K>
+{
     type Percept = GridPercept;
-    type Message = Intention;
-    type Preference = Preference<S>;
-    /// The situation in which the robot decides; `None` while it is not its turn. The paths are in
-    /// [`candidates`](Navigation::candidates).
-    type Candidates = Option<Situation<W>>;
-    type Policy = NavigationPlan;
+    type Message = Intention<W, K>;
+    type Preference = Purpose;
+    type Candidates = ();
+    type Policy = JointPolicy;
 
-    fn observe(&mut self, percept: &GridPercept, peers: Peers<'_, Intention>) {
-        self.perceive(percept, peers);
-        self.track();
-        self.follow_agreement(peers);
-        if self.has_arrived() {
-            self.agreement.arrive();
-        }
+    fn observe(&mut self, percept: &GridPercept, peers: Peers<'_, Self::Message>) {
+        self.take_in(percept, peers);
     }
 
     fn is_done(&self) -> bool {
         self.has_arrived()
     }
 
-    fn preference(&self) -> Preference<S> {
-        self.decision.world().preference()
+    fn is_connected(&self, peers: Peers<'_, Self::Message>) -> bool {
+        self.members_follow(peers)
     }
 
-    fn candidates(
-        &mut self,
-        preference: &Preference<S>,
-        peers: Peers<'_, Intention>,
-    ) -> Option<Situation<W>> {
-        let situation = self.find_situation(preference, peers);
-        self.candidates.clear();
-        let situation = situation?;
-        let place = Place { robot: self.robot, from: situation.here, via: &situation.via };
-        self.generator.fill(self.mission, &situation, place, &mut self.candidates);
-        if self.candidates.is_empty() {
-            // There is room: the list is empty.
-            let _ = self.candidates.push(Candidate { path: Path::at(situation.here), goal: None });
-        }
-        Some(situation)
+    fn preference(&self) -> Purpose {
+        Purpose::Goal
     }
 
-    fn infer(
-        &mut self,
-        situation: &Option<Situation<W>>,
-        preference: &Preference<S>,
-        peers: Peers<'_, Intention>,
-    ) -> Option<NavigationPlan> {
-        self.choice = None;
-        if let Some(situation) = situation {
-            self.deliberate(situation, preference, peers);
-            self.choice = self.decision.choose();
-        }
-        if self.agreement.stage() != Stage::Deciding {
-            return Some(NavigationPlan::Follow);
-        }
-        if situation.is_none() {
-            return Some(NavigationPlan::Wait);
-        }
-        self.choice.map(|choice| NavigationPlan::Take(choice.policy))
+    fn candidates(&mut self, purpose: &Purpose, peers: Peers<'_, Self::Message>) {
+        self.ask(*purpose, peers);
+        self.list(peers);
     }
 
-    fn unmet(&self, plan: NavigationPlan, _: &Option<Situation<W>>) -> Option<Literal> {
-        plan.precondition().unmet(self.logic(plan))
+    fn infer(&mut self, (): &(), _: &Purpose, peers: Peers<'_, Self::Message>) -> Option<JointPolicy> {
+        self.choose(peers).map(JointPolicy)
     }
 
-    fn raise(&mut self, missing: Literal, _: &Option<Situation<W>>, preference: &mut Preference<S>) {
-        let Some(raise) = raise_for(&RULES, missing) else { return };
-        let amount = raise.amount(preference.largest());
-        let cause = if missing.variable == VISITED { Cause::WayPoint } else { Cause::Obstacle };
-        match cause {
-            Cause::WayPoint => self.want_waypoints(preference, amount),
-            _ => self.avoid(preference, amount),
-        }
-        if self.choice.is_none()
-            && let Some(here) = self.here()
-        {
-            self.open_round(here, cause);
-        }
+    fn unmet(&self, _: JointPolicy, (): &()) -> Option<Literal> {
+        PRECONDITION.unmet(self.logic())
     }
 
-    fn execute(&mut self, plan: NavigationPlan, _: &Option<Situation<W>>, peers: Peers<'_, Intention>) {
-        match plan {
-            NavigationPlan::Take(index) => {
-                if let Some(&candidate) = self.candidates.get(index) {
-                    self.commit(candidate, peers);
-                }
-            }
-            NavigationPlan::Follow => self.follow(peers),
-            NavigationPlan::Wait => {}
-        }
+    fn raise(&mut self, missing: Literal, (): &(), purpose: &mut Purpose) {
+        let cause = match missing.variable {
+            BLOCKED => Cause::Obstacle,
+            ON_COURSE => Cause::Position,
+            CHARGED => Cause::Battery,
+            VISITED => Cause::WayPoint,
+            SERVED => Cause::Free,
+            // Another round would come to the same as long as nothing new is known.
+            _ if self.has_news() => Cause::Shortfall,
+            _ => return,
+        };
+        *purpose = self.purpose();
+        self.want(cause);
+    }
+
+    fn execute(&mut self, _: JointPolicy, (): &(), peers: Peers<'_, Self::Message>) {
+        self.follow(peers);
     }
 
     fn wait(&mut self) {
-        self.command = None;
-    }
-}
-
-impl<const S: usize, const W: usize, const P: usize> Navigation<'_, S, W, P> {
-    /// Takes in what was sensed since the last tick, and the obstacles that teammates have found.
-    pub(super) fn perceive(&mut self, percept: &GridPercept, peers: Peers<'_, Intention>) {
-        self.percept = percept.clone();
-        (self.command, self.alone) = (None, false);
-        for &hazard in &percept.hazards {
-            self.remember_observed(hazard);
-        }
-        let told: Vec<Cell, { MAX_TEAM * MAX_HAZARDS }> =
-            up_to(intentions(peers).flat_map(|peer| peer.message.hazards.iter().copied()));
-        for &hazard in &told {
-            self.remember(hazard);
-        }
-    }
-    /// Begins the next step of the path, if the agreement allows it.
-    fn follow(&mut self, peers: Peers<'_, Intention>) {
-        let peers = intentions(peers);
-        if let Some(here) = self.here() {
-            self.command = self.agreement.next_move(&self.mission.map, self.mission.paces(), here, peers);
-            self.commanded = self.command;
-            self.begun = self.command.is_some();
-        } else if self.percept.moving {
-            self.begun |= self.agreement.may_go_on(self.mission.paces(), peers);
-        }
-    }
-
-    /// Lowers the preference for each obstacle on the chosen path by `-amount`.
-    fn avoid(&self, preference: &mut Preference<S>, amount: f32) {
-        let (path, done) = match self.choice.and_then(|choice| self.candidates.get(choice.policy)) {
-            Some(taken) => (taken.path, 0),
-            None => (*self.agreement.path(), self.agreement.step()),
-        };
-        let hazards: Vec<Cell, MAX_KNOWN_HAZARDS> = up_to(self.hazards_on(&path, done));
-        for &hazard in &hazards {
-            // Every cell of the map is an outcome.
-            let _ = preference.raise(hazard.index(), amount);
-        }
+        self.stand();
     }
 }

@@ -3,19 +3,19 @@
 use crate::campaign::{Disturbance, Trace};
 use crate::library::built_in;
 use crate::reproduce::Reproduction;
+use crate::reproduce::decision::map;
 use crate::reproduce::figure::{DataSeries, Figure, Grid, Lines, Panel, Track};
 use crate::reproduce::report::Item;
 use crate::reproduce::safety::{self, Flights};
 use crate::text::cause_words;
-use crate::{Conditions, FlightEvent, Outcome, Phase, Record, Scenario, fly};
-use iibt_core::grid::Cell;
+use crate::{Chosen, Conditions, FlightEvent, Outcome, Phase, Record, Scenario, fly};
+use iibt_core::grid::{Cell, Path, first_conflict};
 use iibt_core::navigation::Cause;
 
 /// The seeds that it is flown with, by a perfect radio and by one that loses three frames in ten.
 const SEEDS: u64 = 200;
 
-/// The obstacles and way-points of the paper's mission, by the cells of the paper.
-const OBSTACLES: [Cell; 2] = [Cell(23), Cell(31)];
+/// The way-points of the paper, and the robots that charge.
 const WAY_POINTS: [(usize, Cell); 2] = [(0, Cell(4)), (2, Cell(39))];
 const CHARGING: [usize; 2] = [0, 2];
 
@@ -32,9 +32,19 @@ pub(super) fn flown(run: &Reproduction<'_>) -> (Vec<Item>, Vec<Figure>) {
 fn phases(scenario: &Scenario, record: &Record) -> Vec<Item> {
     let first = record.phases.first().is_some_and(|phase| phase.cause.is_none() && phase.agreed.is_some());
     let mut items = vec![claim("phase 1: the first choice", "all agree", first)];
-    for (number, cell) in [2, 3].into_iter().zip(OBSTACLES) {
-        let what = format!("phase {number}: an obstacle on p{}, and another plan around it", cell.0);
-        items.push(claim(what, "agreed, and nobody's path meets it", avoided(record, cell)));
+    for (index, number) in [2, 3].into_iter().enumerate() {
+        let obstacle = obstacles(record).nth(index);
+        let ours = match obstacle {
+            Some((tick, cell)) if avoided(record, tick, cell) => format!("around p{}", cell.0),
+            Some((_, cell)) => format!("through p{}", cell.0),
+            None => "no obstacle appeared".to_owned(),
+        };
+        items.push(Item::claim(
+            format!("phase {number}: an obstacle on the way of a robot, and another plan around it"),
+            "agreed, and no path meets it",
+            ours,
+            obstacle.is_some_and(|(tick, cell)| avoided(record, tick, cell)),
+        ));
     }
     for (robot, cell) in WAY_POINTS {
         let visited = record.robots[robot].visited.contains(&cell);
@@ -45,19 +55,19 @@ fn phases(scenario: &Scenario, record: &Record) -> Vec<Item> {
         ));
     }
     for robot in CHARGING {
-        let what = format!("phase 5: R{} leaves the team, charges, and comes back", robot + 1);
+        let what = format!("phase 5: R{} leaves to charge, and comes back", robot + 1);
         items.push(claim(what, "once", record.robots[robot].charged == 1));
     }
     items.push(claim("phase 5: the others wait while a robot charges", "nobody else moves", waiting(record)));
     items.push(claim(
-        "every plan: chosen one after another, the robot that called for it first",
-        "in turn",
-        in_turn(record),
+        "every plan: all choose the same joint policy, without a conflict",
+        "within three ticks of the call for it",
+        in_common(record),
     ));
     let end = format!("{:?} at tick {}", record.outcome, record.last_arrival());
     let together = record.outcome == Outcome::Together;
     items.push(Item::claim(
-        "the end: all three at different goals, by the same step",
+        "the end: all three at different goals, at most one tick apart",
         "Together",
         end,
         together,
@@ -76,15 +86,17 @@ fn claim(what: impl Into<String>, wanted: &str, holds: bool) -> Item {
     Item::claim(what, wanted, if holds { "yes" } else { "no" }, holds)
 }
 
+/// The obstacles that appeared, and when.
+fn obstacles(record: &Record) -> impl Iterator<Item = (u32, Cell)> + '_ {
+    record.events.iter().filter_map(|timed| match timed.event {
+        FlightEvent::Appeared { cell } => Some((timed.tick, cell)),
+        _ => None,
+    })
+}
+
 /// Whether the team agreed on paths past a cell after an obstacle had appeared there.
-fn avoided(record: &Record, cell: Cell) -> bool {
-    let appeared = record
-        .events
-        .iter()
-        .find(|timed| timed.event == FlightEvent::Appeared { cell })
-        .map(|timed| timed.tick);
-    let later =
-        |phase: &&Phase| phase.agreed.is_some_and(|agreed| appeared.is_some_and(|tick| agreed > tick));
+fn avoided(record: &Record, appeared: u32, cell: Cell) -> bool {
+    let later = |phase: &&Phase| phase.agreed.is_some_and(|agreed| agreed > appeared);
     let clear = |phase: &Phase| phase.choices.iter().flatten().all(|chosen| !chosen.path.contains(&cell));
     let caused = record.phases.iter().any(|phase| phase.cause == Some(Cause::Obstacle));
     caused && record.phases.iter().find(later).is_some_and(clear)
@@ -110,17 +122,27 @@ fn waiting(record: &Record) -> bool {
     true
 }
 
-/// Whether in every plan that was agreed on the robots chose one after another, beginning with the
-/// one that opened the round.
-fn in_turn(record: &Record) -> bool {
-    let team = record.robots.len();
+/// The ticks from the call for a plan to the last choice: the facts of all, their scores, and the
+/// choice.
+const TICKS: u32 = 3;
+
+/// Whether in every plan that was agreed on all robots chose the same joint policy in time, and no
+/// two of its paths have a conflict.
+fn in_common(record: &Record) -> bool {
     let agreed = || record.phases.iter().filter(|phase| phase.agreed.is_some());
-    let ordered = |phase: &Phase| {
-        let order = (0..team).map(|place| &phase.choices[(phase.opener + place) % team]);
-        let ticks: Option<Vec<u32>> = order.map(|chosen| chosen.as_ref().map(|chosen| chosen.tick)).collect();
-        ticks.is_some_and(|ticks| ticks.is_sorted())
-    };
-    agreed().count() >= 5 && agreed().all(ordered)
+    agreed().count() >= 6 && agreed().all(is_common)
+}
+
+fn is_common(phase: &Phase) -> bool {
+    let Some(choices) = phase.choices.iter().cloned().collect::<Option<Vec<Chosen>>>() else { return false };
+    let in_time = choices.iter().all(|chosen| chosen.tick <= phase.opened + TICKS);
+    let alike = choices.windows(2).all(|pair| pair[0].probability == pair[1].probability);
+    let paths: Option<Vec<Path>> = choices.iter().map(|chosen| Path::through(&map(), &chosen.path)).collect();
+    let clear = paths.is_some_and(|paths| {
+        let pairs = paths.iter().enumerate().flat_map(|(one, a)| paths[..one].iter().map(move |b| (a, b)));
+        pairs.into_iter().all(|(a, b)| first_conflict(&map(), a, b).is_none())
+    });
+    in_time && alike && clear
 }
 
 /// The mission with many seeds.
@@ -141,7 +163,7 @@ fn rounds(scenario: &Scenario, record: &Record) -> Figure {
         }
     }
     let picture = |phase: &Phase| {
-        let track = |(robot, chosen): (usize, &Option<crate::Chosen>)| Track {
+        let track = |(robot, chosen): (usize, &Option<Chosen>)| Track {
             name: record.robots[robot].name.clone(),
             cells: chosen.as_ref().map_or_else(Vec::new, |chosen| chosen.path.clone()),
         };

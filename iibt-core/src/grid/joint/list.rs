@@ -101,8 +101,14 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     #[must_use]
     pub const fn digest(count: usize) -> u64 {
         let sizes = [VERSION as usize, W, L, N, M, K, HORIZON, count];
-        let bounds =
-            [LATER_TOGETHER, MOST_DETOUR, MOST_CHANGES, owners::LONGEST_REST, owners::MOST_UNITS as usize];
+        let bounds = [
+            LATER_TOGETHER,
+            MOST_DETOUR,
+            MOST_CHANGES,
+            owners::LONGEST_REST,
+            owners::MOST_UNITS as usize,
+            JointPlanner::<W, L, N, M>::MOST_CALLS as usize,
+        ];
         fnv(&bounds, fnv(&sizes, FNV_OFFSET))
     }
 
@@ -127,6 +133,15 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
             self.go_on(problem, count.min(K));
         }
         true
+    }
+
+    /// Adds a plan that was made elsewhere; returns whether there was room. Only a list that has just
+    /// begun takes plans, and it is worked on no further.
+    pub fn offer(&mut self, plan: JointPlan<N>) -> bool {
+        let slot = self.policies.get_mut(self.len);
+        let is_taken = slot.map(|slot| *slot = plan).is_some();
+        self.len += usize::from(is_taken);
+        is_taken
     }
 
     /// The policies so far, the best one first.

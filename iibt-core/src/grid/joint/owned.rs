@@ -1,6 +1,6 @@
 //! Teams in which every robot has a target of its own.
 
-use super::super::{Cell, Map};
+use super::super::{Cell, CellSet, Map};
 use super::{Failure, Problem, ProblemError, Target};
 
 /// The cell of a robot that there is not, and of a move that is not decided.
@@ -52,6 +52,37 @@ pub fn own_targets<const W: usize, const N: usize>(problem: &Problem<'_, W>) -> 
     Some(targets)
 }
 
+/// A target for every robot: its own, the cell where it stands, or, for a robot that goes to any
+/// goal, the nearest goal that is left as long as goals are needed, and then a cell near its start.
+pub(super) fn assigned<const W: usize, const N: usize>(problem: &Problem<'_, W>) -> [Cell; N] {
+    let mut targets = [NOWHERE; N];
+    let mut taken = problem.held();
+    for (to, errand) in targets.iter_mut().zip(problem.errands) {
+        match errand.target {
+            Target::Own(cell) => *to = cell,
+            Target::Stand => *to = errand.from,
+            Target::Any => {}
+        }
+    }
+    let goals: CellSet<W> = problem.goals.iter().copied().collect();
+    let mut needed = problem.need.saturating_sub(goals.intersection(&taken).len());
+    for (to, errand) in targets.iter_mut().zip(problem.errands) {
+        if *to != NOWHERE {
+            continue;
+        }
+        let goals = if needed > 0 { goals } else { CellSet::EMPTY };
+        let free = problem.enterable().without(&taken);
+        let nearest = |cells: CellSet<W>| {
+            cells.iter().min_by_key(|&cell| (problem.map.manhattan(errand.from, cell), cell))
+        };
+        let goal = nearest(goals.intersection(&free));
+        needed -= usize::from(goal.is_some());
+        *to = goal.or_else(|| nearest(free)).unwrap_or(errand.from);
+        taken.insert(*to);
+    }
+    targets
+}
+
 impl<const W: usize, const N: usize> Owned<W, N> {
     /// Checks a problem and the targets that its robots are given.
     pub(super) fn new(problem: &Problem<'_, W>, targets: &[Cell; N]) -> Result<Self, Failure> {
@@ -80,4 +111,32 @@ fn check_targets<const W: usize>(map: &Map<W>, targets: &[Cell]) -> Result<(), P
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Errand;
+    use super::*;
+
+    #[test]
+    fn every_robot_has_a_target_and_no_two_the_same() {
+        let map = Map::<1>::drawn("......\n......").unwrap();
+        let errand = |(from, target)| Errand { from: Cell(from), target };
+        let errands = [
+            (0, Target::Any),
+            (1, Target::Own(Cell(0))),
+            (2, Target::Stand),
+            (3, Target::Any),
+            (4, Target::Any),
+        ]
+        .map(errand);
+        let goals = [5, 0].map(Cell);
+        let problem =
+            Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &goals, need: 2 };
+        // Goal 0 is held by its owner, so one more is needed, and the first robot takes it.
+        assert_eq!(assigned::<1, 5>(&problem), [5, 0, 2, 3, 4].map(Cell));
+        let crowded = Problem { closed: [3].into_iter().map(Cell).collect(), need: 0, ..problem };
+        let targets = assigned::<1, 5>(&crowded);
+        assert!(targets[0] != Cell(0) && targets[3] != Cell(3), "{targets:?}");
+    }
 }

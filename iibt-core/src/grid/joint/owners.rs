@@ -125,9 +125,13 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
     }
 
     /// What follows when no fixed path of the owners leaves the others a way: the searches for all
-    /// robots at once go here, prioritised planning first, then the search over joint states.
-    fn beyond_flow(&mut self) -> Stage {
-        Stage::Done(Some(Failure::NotFound))
+    /// robots at once. They are for the best plan only, not for others beside it.
+    fn beyond_flow(&self) -> Stage {
+        if self.choice == Choice::default() {
+            Stage::Prioritise
+        } else {
+            Stage::Done(Some(Failure::NotFound))
+        }
     }
 
     /// The most steps with which a plan is better than the one that was found.

@@ -6,7 +6,7 @@ use super::flow::{Flow, Query};
 use super::network::{Network, Turn};
 use super::owners::Precedence;
 use super::survey::Survey;
-use super::{Arrival, Failure, JointPlan, Problem, Target, execution};
+use super::{Arrival, Failure, JointPlan, Lacam, Prioritised, Problem, Target, execution, owned};
 
 /// Finds the joint plan of fewest steps in which robots take turns by the colour of their cells;
 /// see the [module](super).
@@ -60,6 +60,9 @@ pub struct JointPlanner<const W: usize, const L: usize, const N: usize, const M:
     /// The best plan so far that arrives together, and the best one at all.
     together: Found<N>,
     pub(super) plain: Found<N>,
+    /// What follows when no fixed path of the owners leaves the others a way.
+    prioritised: Prioritised<W, L, N>,
+    lacam: Lacam<W, N, M>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +73,10 @@ pub(super) enum Stage {
     /// Whether the robots of the plan that was found arrive together indeed.
     Execute,
     Choose,
+    /// Robots plan one after the other, each with a target of its own.
+    Prioritise,
+    /// The search over the states of all robots.
+    Search,
     /// With the plan in `plain`, or without one.
     Done(Option<Failure>),
 }
@@ -79,6 +86,8 @@ type Found<const N: usize> = Option<(JointPlan<N>, Turn)>;
 
 impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanner<W, L, N, M> {
     pub(super) const LATEST: usize = Flow::<W, L, N>::LATEST;
+    /// The most successors that the search over joint states tries.
+    pub(super) const MOST_CALLS: u32 = 16 * M as u32;
     const SIZES: () = assert!(L >= 2 && L <= 256 && N >= 1 && N <= 32);
 
     /// A planner, ready for the first problem.
@@ -100,6 +109,8 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
             precedence: Precedence { second_first: false, rest: 0, steps: 0 },
             together: None,
             plain: None,
+            prioritised: Prioritised::new(),
+            lacam: Lacam::new(Self::MOST_CALLS),
         }
     }
 
@@ -135,6 +146,20 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
                     let found = found?;
                     self.stage = self.searched(problem, found);
                 }
+                Stage::Prioritise => {
+                    let targets = owned::assigned(problem);
+                    self.stage = match self.prioritised.work(problem, &targets, budget)? {
+                        Ok(plan) => self.found(problem, &plan),
+                        Err(_) => Stage::Search,
+                    };
+                }
+                Stage::Search => {
+                    let targets = owned::assigned(problem);
+                    self.stage = match self.lacam.work(problem, &targets, budget)? {
+                        Ok(plan) => self.found(problem, &plan),
+                        Err(failure) => Stage::Done(Some(failure)),
+                    };
+                }
                 Stage::Begin | Stage::Execute | Stage::Choose => {
                     *budget = budget.checked_sub(1)?;
                     self.stage = self.unit(problem);
@@ -148,6 +173,17 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         self.choice = choice;
         self.stage = Stage::Begin;
         (self.together, self.plain, self.most_reached, self.spent) = (None, None, 0, 0);
+        self.prioritised.start();
+        self.lacam.start();
+    }
+
+    /// Takes a plan of all robots' own targets, with a barrier before the last moves if that is of
+    /// use.
+    fn found(&mut self, problem: &Problem<'_, W>, plan: &JointPlan<N>) -> Stage {
+        let together = plan.arriving(Arrival::Together);
+        let arrives = self.arrives(problem, &together);
+        self.plain = Some((if arrives { together } else { *plan }, Turn::default()));
+        Stage::Done(None)
     }
 
     /// Whether a plan could have fewer steps than the one that was found if the robots did not

@@ -39,7 +39,7 @@ const MOST_PATHS: u16 = 300;
 /// plans: it never finds those in which a robot has to leave its way for one that plans later, and
 /// proves nothing. Where it fails, ask [`Lacam`](super::Lacam).
 ///
-/// It needs `(4 W + 2 N) L` bytes and some 110: 0.9 KB for eight robots on 64 cells and 32 steps, 1.7
+/// It needs `(4 W + 2 N) L` bytes and some 130: 0.9 KB for eight robots on 64 cells and 32 steps, 1.7
 /// KB for 64 steps.
 ///
 /// ```

@@ -112,26 +112,6 @@ impl<'a> OutcomeTable<'a> {
         Ok(Self { labels, kinds, columns, shape, combinations, ambiguity, count })
     }
 
-    /// A table over two conditions that share their labels, valid by construction: `count` labels,
-    /// a kind for each pair of them, and kinds that are each certain of one outcome.
-    pub(crate) fn trusted(
-        labels: &'a [&'a [u8]; 2],
-        count: usize,
-        kinds: &'a [u8],
-        columns: &'a [f32],
-        outcomes: usize,
-    ) -> Option<Self> {
-        Some(Self {
-            labels,
-            kinds,
-            columns,
-            shape: Shape::new(outcomes, &labels.map(<[u8]>::len))?,
-            combinations: Shape::new(1, &[count; 2])?,
-            ambiguity: [0.0; MAX_KINDS],
-            count: columns.len().checked_div(outcomes)?.min(MAX_KINDS),
-        })
-    }
-
     /// Its shape.
     #[must_use]
     pub const fn shape(&self) -> Shape {

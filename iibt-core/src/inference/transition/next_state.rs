@@ -118,12 +118,6 @@ impl<'a> NextState<'a> {
         Ok(Self { table, states: states as u16, slip, slips: &[] })
     }
 
-    /// Motion without slips by a table that is valid by construction: one with a row of `states`
-    /// next states per action. What is not there changes nothing.
-    pub(crate) const fn trusted(table: &'a [u16], states: usize) -> Self {
-        Self { table, states: states as u16, slip: 0.0, slips: &[] }
-    }
-
     /// Its shape: the factor's own state is all that it depends on.
     ///
     /// # Panics

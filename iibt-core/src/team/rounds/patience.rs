@@ -162,6 +162,16 @@ impl Patience {
         self.is_granted(want, protocol).then_some(view)
     }
 
+    /// The view to open a round with, if the wish is granted.
+    pub(super) fn wish<F: Fact, const K: usize>(
+        &mut self,
+        want: Want,
+        protocol: &Protocol<F, K>,
+    ) -> Option<View> {
+        let view = self.best_view(protocol)?;
+        self.is_granted(want, protocol).then_some(view)
+    }
+
     /// A teammate that is lost and cannot be left out.
     pub(super) fn stranded<F: Fact, const K: usize>(&self, protocol: &Protocol<F, K>) -> Option<Waiting> {
         let lost = self.lost(protocol);

@@ -1,7 +1,7 @@
 //! The list that all members derive from the facts of a round.
 
 use super::super::RobotId;
-use super::Claim;
+use super::{Claim, Score};
 
 /// The list of joint policies that every member of a round derives from the same facts.
 ///
@@ -53,5 +53,14 @@ pub trait JointPolicies {
     /// Whether the robots wait for each other before their last moves, to arrive together.
     fn is_together(&self, _policy: usize) -> bool {
         false
+    }
+
+    /// The policy that all choose, by the scores of all members in the order of their numbers:
+    /// unless a task infers it otherwise, the one that [costs](super::choose) least.
+    fn choose<'s>(&self, members: impl Iterator<Item = (RobotId, &'s [Score])> + Clone) -> Option<usize>
+    where
+        Self: Sized,
+    {
+        super::choose(self, members)
     }
 }

@@ -3,8 +3,8 @@
 use super::super::{MAX_TEAM, Member, RobotId};
 use super::reach::Location;
 use super::{
-    Answer, Choice, Claim, Digest, Fact, JointPolicies, Proposal, RoundMessage, Scores, Teammates, View,
-    Waiting, choose,
+    Answer, Choice, Claim, Digest, Fact, JointPolicies, Proposal, RoundMessage, Score, Scores, Teammates,
+    View, Waiting,
 };
 use crate::bounded::up_to;
 
@@ -295,20 +295,29 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     where
         L: JointPolicies<Claim = F::Claim>,
     {
-        let given = self.given.as_ref().filter(|given| given.plan.is_none())?;
-        let scored = |robot| {
-            if robot == self.member.robot() {
-                return Some((robot, given.scores.as_slice()));
-            }
-            let heard = self.newest(robot, teammates).filter(|&heard| self.follows(heard))?;
-            Some((robot, heard.message.answer.scores()?.as_slice()))
-        };
-        let members = self.proposal.view.iter();
-        if members.clone().any(|robot| scored(robot).is_none()) {
+        self.given.as_ref().filter(|given| given.plan.is_none())?;
+        if self.scores(teammates).count() < self.proposal.view.len() {
             return None;
         }
-        let policy = choose(list, members.filter_map(scored));
+        let policy = list.choose(self.scores(teammates));
         Some(Plan { policy: policy.and_then(|policy| u8::try_from(policy).ok()), step: 0 })
+    }
+
+    /// The scores of the members that have scored the list that this robot has scored, as far as
+    /// they are still sent.
+    pub fn scores<'a>(
+        &'a self,
+        teammates: &Teammates<'a, F, K>,
+    ) -> impl Iterator<Item = (RobotId, &'a [Score])> + Clone {
+        let teammates = *teammates;
+        let scored = move |robot| {
+            if robot == self.member.robot() {
+                return Some((robot, self.given.as_ref()?.scores.as_slice()));
+            }
+            let heard = self.newest(robot, &teammates).filter(|&heard| self.follows(heard))?;
+            Some((robot, heard.message.answer.scores()?.as_slice()))
+        };
+        self.proposal.view.iter().filter_map(scored)
     }
 
     fn all_have_decided(&self, teammates: &Teammates<'_, F, K>) -> bool {

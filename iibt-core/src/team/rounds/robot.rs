@@ -147,6 +147,14 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
         Some(Event::Opened(self.protocol.proposal().round))
     }
 
+    /// Opens a round at once because the robot wants another decision, if it may; `fact` is that of
+    /// now, and the robot stands at its place.
+    pub fn ask(&mut self, want: Want, fact: &F) -> Option<Event> {
+        let view = self.patience.wish(want, &self.protocol)?;
+        self.protocol.open(view, fact).ok()?;
+        Some(Event::Opened(self.protocol.proposal().round))
+    }
+
     /// The digest of the list to work on; see [`Protocol::wanted`].
     #[must_use]
     pub fn wanted(&self, teammates: &Teammates<'_, F, K>) -> Option<Digest> {

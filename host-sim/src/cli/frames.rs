@@ -1,0 +1,80 @@
+//! `frames`: what recorded frames say of a team's plans.
+
+use super::{Failure, print, read_up_to, scenario};
+use clap::Args;
+use host_sim::{KEY, TeamFrames};
+use iibt_core::team::Key;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  host-sim run factory --frames flight.bin             fly, and keep all frames
+  host-sim frames flight.bin --mission factory         who goes where, when and how surely
+  host-sim frames radio.bin --mission my-warehouse.toml --key 000102030405060708090a0b0c0d0e0f
+
+The file has frames as robots send them, delimiters included: what a serial line or a radio has carried. Robots
+of another mission, another key, or built for other sizes of plans send frames that are refused.
+
+Exit status:
+  0  at least one frame is of this mission
+  2  none is, or wrong usage or input";
+
+/// No recording is larger than this.
+const MAX_BYTES: u64 = 1 << 26;
+
+#[derive(Args, Debug)]
+pub(super) struct Frames {
+    /// A file of frames
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// The mission that the team flies: a built-in scenario, or a scenario file
+    #[arg(long, value_name = "NAME|FILE.toml")]
+    mission: String,
+    /// The team's key, 32 hexadecimal digits, in place of the simulator's
+    #[arg(long, value_name = "HEX", value_parser = key)]
+    key: Option<[u8; 16]>,
+}
+
+impl Frames {
+    pub(super) fn run(&self) -> Result<ExitCode, Failure> {
+        let name = self.file.display();
+        let bytes = read_up_to(&self.file, MAX_BYTES).map_err(|error| format!("{name}: {error}"))?;
+        let scenario = scenario(&self.mission)?;
+        let key = self.key.map_or(KEY, Key::new);
+        let frames = TeamFrames::read(&scenario, &key, &bytes)
+            .map_err(|error| format!("{}: {error}", scenario.name))?;
+        if frames.accepted == 0 {
+            let reasons: Vec<_> =
+                frames.refused.iter().map(|(reason, times)| format!("{times} refused: {reason}")).collect();
+            let reasons = if reasons.is_empty() { "it is empty".to_owned() } else { reasons.join(", ") };
+            return Err(format!("{name}: no frame of the mission {}: {reasons}", scenario.name).into());
+        }
+        print(&frames.to_string())?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn key(text: &str) -> Result<[u8; 16], String> {
+    let digits: Option<Vec<u8>> =
+        text.chars().map(|digit| digit.to_digit(16).map(|digit| digit as u8)).collect();
+    let bytes: Option<Vec<u8>> = digits
+        .filter(|digits| digits.len() == 32)
+        .map(|digits| digits.chunks(2).map(|pair| 16 * pair[0] + pair[1]).collect());
+    let key = bytes.and_then(|bytes| bytes.try_into().ok());
+    key.ok_or_else(|| "a key is 32 hexadecimal digits, two for each byte".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_has_two_digits_for_each_byte() {
+        let digits = "000102030405060708090a0b0c0d0e0F";
+        assert_eq!(key(digits), Ok(core::array::from_fn(|byte| byte as u8)));
+        for wrong in ["", "00", &digits[1..], "000102030405060708090a0b0c0d0e0g", &digits.repeat(2)] {
+            assert!(key(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! What recorded frames of a navigating team say: who goes where, when and how surely.
+//!
+//! The facts of a round's members give its list of joint policies, and each robot's frame carries the
+//! number of the chosen one and its probability. So the frames and the mission are all it takes.
+
+use crate::scenario::{MAX_CELLS, Scenario};
+use crate::team::{LAYERS, MEDIUM, NODES, POLICIES, SMALL, TeamError, on_mission};
+use crate::text::{counted, route};
+use iibt_core::grid::{Cell, Move, words};
+use iibt_core::navigation::{Cells, Fact, Intention, Mission, Navigation, Policies, Purpose};
+use iibt_core::team::rounds::{Answer, Choice, Proposal, RoundMessage};
+use iibt_core::team::{Context, Deframer, Key, MAX_TEAM, Member, RobotId, SipHash64, decode};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// What is known from recorded frames.
+///
+/// ```
+/// use host_sim::{KEY, TeamFrames, library};
+///
+/// let scenario = library::find("two-goals").expect("it is built in")?;
+/// let noise = TeamFrames::read(&scenario, &KEY, &[1, 2, 3, 0])?;
+/// assert_eq!((noise.accepted, noise.refused.len()), (0, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct TeamFrames {
+    /// The number of frames of the mission.
+    pub accepted: u32,
+    /// The reasons why others were refused, and how often.
+    pub refused: BTreeMap<String, u32>,
+    /// The rounds by their numbers.
+    pub rounds: Vec<HeardRound>,
+}
+
+/// A round as its frames tell it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeardRound {
+    /// Its number.
+    pub round: u32,
+    /// The names of its members.
+    pub members: Vec<String>,
+    /// The names of the members whose facts are missing.
+    pub missing: Vec<String>,
+    /// Whether a frame has the choice.
+    pub is_decided: bool,
+    /// The joint policy, if a frame has the choice and no fact is missing.
+    pub chosen: Option<ChosenPolicy>,
+}
+
+/// The joint policy that the members of a round follow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChosenPolicy {
+    /// Its number in the list, from zero.
+    pub policy: usize,
+    /// The number of joint policies in the list.
+    pub listed: usize,
+    /// Its posterior probability, in steps of 1/255.
+    pub probability: f32,
+    /// Why it does not lead all robots to their targets, if it does not.
+    pub failure: Option<String>,
+    /// Where each member goes.
+    pub ways: Vec<Way>,
+}
+
+/// The way of a robot.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Way {
+    /// The robot's name.
+    pub robot: String,
+    /// What it is for.
+    pub purpose: Purpose,
+    /// The cells of its path, step by step, waits included.
+    pub path: Vec<Cell>,
+    /// The moves of the path, waits not counted.
+    pub moves: u16,
+    /// The moves that its newest frame of the round says are made.
+    pub made: u16,
+}
+
+impl TeamFrames {
+    /// Reads frames as a [`Controller`](firmware::Controller) sends them, with their delimiters, of
+    /// a team that flies the mission of a scenario.
+    ///
+    /// # Errors
+    /// [`TeamError`] when the mission has no team.
+    pub fn read(scenario: &Scenario, key: &Key, bytes: &[u8]) -> Result<Self, TeamError> {
+        let cells = scenario.map.len();
+        if cells <= SMALL {
+            read::<SMALL, { words(SMALL, 1) }>(scenario, key, bytes)
+        } else if cells <= MEDIUM {
+            read::<MEDIUM, { words(MEDIUM, 1) }>(scenario, key, bytes)
+        } else {
+            read::<MAX_CELLS, { words(MAX_CELLS, 1) }>(scenario, key, bytes)
+        }
+    }
+}
+
+fn read<const S: usize, const W: usize>(
+    scenario: &Scenario,
+    key: &Key,
+    bytes: &[u8],
+) -> Result<TeamFrames, TeamError> {
+    on_mission::<W, _>(scenario, |mission| {
+        let listener = Member::new(RobotId(0), scenario.robots.len())?;
+        let navigation = Box::new(Navigation::<S, W, LAYERS, NODES, POLICIES>::new(mission, listener, 1)?);
+        let auth = SipHash64::new(key.clone());
+        let context = Context::of::<Intention<W, POLICIES>>(0, navigation.mission_id());
+        let mut heard = Heard::<W>::default();
+        let mut refused = BTreeMap::new();
+        let mut deframer = Deframer::new();
+        // A delimiter more, so that a frame that was cut off is refused and not forgotten.
+        for &byte in bytes.iter().chain(&[0]) {
+            let Some(frame) = deframer.feed(byte) else { continue };
+            let read =
+                decode::<Intention<W, POLICIES>>(frame, &auth, context).map_err(|error| error.to_string());
+            let read = read.and_then(|envelope| {
+                let accepted = navigation.accepts(&envelope.message).map_err(|invalid| invalid.to_string());
+                accepted.map(|()| envelope)
+            });
+            match read {
+                Ok(envelope) => heard.note(envelope.sender, envelope.message.0),
+                Err(reason) => *refused.entry(reason).or_default() += 1,
+            }
+        }
+        if deframer.dropped() > 0 {
+            refused.insert("longer than the longest frame".to_owned(), deframer.dropped());
+        }
+        heard.rounds.sort_by_key(|round| round.proposal.round);
+        let rounds = heard.rounds.iter().map(|round| round.told(scenario, mission)).collect();
+        Ok(TeamFrames { accepted: heard.frames, refused, rounds })
+    })
+}
+
+/// The frames heard so far.
+#[derive(Default)]
+struct Heard<const W: usize> {
+    frames: u32,
+    rounds: Vec<Round<W>>,
+}
+
+/// What the members of one round have said.
+struct Round<const W: usize> {
+    proposal: Proposal<Cells<W>>,
+    facts: [Option<Fact<W>>; MAX_TEAM],
+    made: [u16; MAX_TEAM],
+    choice: Option<Choice>,
+}
+
+impl<const W: usize> Heard<W> {
+    fn note(&mut self, sender: RobotId, message: RoundMessage<Fact<W>, POLICIES>) {
+        self.frames += 1;
+        let known = self.rounds.iter().position(|round| round.proposal == message.proposal);
+        let index = known.unwrap_or_else(|| {
+            let proposal = message.proposal.clone();
+            self.rounds.push(Round {
+                proposal,
+                facts: Default::default(),
+                made: [0; MAX_TEAM],
+                choice: None,
+            });
+            self.rounds.len() - 1
+        });
+        let round = &mut self.rounds[index];
+        round.facts[sender.index()] = Some(message.fact);
+        round.made[sender.index()] = message.answer.step();
+        if let Answer::Decided { choice: Some(choice), .. } = message.answer {
+            round.choice = Some(choice);
+        }
+    }
+}
+
+impl<const W: usize> Round<W> {
+    fn told(&self, scenario: &Scenario, mission: &Mission<'_, W>) -> HeardRound {
+        let name = |robot: RobotId| scenario.robots[robot.index()].name.clone();
+        let members = || self.proposal.view.iter();
+        let missing = members().filter(|robot| self.facts[robot.index()].is_none());
+        HeardRound {
+            round: self.proposal.round,
+            members: members().map(name).collect(),
+            missing: missing.map(name).collect(),
+            is_decided: self.choice.is_some(),
+            chosen: self.choice.and_then(|choice| self.chosen(choice, scenario, mission)),
+        }
+    }
+
+    fn chosen(&self, choice: Choice, scenario: &Scenario, mission: &Mission<'_, W>) -> Option<ChosenPolicy> {
+        let fact = |robot: RobotId| self.facts[robot.index()].as_ref();
+        let list = Policies::<W, LAYERS, NODES, POLICIES>::of_round(mission, &self.proposal, fact)?;
+        let plan = list.plans().get(usize::from(choice.policy))?;
+        let way = |(robot, path): (RobotId, &iibt_core::grid::Path)| Way {
+            robot: scenario.robots[robot.index()].name.clone(),
+            purpose: fact(robot).map_or(Purpose::Goal, |fact| fact.purpose),
+            path: path.cells(&mission.map).collect(),
+            moves: path.moves().filter(|&step| step != Move::Wait).count() as u16,
+            made: self.made[robot.index()],
+        };
+        Some(ChosenPolicy {
+            policy: choice.policy.into(),
+            listed: list.plans().len(),
+            probability: f32::from(choice.probability) / 255.0,
+            failure: list.failure().map(|failure| failure.to_string()),
+            ways: self.proposal.view.iter().zip(plan.paths()).map(way).collect(),
+        })
+    }
+}
+
+impl fmt::Display for TeamFrames {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for round in &self.rounds {
+            write!(f, "{round}")?;
+        }
+        write!(f, "{} read", counted(self.accepted, "frame"))?;
+        for (reason, times) in &self.refused {
+            write!(f, ", {times} refused: {reason}")?;
+        }
+        writeln!(f)
+    }
+}
+
+impl fmt::Display for HeardRound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "round {}, {}: ", self.round, self.members.join(" "))?;
+        match &self.chosen {
+            Some(chosen) => write!(f, "{chosen}"),
+            None if !self.is_decided => writeln!(f, "no choice was sent"),
+            None if self.missing.is_empty() => writeln!(f, "the choice is not in the list of its facts"),
+            None => writeln!(f, "who goes where is unknown without the facts of {}", self.missing.join(" ")),
+        }
+    }
+}
+
+impl fmt::Display for ChosenPolicy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let number = self.policy + 1;
+        writeln!(f, "joint policy {number} of {}, probability {:.3}", self.listed, self.probability)?;
+        for way in &self.ways {
+            writeln!(f, "  {way}")?;
+        }
+        self.failure.iter().try_for_each(|failure| writeln!(f, "  {failure}"))
+    }
+}
+
+impl fmt::Display for Way {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let end = self.path.last().map_or(0, |cell| cell.0);
+        let errand = match self.purpose {
+            Purpose::Visit(cell) if cell.0 == end => ", a way-point",
+            Purpose::Charge(cell) if cell.0 == end => ", to charge",
+            Purpose::Stand => ", its battery is low",
+            _ => "",
+        };
+        let steps = counted((self.path.len().max(1) - 1) as u32, "step");
+        let moves = format!("{} of {} made", self.made.min(self.moves), counted(self.moves.into(), "move"));
+        write!(f, "{:<4} to {end}{errand} in {steps}, {moves}: {}", self.robot, route(&self.path))
+    }
+}

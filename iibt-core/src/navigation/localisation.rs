@@ -1,0 +1,298 @@
+//! Localisation: the belief over the robot's own cell, and the learned reliability of its drive.
+//!
+//! A move that fails leaves the robot where it is. How often each move does is learned, as counts
+//! of B, and predicted: a reading that happens to fit does not make a robot with a slipping drive
+//! sure that it has moved.
+
+use crate::actions::Action;
+use crate::grid::{Cell, Map, Move};
+use crate::inference::learning::{Rates, SlipCounts};
+use crate::inference::{
+    Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, ObservationError, Shape, Transition,
+};
+use crate::math;
+
+/// The number of moves, waiting included.
+pub const MOVES: usize = Move::ALL.len();
+
+/// The successes with which a move begins: how much a single failure says.
+const TRUST: f32 = 8.0;
+
+/// The chance of a slip that is always reckoned with, whatever was learned.
+const LEAST_SLIP: f32 = 0.05;
+
+/// The chance that the robot is anywhere at all, so that no reading is impossible for long.
+const DOUBT: f32 = 1e-6;
+
+/// The prior probability of a robot that was switched on of standing at its start.
+const AT_START: f32 = 0.9;
+
+/// The modality of the robot's own position.
+const POSITION: usize = 0;
+
+/// Where a robot believes it is, on maps of up to `S` cells.
+#[derive(Clone, Debug)]
+pub struct Localisation<const S: usize> {
+    belief: Beliefs<S, 1>,
+    prior: [f32; S],
+    sensor: IdentityNoise,
+    slips: SlipCounts<MOVES>,
+    /// The move that was begun and not yet predicted.
+    begun: Option<Move>,
+    /// The move that no reading has confirmed or denied yet, and where it began.
+    attempt: Option<(Cell, Move)>,
+    surprise: Result<f32, ObservationError>,
+    cells: usize,
+}
+
+impl<const S: usize> Localisation<S> {
+    /// The probability from which a robot takes a cell for its own.
+    pub const CONFIDENCE: f32 = 0.9999;
+
+    /// Creates the belief of a robot that is most likely at its start. `sensor` is the
+    /// probability that a reading is right.
+    #[must_use]
+    pub fn new<const W: usize>(map: &Map<W>, start: Cell, sensor: f32, rates: Rates) -> Self {
+        let cells = map.len().clamp(1, S);
+        let is_free = |state: usize| state < cells && map.is_free(Cell(state as u16));
+        let share = (1.0 - AT_START) / (0..cells).filter(|&state| is_free(state)).count().max(1) as f32;
+        let mut prior = core::array::from_fn(|state| if is_free(state) { share } else { 0.0 });
+        if let Some(start) = prior.get_mut(start.index()) {
+            *start += AT_START;
+        }
+        let mut belief = Beliefs::EMPTY;
+        math::assign(belief.as_flat_mut(), &prior);
+        Self {
+            belief,
+            prior,
+            sensor: IdentityNoise::among(sensor, cells),
+            slips: SlipCounts::new(TRUST, rates),
+            begun: None,
+            attempt: None,
+            surprise: Ok(0.0),
+            cells,
+        }
+    }
+
+    /// Notes that a move begins now.
+    pub const fn begin(&mut self, step: Move) {
+        self.begun = Some(step);
+    }
+
+    /// Updates the belief of a robot that stands, from a reading if there is one.
+    pub fn update<const W: usize>(&mut self, map: &Map<W>, reading: Option<Cell>) {
+        let begun = self.begun.take();
+        let here = self.position().0;
+        if let Some(step) = begun {
+            self.attempt = Some((here, step));
+        }
+        // The first reading after a move may be from before it: whether the move failed, the next
+        // one tells.
+        let left = begun.filter(|&step| step != Move::Wait).map(|_| here);
+        let reading = reading.filter(|&reading| left != Some(reading));
+        let slip = begun.map_or(0.0, |step| self.slip(step).max(LEAST_SLIP));
+        self.infer(map, begun.map(|step| (step, slip)), reading);
+    }
+
+    fn infer<const W: usize>(&mut self, map: &Map<W>, moved: Option<(Move, f32)>, reading: Option<Cell>) {
+        let motion = GridMotion(map);
+        let Some(place) = Shape::new(self.cells, &[self.cells]) else { return };
+        let prior = self.prior.get(..self.cells).unwrap_or(&self.prior);
+        let indifferent = const { &[0.0; S] };
+        let indifferent = indifferent.get(..self.cells).unwrap_or(indifferent);
+        let factors = [Factor::trusted(&motion, place, prior)];
+        let modalities = [Modality::trusted(&self.sensor, place, &[POSITION], indifferent)];
+        let Ok(model) = Model::try_new(&factors, &modalities) else { return };
+        let belief = &mut self.belief;
+        if let Some((step, slip)) = moved {
+            let before = *belief;
+            // The model has the action: every move is one.
+            let _ = belief.predict(&model, &[Some(step.code())]);
+            belief.mix(&before, slip);
+        }
+        if let Ok(prior) = Beliefs::try_prior(&model) {
+            belief.mix(&prior, DOUBT);
+        }
+        if let Some(reading) = reading {
+            self.surprise = belief.observe(&model, POSITION, Evidence::Outcome(reading.index()));
+        }
+    }
+
+    /// Learns from the last move once it is sure where it led. `blocked` are cells into which a
+    /// failed move says nothing about the drive.
+    pub fn learn<const W: usize>(&mut self, map: &Map<W>, here: Cell, blocked: impl Fn(Cell) -> bool) {
+        let Some((from, step)) = self.attempt.take() else { return };
+        let to = map.neighbour(from, step);
+        if to != from && (here == to || here == from) && !blocked(to) {
+            self.slips.learn(step.code(), here == to);
+        }
+    }
+
+    /// Returns the most likely cell and its probability.
+    #[must_use]
+    pub fn position(&self) -> (Cell, f32) {
+        let belief = self.belief.as_flat();
+        let state = math::argmax(belief);
+        (Cell(state as u16), belief.get(state).copied().unwrap_or(0.0))
+    }
+
+    /// Returns the cell on which the robot stands, if it is sure.
+    #[must_use]
+    pub fn here(&self) -> Option<Cell> {
+        let (cell, probability) = self.position();
+        (probability >= Self::CONFIDENCE).then_some(cell)
+    }
+
+    /// Returns the probability of a cell; zero for one outside the map.
+    #[must_use]
+    pub fn probability_of(&self, cell: Cell) -> f32 {
+        self.belief.as_flat().get(cell.index()).copied().unwrap_or(0.0)
+    }
+
+    /// Returns the surprise of the last reading, -ln P(o).
+    ///
+    /// # Errors
+    /// [`ObservationError`] when the reading was impossible; the belief was left as it was.
+    pub const fn surprise(&self) -> Result<f32, ObservationError> {
+        self.surprise
+    }
+
+    /// Returns how often each move fails, as learned, by the moves' codes.
+    #[must_use]
+    pub fn slips(&self) -> [f32; MOVES] {
+        self.slips.slips()
+    }
+
+    fn slip(&self, step: Move) -> f32 {
+        self.slips().get(usize::from(step.code())).copied().unwrap_or(0.0)
+    }
+}
+
+/// The motion of a robot on a map: a move into a wall or out of the map stays.
+struct GridMotion<'m, const W: usize>(&'m Map<W>);
+
+impl<const W: usize> GridMotion<'_, W> {
+    fn next(&self, action: Action, state: usize) -> usize {
+        let here = Cell(state as u16);
+        let next = Move::from_code(action).map_or(here, |step| self.0.neighbour(here, step));
+        if self.0.is_free(next) { next.index() } else { state }
+    }
+}
+
+impl<const W: usize> Transition for GridMotion<'_, W> {
+    fn probability(&self, action: Action, next: usize, states: &[usize]) -> f32 {
+        let here = states.first().copied().unwrap_or(0);
+        f32::from(u8::from(self.next(action, here) == next))
+    }
+
+    // One visit of each cell in the place of one for each pair.
+    fn predict(&self, _: &Shape, action: Action, beliefs: &[&[f32]], to: &mut [f32]) {
+        to.fill(0.0);
+        for (state, p) in beliefs.first().copied().unwrap_or(&[]).iter().enumerate() {
+            if let Some(next) = to.get_mut(self.next(action, state)) {
+                *next += p;
+            }
+        }
+    }
+
+    fn actions(&self) -> Action {
+        MOVES as Action
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn robot(sensor: f32) -> (Map<2>, Localisation<49>) {
+        let map = Map::new(7, 7).unwrap();
+        (map, Localisation::new(&map, Cell(0), sensor, Rates::new(1.0, 0.02)))
+    }
+
+    #[test]
+    fn a_reading_from_before_the_move_does_not_count() {
+        let (map, mut robot) = robot(0.9952);
+        let mut elsewhere = robot.clone();
+        elsewhere.update(&map, Some(Cell(9)));
+        assert_eq!(elsewhere.here(), None, "one reading is not enough away from the start");
+        elsewhere.update(&map, Some(Cell(9)));
+        assert_eq!(elsewhere.here(), Some(Cell(9)));
+        robot.update(&map, Some(Cell(0)));
+        assert_eq!(robot.here(), Some(Cell(0)));
+        robot.begin(Move::Right);
+        robot.update(&map, Some(Cell(0)));
+        assert!(robot.probability_of(Cell(1)) > 0.9 && robot.here().is_none());
+        robot.update(&map, Some(Cell(0)));
+        robot.update(&map, Some(Cell(0)));
+        assert_eq!(robot.here(), Some(Cell(0)), "it has slipped");
+    }
+
+    #[test]
+    fn a_robot_that_slips_wants_a_second_reading() {
+        let (map, mut robot) = robot(0.9);
+        let sure = |robot: &mut Localisation<49>| {
+            robot.begin(Move::Right);
+            (1..9).find(|_| {
+                robot.update(&map, Some(Cell(1)));
+                robot.here().is_some()
+            })
+        };
+        for _ in 0..4 {
+            robot.update(&map, Some(Cell(0)));
+        }
+        let mut slipping = robot.clone();
+        for _ in 0..20 {
+            slipping.slips.learn(Move::Right.code(), false);
+        }
+        assert_eq!(sure(&mut robot), Some(1));
+        assert!(sure(&mut slipping) > Some(1));
+    }
+
+    #[test]
+    fn a_move_counts_once_a_reading_confirms_where_it_led() {
+        let (map, mut robot) = robot(0.9952);
+        let right = |robot: &Localisation<49>| *robot.slips.counts(Move::Right.code()).unwrap();
+        let read = |robot: &mut Localisation<49>, cell, blocked: bool| {
+            robot.update(&map, Some(Cell(cell)));
+            if let Some(here) = robot.here() {
+                robot.learn(&map, here, |_| blocked);
+            }
+        };
+        read(&mut robot, 0, false);
+        read(&mut robot, 0, false);
+        robot.begin(Move::Right);
+        read(&mut robot, 0, false);
+        assert_eq!(right(&robot), [TRUST, 0.0], "the first reading may be from before the move");
+        read(&mut robot, 0, true);
+        read(&mut robot, 0, true);
+        assert_eq!(right(&robot), [TRUST, 0.0], "an obstacle says nothing about the drive");
+        robot.begin(Move::Right);
+        for _ in 0..3 {
+            read(&mut robot, 0, false);
+        }
+        assert_eq!(right(&robot), [TRUST, 1.0]);
+        let learned = right(&robot);
+        robot.begin(Move::Right);
+        for _ in 0..4 {
+            read(&mut robot, 40, false);
+        }
+        assert_eq!((robot.here(), right(&robot)), (Some(Cell(40)), learned), "it was put elsewhere");
+    }
+
+    #[test]
+    fn the_motion_of_the_map_is_that_of_its_table() {
+        let mut map = Map::<2>::new(7, 7).unwrap();
+        map.block(Cell(8));
+        let motion = GridMotion(&map);
+        let shape = Shape::new(49, &[49]).unwrap();
+        let belief: [f32; 49] = core::array::from_fn(|state| state as f32);
+        for action in 0..MOVES as Action {
+            let (mut fast, mut slow) = ([0.0; 49], [0.0; 49]);
+            motion.predict(&shape, action, &[&belief], &mut fast);
+            for (next, to) in slow.iter_mut().enumerate() {
+                *to = (0..49).map(|state| belief[state] * motion.probability(action, next, &[state])).sum();
+            }
+            assert_eq!(fast, slow);
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Obstacles that come and go: what a robot has gathered for and against them.
+//!
+//! Evidence is a log-likelihood ratio, in sixteenths of a nat. Every robot announces its own sums;
+//! the team's belief about a cell is the prior plus the sum over all members, so nothing is counted
+//! twice, and a lost frame does no harm.
+
+use crate::grid::Cell;
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// The most cells about which a robot announces evidence.
+pub const MAX_EVIDENCE: usize = 4;
+
+/// The most cells about which a robot remembers evidence.
+pub const MAX_OBSTACLES: usize = 16;
+
+/// ln P(blocked) / P(free) of a cell that no robot has looked at, in sixteenths of a nat.
+const PRIOR: i16 = -32;
+
+/// What one look says, in sixteenths of a nat.
+const LOOK: i8 = 48;
+
+/// The largest sum of one robot, in sixteenths of a nat, so that a few looks can turn it round.
+const CAP: i8 = 64;
+
+/// A robot's evidence that a cell is blocked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct CellEvidence {
+    /// The cell.
+    pub cell: Cell,
+    /// The log-likelihood ratio in sixteenths of a nat; positive speaks for an obstacle.
+    pub weight: i8,
+}
+
+/// The evidence that a robot announces, in the order of the cells.
+pub type Announced = Vec<CellEvidence, MAX_EVIDENCE>;
+
+/// What a robot has gathered about obstacles.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Obstacles {
+    /// In the order in which the cells were first seen; none has the weight zero.
+    seen: Vec<CellEvidence, MAX_OBSTACLES>,
+    /// Counts the ticks since the last forgetting.
+    ticks: u16,
+}
+
+impl Obstacles {
+    /// Counts one look at a cell. Without room the cell about which there is least evidence, the
+    /// oldest of equals, is forgotten.
+    pub(super) fn look(&mut self, cell: Cell, is_blocked: bool) {
+        let weight = if is_blocked { LOOK } else { -LOOK };
+        match self.seen.iter_mut().find(|known| known.cell == cell) {
+            Some(known) => known.weight = known.weight.saturating_add(weight).clamp(-CAP, CAP),
+            None => self.remember(CellEvidence { cell, weight }),
+        }
+        self.drop_empty();
+    }
+
+    /// Moves all evidence one sixteenth of a nat towards zero every `period` ticks; never for a
+    /// period of zero.
+    pub(super) fn forget(&mut self, period: u16) {
+        self.ticks = self.ticks.saturating_add(1);
+        if period == 0 || self.ticks < period {
+            return;
+        }
+        self.ticks = 0;
+        self.seen.iter_mut().for_each(|known| known.weight -= known.weight.signum());
+        self.drop_empty();
+    }
+
+    /// Returns the evidence to announce: the strongest, in the order of the cells; the newest of
+    /// equals.
+    #[must_use]
+    pub(super) fn announced(&self) -> Announced {
+        let strength = |known: &CellEvidence| known.weight.unsigned_abs();
+        let is_stronger = |at: usize, known: &CellEvidence, rival: (usize, &CellEvidence)| {
+            (strength(rival.1), rival.0) > (strength(known), at)
+        };
+        let rank = |at: usize, known: &CellEvidence| {
+            self.seen.iter().enumerate().filter(|&rival| is_stronger(at, known, rival)).count()
+        };
+        let chosen = || self.seen.iter().enumerate().filter(|&(at, known)| rank(at, known) < MAX_EVIDENCE);
+        let mut announced = Announced::new();
+        let mut next = chosen().map(|(_, known)| *known).min_by_key(|known| known.cell);
+        while let Some(known) = next {
+            // There is room: no more are chosen.
+            let _ = announced.push(known);
+            let rest = chosen().map(|(_, other)| *other).filter(|other| other.cell > known.cell);
+            next = rest.min_by_key(|other| other.cell);
+        }
+        announced
+    }
+
+    /// Returns the cells that this robot takes for blocked by its own evidence.
+    pub(super) fn blocked(&self) -> impl Iterator<Item = Cell> + Clone + '_ {
+        self.seen.iter().filter(|known| is_blocked(known.weight.into())).map(|known| known.cell)
+    }
+
+    fn remember(&mut self, new: CellEvidence) {
+        if self.seen.is_full() {
+            let weakest = self.seen.iter().min_by_key(|known| known.weight.unsigned_abs()).copied();
+            self.seen.retain(|known| Some(*known) != weakest);
+        }
+        // There is room now.
+        let _ = self.seen.push(new);
+    }
+
+    fn drop_empty(&mut self) {
+        self.seen.retain(|known| known.weight != 0);
+    }
+}
+
+/// Returns whether a cell counts as blocked after all the evidence of the members.
+#[must_use]
+pub(super) const fn is_blocked(evidence: i16) -> bool {
+    evidence.saturating_add(PRIOR) > 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn blocked(obstacles: &Obstacles) -> std::vec::Vec<u16> {
+        obstacles.blocked().map(|cell| cell.0).collect()
+    }
+
+    #[test]
+    fn an_obstacle_is_believed_at_first_sight_and_given_up_after_a_look_or_two() {
+        let mut obstacles = Obstacles::default();
+        obstacles.look(Cell(5), true);
+        assert_eq!(blocked(&obstacles), [5]);
+        obstacles.look(Cell(5), true);
+        obstacles.look(Cell(5), false);
+        assert_eq!(blocked(&obstacles), []);
+        let weight = obstacles.announced()[0].weight;
+        obstacles.look(Cell(5), false);
+        assert!(obstacles.announced()[0].weight < weight && obstacles.announced()[0].weight < 0);
+    }
+
+    #[test]
+    fn no_sum_outgrows_the_cap() {
+        let mut obstacles = Obstacles::default();
+        (0..100).for_each(|_| obstacles.look(Cell(5), true));
+        assert_eq!(obstacles.announced()[0].weight, CAP);
+        (0..100).for_each(|_| obstacles.look(Cell(5), false));
+        assert_eq!(obstacles.announced()[0].weight, -CAP);
+    }
+
+    #[test]
+    fn evidence_is_forgotten_at_its_rate_or_never() {
+        let mut obstacles = Obstacles::default();
+        obstacles.look(Cell(5), true);
+        (0..1000).for_each(|_| obstacles.forget(0));
+        assert_eq!(blocked(&obstacles), [5]);
+        (0..3 * (LOOK - 32) as u16).for_each(|_| obstacles.forget(3));
+        assert_eq!((blocked(&obstacles), obstacles.announced().len()), (std::vec![], 1));
+        (0..3 * 32).for_each(|_| obstacles.forget(3));
+        assert_eq!(obstacles, Obstacles { ticks: obstacles.ticks, ..Obstacles::default() });
+    }
+
+    #[test]
+    fn the_strongest_are_announced_and_the_weakest_forgotten_first() {
+        let mut obstacles = Obstacles::default();
+        for cell in 0..MAX_OBSTACLES as u16 {
+            obstacles.look(Cell(cell), true);
+        }
+        for cell in [2, 9, 4, 12] {
+            obstacles.look(Cell(cell), true);
+        }
+        let announced = obstacles.announced();
+        assert!(announced.iter().map(|known| known.cell.0).eq([2, 4, 9, 12]));
+        obstacles.look(Cell(90), true);
+        let blocked = blocked(&obstacles);
+        assert!(!blocked.contains(&0) && blocked.contains(&90));
+    }
+
+    #[test]
+    fn members_outvote_each_other() {
+        assert!(is_blocked(48) && !is_blocked(32) && !is_blocked(64 - 48));
+    }
+}

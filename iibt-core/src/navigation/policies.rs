@@ -1,0 +1,454 @@
+//! The list of joint policies of a round: made from its facts, alike in every robot.
+
+use super::claim::Cells;
+use super::fact::{Fact, Purpose, blocked};
+use super::mission::{MAX_GOALS, Mission};
+use crate::bounded::up_to;
+use crate::grid::joint::{Errand, Failure, JointPlan, PolicyList, Problem, Target};
+use crate::grid::{Cell, CellSet, Map, Move, Path};
+use crate::inference::{PolicyCost, WeighedPolicies};
+use crate::team::rounds::{JointPolicies, Proposal, Score, View};
+use crate::team::{MAX_TEAM, RobotId};
+use heapless::Vec;
+
+/// A joint plan of a team.
+pub type TeamPlan = JointPlan<MAX_TEAM>;
+
+/// What it costs, in eighths of a tick, to end on a goal less than needed.
+const SHORT: usize = 8 * 32;
+
+/// The most combinations of paths given by hand that are looked at.
+const MAX_COMBINATIONS: usize = 4096;
+
+/// The members of a round with their facts, in the order of their numbers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Members<'a, const W: usize> {
+    facts: [Option<&'a Fact<W>>; MAX_TEAM],
+}
+
+impl<'a, const W: usize> Members<'a, W> {
+    /// Members of a view, whose facts come by their numbers.
+    pub(super) fn new(view: View, fact: impl Fn(RobotId) -> Option<&'a Fact<W>>) -> Self {
+        let fact = |index: usize| fact(RobotId(index as u8)).filter(|_| view.contains(RobotId(index as u8)));
+        Self { facts: core::array::from_fn(fact) }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = (RobotId, &'a Fact<W>)> + Clone + '_ {
+        (0..).map(RobotId).zip(self.facts).filter_map(|(robot, fact)| Some((robot, fact?)))
+    }
+
+    fn facts(&self) -> impl Iterator<Item = &'a Fact<W>> + Clone + '_ {
+        self.facts.iter().copied().flatten()
+    }
+}
+
+/// The joint policies of a round, and the search that makes them.
+///
+/// All that know the facts of the members make the same list, whether or not they fly.
+#[derive(Clone, Debug)]
+pub struct Policies<const W: usize, const L: usize, const M: usize, const K: usize> {
+    list: PolicyList<W, L, MAX_TEAM, M, K>,
+    is_done: bool,
+}
+
+impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W, L, M, K> {
+    pub(super) const fn new() -> Self {
+        Self { list: PolicyList::new(), is_done: false }
+    }
+
+    /// Makes the whole list of a round; `None` if the fact of a member is missing. On maps of `W`
+    /// words, with sizes as in [`Navigation`](super::Navigation).
+    ///
+    /// The work has no bound but that of the searches: robots spread it over ticks.
+    #[must_use]
+    pub fn of_round<'a>(
+        mission: &Mission<'_, W>,
+        proposal: &Proposal<Cells<W>>,
+        fact: impl Fn(RobotId) -> Option<&'a Fact<W>>,
+    ) -> Option<Self> {
+        if proposal.view.iter().any(|robot| fact(robot).is_none()) {
+            return None;
+        }
+        let mut policies = Self::new();
+        while !policies.is_done {
+            let mut budget = u32::MAX;
+            policies.advance(mission, proposal, &fact, &mut budget);
+        }
+        Some(policies)
+    }
+
+    /// Works on the list of a round, as far as the budget lets it.
+    pub(super) fn advance<'a>(
+        &mut self,
+        mission: &Mission<'_, W>,
+        proposal: &Proposal<Cells<W>>,
+        fact: impl Fn(RobotId) -> Option<&'a Fact<W>>,
+        budget: &mut u32,
+    ) {
+        let members = Members::new(proposal.view, fact);
+        let walls = proposal.left_out(mission.starts.len());
+        let walls = walls.fold(CellSet::EMPTY, |all, (_, Cells(wall))| all.union(&wall));
+        self.work(mission, &members, &walls, budget);
+    }
+
+    /// Stands for all that the list depends on beside the facts: the generator and its sizes.
+    pub(super) fn fingerprint(mission: &Mission<'_, W>) -> u64 {
+        PolicyList::<W, L, MAX_TEAM, M, K>::digest(mission.policies.into())
+    }
+
+    /// Forgets the list, to make another.
+    pub(super) fn clear(&mut self) {
+        self.list.start();
+        self.is_done = false;
+    }
+
+    pub(super) const fn is_done(&self) -> bool {
+        self.is_done
+    }
+
+    /// Returns the joint policies, as far as they are made.
+    #[must_use]
+    pub fn plans(&self) -> &[TeamPlan] {
+        self.list.policies()
+    }
+
+    /// Returns why the robots do not come to all their targets, if they do not.
+    #[must_use]
+    pub fn failure(&self) -> Option<Failure> {
+        self.list.failure()
+    }
+
+    /// Works on the list until it is done or the budget is used up.
+    fn work(
+        &mut self,
+        mission: &Mission<'_, W>,
+        members: &Members<'_, W>,
+        walls: &CellSet<W>,
+        budget: &mut u32,
+    ) {
+        if self.is_done {
+            return;
+        }
+        let closed = blocked::<W>(members.facts()).union(walls);
+        if self.plans().is_empty() {
+            self.combine(mission, members, &closed);
+            self.is_done = !self.plans().is_empty();
+        }
+        if !self.is_done {
+            let targets = Targets::of(mission, members, &closed);
+            let count = usize::from(mission.policies).min(K);
+            self.is_done = self.list.work(&targets.problem(mission, closed), count, budget);
+        }
+    }
+
+    /// Combines paths given by hand, where every member stands at the beginning of one.
+    fn combine(&mut self, mission: &Mission<'_, W>, members: &Members<'_, W>, closed: &CellSet<W>) {
+        let is_open = |path: &&Path| path.cells(&mission.map).skip(1).all(|cell| !closed.contains(cell));
+        let lists = || members.iter().map(|(robot, fact)| mission.listed(robot, fact.anchor).filter(is_open));
+        if mission.paths.is_none() || members.facts().any(|fact| fact.purpose != Purpose::Goal) {
+            return;
+        }
+        let count = lists().fold(1_usize, |count, list| count.saturating_mul(list.count()));
+        for combination in 0..count.min(MAX_COMBINATIONS) {
+            let mut slower = count;
+            let paths = lists().map_while(|mut list| {
+                let choices = list.clone().count().max(1);
+                slower /= choices;
+                list.nth(combination / slower.max(1) % choices).copied()
+            });
+            let paths: Vec<Path, MAX_TEAM> = up_to(paths);
+            let ends = || paths.iter().map(|path| path.end(&mission.map));
+            let are_goals =
+                members.iter().zip(ends()).all(|((robot, _), end)| mission.is_goal_of(robot, end));
+            let Some(plan) = TeamPlan::new(&paths).filter(|_| are_goals) else { continue };
+            let fits = plan.conflict(&mission.map).is_none();
+            if fits && !self.list.offer(plan.arriving(together(&plan))) {
+                return;
+            }
+        }
+    }
+}
+
+/// Whether the paths of a plan end in the same step, so that its robots can wait for each other.
+fn together(plan: &TeamPlan) -> crate::grid::joint::Arrival {
+    let steps = plan.steps();
+    let is_even = plan.paths().iter().all(|path| path.len() == steps || path.is_empty());
+    if is_even { crate::grid::joint::Arrival::Together } else { crate::grid::joint::Arrival::Staggered }
+}
+
+/// What a planner is asked for.
+struct Targets {
+    errands: Vec<Errand, MAX_TEAM>,
+    goals: Vec<Cell, MAX_GOALS>,
+    need: usize,
+}
+
+impl Targets {
+    fn of<const W: usize>(mission: &Mission<'_, W>, members: &Members<'_, W>, closed: &CellSet<W>) -> Self {
+        let errand = |(robot, fact): (_, &Fact<W>)| Errand {
+            from: fact.anchor,
+            target: target(mission, members, robot, fact),
+        };
+        let mut errands: Vec<Errand, MAX_TEAM> = up_to(members.iter().map(errand));
+        give_up_twins(&mut errands, closed);
+        let goals: Vec<Cell, MAX_GOALS> = up_to(mission.open_goals().filter(|&goal| !closed.contains(goal)));
+        let seeking = errands.iter().filter(|errand| errand.target == Target::Any).count();
+        // A goal that is blocked is still needed: the plan is then short of it, and says so.
+        let all = mission.open_goals().count();
+        let need = mission.need.map_or(all, usize::from).min(all).min(seeking);
+        Self { errands, goals, need }
+    }
+
+    fn problem<'a, const W: usize>(
+        &'a self,
+        mission: &'a Mission<'_, W>,
+        closed: CellSet<W>,
+    ) -> Problem<'a, W> {
+        Problem { map: &mission.map, closed, errands: &self.errands, goals: &self.goals, need: self.need }
+    }
+}
+
+/// What a robot is to do, by its fact.
+fn target<const W: usize>(
+    mission: &Mission<'_, W>,
+    members: &Members<'_, W>,
+    robot: RobotId,
+    fact: &Fact<W>,
+) -> Target {
+    let charges = |fact: &Fact<W>| matches!(fact.purpose, Purpose::Charge(_));
+    if mission.waits_for_charging && !charges(fact) && members.facts().any(charges) {
+        return Target::Stand;
+    }
+    match fact.purpose {
+        Purpose::Goal => mission.own_goal(robot).map_or(Target::Any, Target::Own),
+        Purpose::Visit(cell) | Purpose::Charge(cell) => Target::Own(cell),
+        Purpose::Stand => Target::Stand,
+    }
+}
+
+/// Gives up targets that are blocked, or that a robot with a lower number owns too.
+fn give_up_twins<const W: usize>(errands: &mut [Errand], closed: &CellSet<W>) {
+    let mut owned = CellSet::<W>::EMPTY;
+    for errand in errands {
+        if let Target::Own(cell) = errand.target
+            && (closed.contains(cell) || !owned.insert(cell))
+        {
+            errand.target = Target::Any;
+        }
+    }
+}
+
+/// Policies as the rounds ask about them, on a map.
+///
+/// A step of a path is a move: its waits only keep it behind others, and the order does that.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OnMap<'a, const W: usize, const K: usize> {
+    pub mission: &'a Mission<'a, W>,
+    pub plans: &'a [TeamPlan],
+    pub view: View,
+}
+
+impl<'a, const W: usize, const K: usize> OnMap<'a, W, K> {
+    /// The path of a member in a policy.
+    pub(super) fn path(&self, policy: usize, robot: RobotId) -> Option<&'a Path> {
+        let place = self.view.iter().position(|member| member == robot)?;
+        self.plans.get(policy)?.paths().get(place)
+    }
+
+    /// The next move of a member that has made `moves` moves, and its step in the plan.
+    pub(super) fn next_move(&self, policy: usize, robot: RobotId, moves: u16) -> Option<(usize, Move)> {
+        made(self.path(policy, robot)?).nth(moves.into())
+    }
+
+    /// The posterior over the policies, by the scores of the members.
+    pub(super) fn weigh<'s>(
+        &self,
+        members: impl Iterator<Item = (RobotId, &'s [Score])> + Clone,
+    ) -> WeighedPolicies<K> {
+        let costs = (0..self.len().min(K)).map(|policy| self.cost_of(policy, members.clone()));
+        // There is room: no more than K.
+        WeighedPolicies::new(costs, self.mission.precision).unwrap_or_default()
+    }
+
+    fn cost_of<'s>(
+        &self,
+        policy: usize,
+        members: impl Iterator<Item = (RobotId, &'s [Score])>,
+    ) -> PolicyCost {
+        let mut cost = PolicyCost { time: self.cost(policy), ..PolicyCost::FREE };
+        for (robot, scores) in members {
+            let score = scores.get(policy).copied().unwrap_or(Score::CANNOT);
+            let delay = if self.needs(policy, robot) { score.delay } else { 0 };
+            cost.is_impossible |= delay == Score::IMPOSSIBLE || score.price == Score::IMPOSSIBLE;
+            cost.delay = cost.delay.max(delay.into());
+            cost.price = cost.price.saturating_add(score.price.into());
+        }
+        cost
+    }
+
+    fn map(&self) -> &'a Map<W> {
+        &self.mission.map
+    }
+}
+
+/// The moves of a path that are no waits, with their steps.
+fn made(path: &Path) -> impl Iterator<Item = (usize, Move)> + '_ {
+    path.moves().enumerate().filter(|&(_, step)| step != Move::Wait)
+}
+
+/// The number of moves, waits left out, that a path makes.
+pub(super) fn moves_of(path: &Path) -> u16 {
+    made(path).count() as u16
+}
+
+impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
+    type Claim = Cells<W>;
+
+    fn len(&self) -> usize {
+        self.plans.len()
+    }
+
+    /// The steps of the plan, an eighth of a tick for each step that the first robot to arrive
+    /// waits for the last, and the goals that are missed.
+    fn cost(&self, policy: usize) -> u16 {
+        let Some(plan) = self.plans.get(policy) else { return u16::MAX };
+        let arrivals = plan.paths().iter().filter_map(|path| Some(made(path).last()?.0 + 1));
+        let idle = plan.steps() - arrivals.min().unwrap_or(plan.steps()).min(plan.steps());
+        let cost = 8 * plan.steps() + idle + SHORT * plan.short_by();
+        u16::try_from(cost).unwrap_or(u16::MAX)
+    }
+
+    /// Whether it ends on a goal of its own. A robot to spare may come as late as it likes.
+    fn needs(&self, policy: usize, robot: RobotId) -> bool {
+        self.path(policy, robot).is_some_and(|path| self.mission.is_goal_of(robot, path.end(self.map())))
+    }
+
+    fn claim(&self, policy: usize, robot: RobotId, step: u16) -> Cells<W> {
+        let Some(path) = self.path(policy, robot) else { return Cells(CellSet::EMPTY) };
+        let done = made(path).take(step.into()).last().map_or(0, |(at, _)| at + 1);
+        Cells(path.cells(self.map()).skip(done).collect())
+    }
+
+    fn moves(&self, policy: usize, robot: RobotId) -> u16 {
+        self.path(policy, robot).map_or(0, moves_of)
+    }
+
+    fn is_clear(&self, policy: usize, robot: RobotId, step: u16, teammate: RobotId, reported: u16) -> bool {
+        let Some((at, _)) = self.next_move(policy, robot, step) else { return true };
+        let (Some(own), Some(other)) = (self.path(policy, robot), self.path(policy, teammate)) else {
+            return false;
+        };
+        let to = own.cell_at(self.map(), at + 1);
+        let visits = other.cells(self.map()).enumerate().take(at + 2).filter(|&(_, cell)| cell == to);
+        // The move with which it leaves is the first after its last visit.
+        visits.last().is_none_or(|(last, _)| {
+            made(other).take_while(|&(step, _)| step < last).count() < reported.into()
+        })
+    }
+
+    fn is_together(&self, policy: usize) -> bool {
+        self.plans.get(policy).is_some_and(JointPlan::is_together)
+    }
+
+    fn choose<'s>(&self, members: impl Iterator<Item = (RobotId, &'s [Score])> + Clone) -> Option<usize> {
+        self.weigh(members).choose().map(|choice| choice.policy)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::joint::Arrival;
+
+    const STARTS: [Cell; 3] = [Cell(0), Cell(14), Cell(40)];
+
+    fn mission() -> Mission<'static, 2> {
+        Mission::new(Map::new(7, 7).unwrap(), &STARTS, &[Cell(2), Cell(1), Cell(46)])
+    }
+
+    fn plan(paths: &[&[u16]]) -> TeamPlan {
+        let cells = |cells: &[u16]| cells.iter().copied().map(Cell).collect::<std::vec::Vec<_>>();
+        let through = |path: &&[u16]| Path::through(&mission().map, &cells(path)).unwrap();
+        TeamPlan::new(&paths.iter().map(through).collect::<std::vec::Vec<_>>()).unwrap()
+    }
+
+    #[test]
+    fn a_cell_is_entered_once_those_before_have_left_it() {
+        // Robot 0 waits on cell 1 and goes on to 2; robot 2 comes after it; robot 1 is left out.
+        let plans = [plan(&[&[0, 1, 1, 2], &[8, 8, 8, 8, 1]])];
+        let view = View::full(3).without(RobotId(1));
+        let mission = mission();
+        let policies = OnMap::<2, 16> { mission: &mission, plans: &plans, view };
+        let (first, second) = (RobotId(0), RobotId(2));
+        assert_eq!([0, 1, 2].map(|done| policies.is_clear(0, second, 0, first, done)), [false, false, true]);
+        assert!(policies.is_clear(0, first, 0, second, 0), "who comes later is not waited for");
+        assert!(policies.is_clear(0, first, 2, second, 0), "there is no next move");
+        assert_eq!([first, RobotId(1), second].map(|robot| policies.moves(0, robot)), [2, 0, 1]);
+        assert_eq!(policies.next_move(0, second, 0), Some((3, Move::Up)));
+    }
+
+    #[test]
+    fn a_claim_is_what_is_left_of_the_path() {
+        let plans = [plan(&[&[0, 1, 1, 2], &[14]])];
+        let mission = mission();
+        let policies = OnMap::<2, 16> { mission: &mission, plans: &plans, view: View::full(2) };
+        let left = |step| {
+            policies.claim(0, RobotId(0), step).0.iter().map(|cell| cell.0).collect::<std::vec::Vec<_>>()
+        };
+        assert_eq!([0, 1, 2, 9].map(left), [vec(&[0, 1, 2]), vec(&[1, 2]), vec(&[2]), vec(&[2])]);
+    }
+
+    fn vec(cells: &[u16]) -> std::vec::Vec<u16> {
+        cells.to_vec()
+    }
+
+    #[test]
+    fn a_plan_costs_its_steps_its_idle_ends_and_the_goals_it_misses() {
+        let even = plan(&[&[0, 1, 2], &[14, 15, 16], &[40]]);
+        let uneven = plan(&[&[0, 1], &[14, 15, 16], &[40]]);
+        let plans = [even, uneven, even.with_short_by(1)];
+        let mission = mission();
+        let policies = OnMap::<2, 16> { mission: &mission, plans: &plans, view: View::full(3) };
+        assert_eq!([0, 1, 2, 3].map(|policy| policies.cost(policy)), [16, 17, 16 + 256, u16::MAX]);
+        assert!(policies.needs(0, RobotId(0)) && !policies.needs(0, RobotId(1)));
+        assert!(!policies.is_together(0));
+        let joint = [even.arriving(Arrival::Together)];
+        assert!(OnMap { plans: &joint, ..policies }.is_together(0));
+    }
+
+    #[test]
+    fn inference_chooses_the_policy_of_the_least_cost_that_is_possible_for_all() {
+        let paths: [&[&[u16]]; 4] = [
+            &[&[0, 1, 2], &[14, 15], &[40]],
+            &[&[0, 1], &[14, 7], &[40, 39, 46]],
+            &[&[0, 1, 2], &[14, 15, 8, 1], &[40]],
+            &[&[0], &[14], &[40]],
+        ];
+        let plans = paths.map(plan);
+        let mission = mission();
+        let policies = OnMap::<2, 16> { mission: &mission, plans: &plans, view: View::full(3) };
+        let mut random = 1_u32;
+        for _ in 0..2000 {
+            let mut draw = || {
+                random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                if random >> 28 == 0 { u8::MAX } else { (random >> 24) as u8 / 16 }
+            };
+            let scores: [[Score; 4]; 3] =
+                core::array::from_fn(|_| core::array::from_fn(|_| Score { delay: draw(), price: draw() }));
+            let members = scores.iter().enumerate().map(|(robot, list)| (RobotId(robot as u8), &list[..]));
+            let weighed = policies.weigh(members.clone());
+            assert_eq!(policies.choose(members.clone()), crate::team::rounds::choose(&policies, members));
+            let likeliest = weighed.choose().map_or(0.0, |choice| choice.joint);
+            assert!(weighed.posterior().iter().all(|&p| p <= likeliest));
+        }
+    }
+
+    #[test]
+    fn targets_that_are_blocked_or_wanted_twice_are_given_up() {
+        let own = |cell| Target::Own(Cell(cell));
+        let mut twins =
+            [(0, 7), (1, 7), (2, 8)].map(|(from, to)| Errand { from: Cell(from), target: own(to) });
+        give_up_twins::<2>(&mut twins, &[Cell(8)].into_iter().collect());
+        assert_eq!(twins.map(|errand| errand.target), [own(7), Target::Any, Target::Any]);
+    }
+}
