@@ -28,6 +28,7 @@ mod rejected_models;
 mod rounds;
 mod safety;
 mod scenarios;
+mod second_implementation;
 #[path = "tasks.rs"]
 mod tasks;
 mod tree_files;

@@ -1,9 +1,10 @@
 //! The resources that the released image takes, checked against `budgets.toml` and README.
 
+use iibt_core::team::{SipHash64, decode};
 use tests::budgets::assert_within;
 use tests::elf::Elf;
 use tests::qemu::{Robot, number, team_member};
-use tests::rig::OnHost;
+use tests::rig::{DEMO_KEY, Message, OnHost};
 
 #[test]
 fn flash_and_ram_are_within_budget() {
@@ -39,8 +40,19 @@ fn instructions(image: &mut Robot) -> u64 {
 fn instructions_per_tick_are_within_budget() {
     let mut image = Robot::boot_counting(team_member());
     assert_within("team_member", "ordinary_tick", instructions(&mut image));
-    image.send(&OnHost::robot(1).tick(&[]));
+    let mut second = OnHost::robot(1);
+    image.send(&second.tick(&[]));
     image.wait_for("Announced");
+    assert_within("team_member", "listing_tick", instructions(&mut image));
+    let has_scored = |frame: &[u8]| {
+        let frame =
+            decode::<Message>(&frame[1..frame.len() - 1], &SipHash64::new(DEMO_KEY), second.context());
+        frame.expect("it is authentic").message.0.answer.digest().is_some()
+    };
+    let scored = (0..100).map(|_| image.receive()).find(|frame| has_scored(frame));
+    second.tick(&scored.expect("it announces its scores"));
+    image.send(&second.tick(&[]));
+    image.wait_for("Agreed");
     assert_within("team_member", "deciding_tick", instructions(&mut image));
 }
 

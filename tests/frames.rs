@@ -1,15 +1,22 @@
 //! Frames as they travel: what was sent arrives, and nothing else does.
 
 use host_sim::Random;
-use iibt_core::actions::HORIZON;
-use iibt_core::grid::{Cell, Move, Path};
-use iibt_core::navigation::{Intention, MAX_HAZARDS, Round, Said, Stage};
+use iibt_core::grid::{Cell, CellSet};
+use iibt_core::navigation::{Announced, Blocks, CellEvidence, Cells, Fact, MAX_EVIDENCE, Purpose};
+use iibt_core::team::rounds::{Answer, Choice, Claim, Digest, Proposal, RoundMessage, Score, Scores, View};
 use iibt_core::team::{
     Context, DecodeError, Deframer, EncodeError, Envelope, FrameAuth, Heard, Invalid, Key, Limits, MAX_FRAME,
     MAX_MESSAGE, MAX_TEAM, Member, Message, Refused, RobotId, Roster, SipHash64, Stamp, TAG_BYTES, VERSION,
 };
 use iibt_core::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
+
+/// Sixteen joint policies, as in images.
+const K: usize = 16;
+
+type Intention = iibt_core::navigation::Intention<2, K>;
+
+type Said = Envelope<Intention>;
 
 const AUTH: SipHash64 = SipHash64::new(Key::new(*b"the team's key.."));
 const CONTEXT: Context = Context::of::<Intention>(3, 0x51);
@@ -39,11 +46,10 @@ mod arrives {
         }
     }
 
-    /// The layout, pinned. If this fails, the layout has changed: the schema must have changed with
-    /// it.
+    /// The layout, pinned. If this fails, the layout has changed: the schema must have changed with it.
     #[test]
     fn in_the_published_layout() {
-        let frame = framed(&six_moves());
+        let frame = framed(&driving());
         let plain = unstuffed(body_of(&frame));
         #[rustfmt::skip]
         let expected = [
@@ -51,21 +57,77 @@ mod arrives {
             2,                       // sender
             3,                       // epoch
             0xc8, 0x01,              // sequence 200
-            4,                       // round
-            1,                       // announced
-            0,                       // plan
-            1, 24,                   // goal p24
-            8,                       // path start p8
-            6, 0x33, 0x41, 0x11,     // six moves: right right, down wait, down down
-            5,                       // step
-            0x00, 0x00, 0x40, 0x3f,  // probability 0.75
-            1, 23,                   // one hazard
+            0xac, 0x02,              // round 300
+            0b111,                   // members: robots 0, 1 and 2
+            0,                       // no walls: nobody is left out
+            8,                       // it stood on p8 when the round began
+            0,                       // it is for a goal
+            1, 23, 0x40,             // evidence on one cell, p23: four nats for an obstacle
+            2,                       // it has decided
+            1, 2, 3, 4,              // the digest
+            0,                       // no scores any more
+            1, 3, 191,               // policy 3 with a probability of 191/255
+            5,                       // five moves are made
         ];
         let (signed, tag) = plain.split_at(plain.len() - TAG_BYTES);
         assert_eq!(signed, expected);
         assert_eq!(tag, GOLDEN_TAG);
         assert_eq!(CONTEXT.to_bits(), GOLDEN_CONTEXT);
-        assert_eq!(frame.len(), 33, "a typical frame");
+        assert_eq!(frame.len(), 35, "a typical frame");
+    }
+
+    #[test]
+    fn in_the_published_layout_while_a_robot_decides_without_another() {
+        let view = View::full(3).without(RobotId(1));
+        let wall: CellSet<2> = [9, 12, 16].map(Cell).into_iter().collect();
+        let proposal = Proposal { round: 7, view, walls: [Cells(wall).to_wire(1)].into_iter().collect() };
+        let fact = Fact { anchor: Cell(8), purpose: Purpose::Visit(Cell(40)), evidence: Announced::new() };
+        let scores = [Score { delay: 8, price: 0 }, Score::CANNOT].into_iter().collect();
+        let answer = Answer::Scored { digest: Digest([1, 2, 3, 4]), scores };
+        let said = Said {
+            message: iibt_core::navigation::Intention(RoundMessage { proposal, fact, answer }),
+            ..driving()
+        };
+        let plain = unstuffed(body_of(&framed(&said)));
+        #[rustfmt::skip]
+        let expected = [
+            7, 0b101,                      // round 7 of robots 0 and 2
+            1, 0, 1, 2, 0b0001_0010, 0b1,  // one wall, cell by cell from p8 on, two bytes: p9 and p12, p16
+            8, 1, 40, 0,                   // from p8 to the way-point p40, no evidence
+            1, 1, 2, 3, 4,                 // it has scored the list of this digest
+            2, 8, 0, 255, 255,             // two policies: a tick late, and cannot
+        ];
+        assert_eq!(plain[5..plain.len() - TAG_BYTES], expected);
+        assert_eq!(decode(body_of(&framed(&said)), &AUTH), Ok(said));
+    }
+
+    /// In the middle of a long mission on a map of 256 cells: epoch 40, sequence 100,000, round 300, evidence on four cells.
+    #[test]
+    fn in_few_bytes_while_robots_decide_and_fewer_while_they_drive() {
+        let digest = Digest([0xff; 4]);
+        let scores: Scores<K> =
+            (0..K as u8).map(|policy| Score { delay: 100 + policy, price: 200 }).collect();
+        let choice = Some(Choice { policy: 15, probability: 255 });
+        let length =
+            |team: usize, left_out: usize, answer: &Answer<K>| framed(&mission(team, left_out, answer)).len();
+        let scored = Answer::Scored { digest, scores: scores.clone() };
+        let decided = Answer::Decided { digest, scores: Some(scores), choice, step: 31 };
+        let driving = Answer::Decided { digest, scores: None, choice, step: 31 };
+        for (answer, most) in [(&scored, 85), (&decided, 89), (&driving, 53), (&Answer::Listing(16), 53)] {
+            let full = length(8, 0, answer);
+            println!(
+                "{} bytes of at most {most}, {:?}",
+                full,
+                (1..=4).map(|left_out| length(8, left_out, answer)).collect::<Vec<_>>()
+            );
+            assert!(full <= most, "{full} bytes: {answer:?}");
+            for left_out in 1..=4 {
+                assert!(
+                    length(8, left_out, answer) <= full + 14 * left_out,
+                    "{left_out} left out: {answer:?}"
+                );
+            }
+        }
     }
 
     #[test]
@@ -73,6 +135,7 @@ mod arrives {
         let longest = framed(&largest());
         let content = Intention::MAX_BYTES + "version, sender".split(' ').count() + 5 + 5 + TAG_BYTES;
         assert_eq!(longest.len(), content + 1 + 2, "a byte for COBS, and the delimiters");
+        assert!(longest.len() <= 127);
         assert_eq!(decode(body_of(&longest), &AUTH), Ok(largest()));
         let mut random = Random::new(2);
         assert!((0..5_000).all(|_| framed(&intention(&mut random)).len() <= MAX_FRAME));
@@ -90,12 +153,12 @@ mod arrives {
 
     #[test]
     fn in_a_buffer_of_just_its_length() {
-        let frame = framed(&six_moves());
+        let frame = framed(&driving());
         for length in 0..frame.len() {
-            let outcome = encode(&six_moves(), &AUTH, &mut vec![0; length]).map(<[u8]>::len);
+            let outcome = encode(&driving(), &AUTH, &mut vec![0; length]).map(<[u8]>::len);
             assert_eq!(outcome, Err(EncodeError::BufferTooSmall), "{length} bytes");
         }
-        assert_eq!(encode(&six_moves(), &AUTH, &mut vec![0; frame.len()]), Ok(&frame[..]));
+        assert_eq!(encode(&driving(), &AUTH, &mut vec![0; frame.len()]), Ok(&frame[..]));
     }
 }
 
@@ -160,11 +223,7 @@ mod is_refused {
         for bit in 0..128 {
             let key = (u128::from_le_bytes(*b"the team's key..") ^ (1 << bit)).to_le_bytes();
             let other = SipHash64::new(Key::new(key));
-            assert_eq!(
-                decode(body_of(&framed(&six_moves())), &other),
-                Err(DecodeError::Tag),
-                "key bit {bit}"
-            );
+            assert_eq!(decode(body_of(&framed(&driving())), &other), Err(DecodeError::Tag), "key bit {bit}");
         }
     }
 
@@ -179,7 +238,7 @@ mod is_refused {
 
     #[test]
     fn a_frame_of_another_team_mission_or_layout() {
-        let frame = framed(&six_moves());
+        let frame = framed(&driving());
         let contexts = [
             Context::of::<Intention>(4, 0x51),
             Context::of::<Intention>(3, 0x52),
@@ -189,16 +248,16 @@ mod is_refused {
             let refused = iibt_core::team::decode::<Intention>(body_of(&frame), &AUTH, other);
             assert_eq!(refused, Err(DecodeError::Tag), "{other:?}");
             let mut buffer = [0; MAX_FRAME];
-            let theirs = iibt_core::team::encode(&six_moves(), &AUTH, other, &mut buffer).unwrap();
+            let theirs = iibt_core::team::encode(&driving(), &AUTH, other, &mut buffer).unwrap();
             assert_eq!(decode(body_of(theirs), &AUTH), Err(DecodeError::Tag), "{other:?}");
-            assert_eq!(iibt_core::team::decode(body_of(theirs), &AUTH, other), Ok(six_moves()));
+            assert_eq!(iibt_core::team::decode(body_of(theirs), &AUTH, other), Ok(driving()));
         }
     }
 
     #[test]
     fn a_frame_of_another_version() {
         for version in (0..=u8::MAX).filter(|&version| version != VERSION) {
-            let frame = sealed(version, &body(&six_moves()));
+            let frame = sealed(version, &body(&driving()));
             assert_eq!(decode(&frame, &AUTH), Err(DecodeError::Version(version)));
         }
     }
@@ -206,7 +265,7 @@ mod is_refused {
     #[test]
     fn bytes_that_are_no_frame_at_all() {
         let long = vec![1; MAX_FRAME - 1];
-        let with_delimiter = framed(&six_moves());
+        let with_delimiter = framed(&driving());
         for (bytes, expected) in [
             (&[][..], DecodeError::TooShort),
             (&[1], DecodeError::TooShort),
@@ -232,27 +291,59 @@ mod although_authentic {
     #[test]
     fn a_value_out_of_range_is_named() {
         let with = |change: fn(&mut Vec<u8>)| {
-            let mut body = body(&six_moves());
+            let mut body = body(&driving());
             change(&mut body);
             decode(&sealed(VERSION, &body), &AUTH)
         };
-        assert_eq!(with(|_| ()), Ok(six_moves()));
+        assert_eq!(with(|_| ()), Ok(driving()));
         for (change, expected) in [
             ((|body| body[0] = MAX_TEAM as u8) as fn(&mut Vec<u8>), DecodeError::Sender),
-            (|body| body[5] = 5, DecodeError::Body),
-            (|body| body[10] = 65, DecodeError::Body),
-            (|body| body[11] = 0x53, DecodeError::Invalid(Intention::NO_MOVE)),
-            (|body| body[14] = 7, DecodeError::Invalid(Intention::STEP_BEYOND_PATH)),
-            (|body| body[18] = 0x7f, DecodeError::Invalid(Intention::NO_PROBABILITY)),
-            (
-                |body| body[15..19].copy_from_slice(&f32::NAN.to_le_bytes()),
-                DecodeError::Invalid(Intention::NO_PROBABILITY),
-            ),
-            (|body| body[19] = MAX_HAZARDS as u8 + 1, DecodeError::Body),
+            (|body| body[7] = MAX_TEAM as u8 + 1, DecodeError::Body), // walls
+            (|body| body[9] = 4, DecodeError::Body),                  // purpose
+            (|body| body[10] = MAX_EVIDENCE as u8 + 1, DecodeError::Body),
+            (|body| body[13] = 3, DecodeError::Body), // answer
+            (|body| body[18] = 2, DecodeError::Body), // scores or none
+            (|body| body[19] = 2, DecodeError::Body), // choice or none
             (|body| body.push(0), DecodeError::Trailing),
             (|body| body.truncate(body.len() - 1), DecodeError::Body),
         ] {
             assert_eq!(with(change), Err(expected));
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_the_team_or_the_map_is_named() {
+        let with = |change: fn(&mut RoundMessage<Fact<2>, K>)| {
+            let mut message = driving().message;
+            change(&mut message.0);
+            message.check(3, 49)
+        };
+        let wall = || Blocks::default();
+        assert_eq!(with(|_| ()), Ok(()));
+        for (change, expected) in [
+            ((|said| said.proposal.view = View::full(4)) as fn(&mut RoundMessage<_, K>), Round::STRANGER),
+            (|said| said.proposal.view = View::full(2), Round::WALLS),
+            (|said| said.answer = Answer::Listing(K as u8 + 1), Round::LISTING),
+            (|said| choose(said, K as u8), Round::CHOICE),
+            (|said| said.fact.anchor = Cell(49), Intention::OUTSIDE),
+            (|said| said.fact.purpose = Purpose::Charge(Cell(49)), Intention::OUTSIDE),
+            (|said| said.fact.evidence[0].cell = Cell(49), Intention::OUTSIDE),
+        ] {
+            assert_eq!(with(change), Err(expected));
+        }
+        let mut spare = driving().message;
+        spare.0.proposal.walls.push(wall()).expect("there is room");
+        assert_eq!(spare.check(3, 49), Err(Round::WALLS));
+        choose(&mut spare.0, K as u8 - 1);
+        spare.0.proposal.walls.clear();
+        assert_eq!(spare.check(3, 49), Ok(()));
+    }
+
+    type Round = RoundMessage<Fact<2>, K>;
+
+    fn choose(said: &mut Round, policy: u8) {
+        if let Answer::Decided { choice, .. } = &mut said.answer {
+            *choice = Some(Choice { policy, probability: 0 });
         }
     }
 
@@ -277,12 +368,11 @@ mod although_authentic {
     #[test]
     fn the_sender_refuses_it_first() {
         let refused = |change: fn(&mut Said)| {
-            let mut said = six_moves();
+            let mut said = driving();
             change(&mut said);
             encode(&said, &AUTH, &mut [0; MAX_FRAME]).map(<[u8]>::len)
         };
-        let invalid = Err(EncodeError::Invalid(Intention::NO_PROBABILITY));
-        assert_eq!(refused(|said| said.message.probability = f32::NAN), invalid);
+        assert!(refused(|_| ()).is_ok());
         assert_eq!(refused(|said| said.sender = RobotId(MAX_TEAM as u8)), Err(EncodeError::Sender));
     }
 
@@ -359,9 +449,8 @@ mod in_a_stream {
             for bit in 0..8 * damaged_length {
                 let mut stream = stream.clone();
                 stream[bit / 8] ^= 1 << (bit % 8);
-                // The delimiter before the first frame is not missed at the beginning of a stream
-                // only if it turns into a byte of the frame; the one after it has another behind
-                // it.
+                // The delimiter before the first frame is not missed at the beginning of a stream only if it turns
+                // into a byte of the frame; the one after it has another behind it.
                 let expected = [second.clone(), third.clone()];
                 let received = received(&stream);
                 let rest = received.strip_prefix(std::slice::from_ref(&first)).unwrap_or(&received);
@@ -402,58 +491,65 @@ mod in_a_stream {
     fn a_flood_of_junk_is_counted_and_harmless() {
         let mut random = Random::new(13);
         let mut roster = roster();
-        receive(&mut roster, body_of(&framed(&six_moves())), Instant(0)).unwrap();
+        receive(&mut roster, body_of(&framed(&driving())), Instant(0)).unwrap();
         for _ in 0..10_000 {
             let length = random.below(40);
             receive(&mut roster, &random.bytes(length), Instant(1)).unwrap_err();
         }
         assert_eq!((roster.counters().accepted, roster.counters().refused()), (1, 10_000));
-        assert_eq!(roster.peer(RobotId(2)).map(|peer| peer.envelope().clone()), Some(six_moves()));
+        assert_eq!(roster.peer(RobotId(2)).map(|peer| peer.envelope().clone()), Some(driving()));
     }
 }
 
-/// The context that `six_moves` is pinned in.
-const GOLDEN_CONTEXT: u64 = 0x4b52_df06_1484_db23;
-const GOLDEN_TAG: [u8; TAG_BYTES] = [0, 149, 167, 98, 163, 110, 205, 254];
+/// The context that `driving` is pinned in.
+const GOLDEN_CONTEXT: u64 = 16_654_270_162_135_346_735;
+const GOLDEN_TAG: [u8; TAG_BYTES] = [50, 123, 157, 183, 240, 71, 101, 89];
 
-/// A path of six moves, half-way through a mission.
-fn six_moves() -> Said {
-    let mut path = Path::at(Cell(8));
-    for step in [Move::Right, Move::Right, Move::Down, Move::Wait, Move::Down, Move::Down] {
-        path.push(step).unwrap();
-    }
-    let mut message = Intention {
-        round: Round(4),
-        stage: Stage::Announced,
-        plan: 0,
-        goal: Some(Cell(24)),
-        path,
-        step: 5,
-        probability: 0.75,
-        hazards: Default::default(),
+/// After five moves, half-way through a mission.
+fn driving() -> Said {
+    let evidence = [CellEvidence { cell: Cell(23), weight: 64 }].into_iter().collect();
+    let choice = Some(Choice { policy: 3, probability: 191 });
+    let message = RoundMessage {
+        proposal: Proposal { round: 300, ..Proposal::first(3) },
+        fact: Fact { anchor: Cell(8), purpose: Purpose::Goal, evidence },
+        answer: Answer::Decided { digest: Digest([1, 2, 3, 4]), scores: None, choice, step: 5 },
     };
-    message.hazards.push(Cell(23)).unwrap();
-    Said { sender: RobotId(2), stamp: Stamp { epoch: 3, sequence: 200 }, message }
+    let stamp = Stamp { epoch: 3, sequence: 200 };
+    Said { sender: RobotId(2), stamp, message: iibt_core::navigation::Intention(message) }
 }
+
+/// A robot of a team on its way to a way-point, with evidence on four cells; so many teammates are left out.
+fn mission(team: usize, left_out: usize, answer: &Answer<K>) -> Said {
+    let view: View = (left_out as u8..team as u8).map(RobotId).collect();
+    let wall = || Cells::<8>((100..).step_by(9).take(10).map(Cell).collect()).to_wire(left_out);
+    let evidence = (200..).take(MAX_EVIDENCE).map(|cell| CellEvidence { cell: Cell(cell), weight: -64 });
+    let message = RoundMessage {
+        proposal: Proposal { round: 300, view, walls: (0..left_out).map(|_| wall()).collect() },
+        fact: Fact { anchor: Cell(200), purpose: Purpose::Visit(Cell(201)), evidence: evidence.collect() },
+        answer: answer.clone(),
+    };
+    let stamp = Stamp { epoch: 40, sequence: 100_000 };
+    Said { sender: RobotId(7), stamp, message: iibt_core::navigation::Intention(message) }
+}
+
+/// The highest cell that a map can have.
+const LAST: Cell = Cell((1 << 14) - 1);
 
 /// Every number as large as it can be, which is what takes the most bytes.
 fn largest() -> Said {
-    let mut path = Path::at(Cell(u16::MAX));
-    for _ in 0..HORIZON {
-        path.push(Move::Wait).unwrap();
-    }
-    let mut message = Intention {
-        round: Round(u16::MAX),
-        stage: Stage::Away,
-        plan: u32::MAX,
-        goal: Some(Cell(u16::MAX)),
-        path,
-        step: HORIZON as u8,
-        probability: 1.0,
-        hazards: Default::default(),
+    let wall = Cells::<2>([0, 63].map(Cell).into_iter().collect());
+    let view: View = (3..MAX_TEAM as u8).map(RobotId).collect();
+    let proposal = Proposal { round: u32::MAX, view, walls: (0..3).map(|_| wall.to_wire(3)).collect() };
+    let evidence = [CellEvidence { cell: LAST, weight: i8::MIN }; MAX_EVIDENCE].into_iter().collect();
+    let fact = Fact { anchor: LAST, purpose: Purpose::Charge(LAST), evidence };
+    let answer = Answer::Decided {
+        digest: Digest([0xff; 4]),
+        scores: Some([Score::CANNOT; K].into_iter().collect()),
+        choice: Some(Choice { policy: K as u8 - 1, probability: u8::MAX }),
+        step: u16::MAX,
     };
-    while message.hazards.push(Cell(u16::MAX)).is_ok() {}
     let stamp = Stamp { epoch: u32::MAX, sequence: u32::MAX };
+    let message = iibt_core::navigation::Intention(RoundMessage { proposal, fact, answer });
     Said { sender: RobotId(MAX_TEAM as u8 - 1), stamp, message }
 }
 
@@ -521,34 +617,50 @@ fn number(random: &mut Random) -> u32 {
 }
 
 fn cell(random: &mut Random) -> Cell {
-    Cell(number(random) as u16)
+    Cell(number(random) as u16 & LAST.0)
 }
 
-fn intention(random: &mut Random) -> Said {
-    const STAGES: [Stage; 5] =
-        [Stage::Deciding, Stage::Announced, Stage::Agreed, Stage::Arrived, Stage::Away];
-    let path = path(random);
-    let mut message = Intention {
-        round: Round(number(random) as u16),
-        stage: STAGES[random.below(5)],
-        plan: number(random),
-        goal: (random.below(4) > 0).then(|| cell(random)),
-        path,
-        step: random.below(path.len() + 1) as u8,
-        probability: random.below(1001) as f32 / 1000.0,
-        hazards: Default::default(),
-    };
-    for _ in 0..random.below(MAX_HAZARDS + 1) {
-        message.hazards.push(cell(random)).unwrap();
-    }
+/// Any valid message of a team of eight.
+pub(crate) fn intention(random: &mut Random) -> Said {
+    let message = RoundMessage { proposal: proposal(random), fact: fact(random), answer: answer(random) };
     let stamp = Stamp { epoch: number(random), sequence: number(random) };
-    Said { sender: RobotId(random.below(MAX_TEAM) as u8), stamp, message }
+    let sender = RobotId(random.below(MAX_TEAM) as u8);
+    Said { sender, stamp, message: iibt_core::navigation::Intention(message) }
 }
 
-fn path(random: &mut Random) -> Path {
-    let mut path = Path::at(cell(random));
-    for _ in 0..random.below(HORIZON + 1) {
-        path.push(Move::ALL[random.below(5)]).unwrap();
+/// A proposal of a team of eight, of which up to four are left out.
+fn proposal(random: &mut Random) -> Proposal<Cells<2>> {
+    let left_out = random.below(5);
+    let view: View = (left_out as u8..8).map(RobotId).collect();
+    let wall = |random: &mut Random| {
+        let cells: CellSet<2> = (0..random.below(12)).map(|_| Cell(random.below(64) as u16)).collect();
+        Cells(cells).to_wire(left_out)
+    };
+    Proposal { round: number(random), view, walls: (0..left_out).map(|_| wall(random)).collect() }
+}
+
+fn fact(random: &mut Random) -> Fact<2> {
+    let (anchor, target) = (cell(random), cell(random));
+    let purpose =
+        [Purpose::Goal, Purpose::Visit(target), Purpose::Charge(target), Purpose::Stand][random.below(4)];
+    let known = |random: &mut Random| CellEvidence { cell: cell(random), weight: random.bits() as i8 };
+    let evidence = (0..random.below(MAX_EVIDENCE + 1)).map(|_| known(random)).collect();
+    Fact { anchor, purpose, evidence }
+}
+
+fn answer(random: &mut Random) -> Answer<K> {
+    let digest = Digest(random.bits().to_le_bytes());
+    let score = |random: &mut Random| Score { delay: random.bits() as u8, price: random.bits() as u8 };
+    let scores: Scores<K> = (0..1 + random.below(K)).map(|_| score(random)).collect();
+    let policy = random.below(scores.len()) as u8;
+    match random.below(4) {
+        0 => Answer::Listing(random.below(K + 1) as u8),
+        1 => Answer::Scored { digest, scores },
+        kind => Answer::Decided {
+            digest,
+            scores: Some(scores).filter(|_| kind == 2),
+            choice: random.bernoulli(0.9).then(|| Choice { policy, probability: random.bits() as u8 }),
+            step: number(random) as u16,
+        },
     }
-    path
 }

@@ -105,7 +105,11 @@ fn fault(case: &Case, plan: &JointPlan<8>, is_for_all: bool) -> Option<String> {
         return Some(format!("{} paths", robots.len()));
     }
     moves_fault(case, &robots)
-        .or_else(|| conflict(&robots))
+        .or_else(|| {
+            conflict(&robots)
+                .filter(|fault| !(may_follow(case) && fault.is_following))
+                .map(|fault| fault.what)
+        })
         .or_else(|| ends_fault(case, plan, &robots, is_for_all))
 }
 
@@ -129,19 +133,57 @@ fn moves_fault(case: &Case, robots: &[Vec<Cell>]) -> Option<String> {
     None
 }
 
-/// A shared cell, or one that is entered while another robot leaves it: swaps and rotations are made of these.
-fn conflict(robots: &[Vec<Cell>]) -> Option<String> {
+/// Whether robots may follow each other closely: the search for robots that own their targets lets them, as long as
+/// they neither swap nor rotate.
+fn may_follow(case: &Case) -> bool {
+    case.errands.iter().any(|errand| matches!(errand.target, Target::Own(_)))
+}
+
+/// Two robots in each other's way.
+struct Conflict {
+    what: String,
+    /// Whether one only enters the cell that another leaves, and no circle of robots does.
+    is_following: bool,
+}
+
+/// Whether the robots that leave cells which others enter in a step form a circle.
+fn rotates(robots: &[Vec<Cell>], step: usize) -> bool {
+    let leaver = |robot: usize| {
+        (0..robots.len()).find(|&other| other != robot && robots[robot][step] == robots[other][step - 1])
+    };
+    (0..robots.len()).any(|first| {
+        let mut next = leaver(first);
+        for _ in 0..robots.len() {
+            match next {
+                Some(robot) if robot == first => return true,
+                Some(robot) => next = leaver(robot),
+                None => return false,
+            }
+        }
+        false
+    })
+}
+
+/// A shared cell, a circle, or a cell that is entered while another robot leaves it.
+fn conflict(robots: &[Vec<Cell>]) -> Option<Conflict> {
+    let mut following = None;
     for (a, first) in robots.iter().enumerate() {
         for (b, second) in robots.iter().enumerate().filter(|&(b, _)| b != a) {
             if let Some(step) = (0..first.len()).find(|&step| first[step] == second[step]) {
-                return Some(format!("{a} and {b} share a cell at step {step}"));
+                let what = format!("{a} and {b} share a cell at step {step}");
+                return Some(Conflict { what, is_following: false });
             }
             if let Some(step) = (1..first.len()).find(|&step| first[step] == second[step - 1]) {
-                return Some(format!("{a} follows {b} at step {step}"));
+                let what = format!("{a} follows {b} at step {step}");
+                following.get_or_insert(Conflict { what, is_following: true });
             }
         }
     }
-    None
+    let steps = robots.first().map_or(0, Vec::len);
+    match (1..steps).find(|&step| rotates(robots, step)) {
+        Some(step) => Some(Conflict { what: format!("a circle at step {step}"), is_following: false }),
+        None => following,
+    }
 }
 
 fn ends_fault(case: &Case, plan: &JointPlan<8>, robots: &[Vec<Cell>], is_for_all: bool) -> Option<String> {
@@ -276,7 +318,7 @@ fn the_checker_finds_what_it_looks_for() {
     assert_eq!(fault(&[0], &[1, 2]), "");
     assert_eq!(fault(&[0], &[1, 0]), "0 and 1 share a cell at step 1");
     assert_eq!(fault(&[0, 1], &[1, 2]), "0 follows 1 at step 1");
-    assert_eq!(fault(&[0, 1], &[1, 0]), "0 follows 1 at step 1");
+    assert_eq!(fault(&[0, 1], &[1, 0]), "a circle at step 1");
     assert_eq!(fault(&[0], &[1, 4]), "moves from Cell(1) to Cell(4)");
     assert_eq!(fault(&[3], &[1, 2]), "starts on Cell(3)");
     assert_eq!(fault(&[0], &[1]), "0 of 1 goals, short by 0");
@@ -495,7 +537,7 @@ fn the_words_of_a_set_of_cells_change_no_plan() {
 #[test]
 fn plans_on_the_chip_are_those_of_the_host() {
     let mut robot = Robot::boot_counting(&image("joint_plans"));
-    for (robots, budget) in [(2, 42_000), (4, 100_000), (8, 310_000)] {
+    for (robots, budget) in [(2, 45_000), (4, 105_000), (8, 325_000)] {
         let line = robot.wait_for(&format!("{robots} robots: took")).message;
         let instructions = |before| u64::from(number(&line, before)) * 1000 / 168;
         let (mean, worst) = (instructions("took "), instructions("worst "));

@@ -1,6 +1,7 @@
 //! B learned from experience: by a robot in flight, which then chooses otherwise, and on the host
 //! from a log.
 
+use firmware::missions::{LAYERS, NODES, POLICIES};
 use host_sim::{
     Conditions, ExecutionLog, Faults, Learned, Logbook, MoveRatio, NavigatorFlight, Record, Scenario, fly,
     library,
@@ -80,12 +81,12 @@ mod in_flight {
         let slip = 0.5_f32;
         for seed in 0..10 {
             let faults = Faults { slip: f64::from(slip), ..Faults::default() };
-            let flight = NavigatorFlight::<49, 2, 16>::over(&mission, faults, seed);
+            let flight = NavigatorFlight::<49, 2, LAYERS, NODES, POLICIES>::over(&mission, faults, seed);
             let mut flight = flight.expect("a sound mission");
             // The robot is put back again and again, so that it tries its moves often.
             let mut made = [0_u16; 2];
-            for tick in 0..4000 {
-                if tick % 40 == 39 {
+            for tick in 0..8000 {
+                if tick % 80 == 79 {
                     flight.place(0, starts[0]);
                 }
                 let before = flight.cells()[0].0;
@@ -94,7 +95,7 @@ mod in_flight {
                 made[0] += u16::from(after == before + 1);
                 made[1] += u16::from(after == before + 7);
             }
-            let learned = flight.robot(0).robot().navigation().slips();
+            let learned = flight.robot(0).robot().navigation().localisation().slips();
             for (step, made) in [Move::Right, Move::Down].into_iter().zip(made) {
                 let found = learned[usize::from(step.code())];
                 let tries = f32::from(made) / (1.0 - slip);

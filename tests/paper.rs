@@ -5,7 +5,7 @@ use host_sim::reproduce::{
     self, CHAPTERS, DecisionMode, Effort, Item, Judged, Reproduction, Section, Verdict, choice, detour,
 };
 use host_sim::{Conditions, FlightEvent, Outcome, fly, library};
-use iibt_core::grid::{Cell, Path, first_conflict};
+use iibt_core::grid::{Path, first_conflict};
 
 /// A chapter as the report has it.
 fn section(id: &str) -> Section {
@@ -57,6 +57,7 @@ fn section_5_1_by_default_arrives_together_at_different_goals() {
     let judged = decision.judge(DecisionMode::Default);
     // B with c, B with d, C with a.
     assert_eq!(decision.simultaneous(), [6, 7, 9]);
+    assert_eq!(decision.soonest(), 6, "the first of them in the order of the lists");
     assert!(total(&judged, &[6, 7, 9]) > 0.999, "{:?}", judged.posterior);
     assert_eq!(iibt_core::math::argmax(&judged.posterior), 9);
 }
@@ -78,9 +79,22 @@ fn settle(name: &str) -> [Path; 2] {
 }
 
 #[test]
-fn section_5_1_both_robots_settle_on_the_same_pair_each_from_its_own_senses() {
+fn section_5_1_both_robots_follow_the_first_of_the_pairs_that_arrive_together() {
     let decision = choice();
-    assert_eq!(settle("two-goals"), [decision.candidates[0][2].1, decision.candidates[1][1].1], "C with a");
+    assert_eq!(settle("two-goals"), [decision.candidates[0][1].1, decision.candidates[1][2].1], "B with c");
+}
+
+#[test]
+fn section_5_1_the_papers_pair_is_flown_where_it_comes_first() {
+    let mut scenario = library::find("two-goals").expect("it is built in").expect("it is sound");
+    scenario.robots[0].paths.swap(0, 2);
+    let record = fly(&scenario, Conditions::default(), &mut ()).expect("it can be flown");
+    let decision = choice();
+    let paths = [decision.candidates[0][2].1, decision.candidates[1][1].1];
+    for (robot, path) in record.robots.iter().zip(paths) {
+        assert!(path.cells(&reproduce::map()).eq(robot.path.iter().copied()), "C with a: {:?}", robot.path);
+    }
+    assert_eq!((record.outcome, record.spread()), (Outcome::Together, 0));
 }
 
 #[test]
@@ -93,7 +107,7 @@ fn section_5_2_both_robots_settle_on_a_pair_that_arrives_together_without_a_conf
 
 #[test]
 fn the_image_carries_the_paths_of_choice() {
-    let lists = SECTION_5_1.candidates.expect("they are listed");
+    let lists = SECTION_5_1.paths.expect("they are listed");
     let paths = choice().candidates.map(|list| list.into_iter().map(|(_, path)| path).collect::<Vec<_>>());
     assert_eq!(lists.iter().map(|list| list.to_vec()).collect::<Vec<_>>(), paths);
 }
@@ -109,14 +123,21 @@ fn section_5_2_as_a_run_the_obstacle_appears_on_the_way_and_both_choose_again() 
     let appeared = record
         .events
         .iter()
-        .find(|timed| timed.event == FlightEvent::Appeared { cell: Cell(30) })
+        .find(|timed| matches!(timed.event, FlightEvent::Appeared { .. }))
         .expect("it appears")
         .tick;
     let moved = record.history[appeared as usize] != record.history[0];
     let chosen = |timed: &&host_sim::TimedEvent| matches!(timed.event, FlightEvent::Chose { .. });
     let after = record.events.iter().filter(chosen).filter(|timed| timed.tick > appeared).count();
     assert!(moved && after == 2, "{:?}", record.events);
-    assert_eq!(record.outcome, Outcome::Together);
+    assert_eq!((record.outcome, record.collisions.total()), (Outcome::Together, 0));
+}
+
+#[test]
+fn section_6_1_every_plan_is_chosen_in_common_within_three_ticks() {
+    let section = section("6.1");
+    assert_all(&items(&section, "every plan: all choose the same joint policy"), 1, Verdict::Holds);
+    assert_all(&items(&section, "phase "), 8, Verdict::Holds);
 }
 
 #[test]

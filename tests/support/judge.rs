@@ -38,12 +38,21 @@ fn collisions(before: &[Vec<Cell>], after: &[Vec<Cell>]) -> u32 {
 
 /// Flies until all have arrived or the limit is reached.
 pub fn fly<R: AnyRobot + ?Sized>(flight: &mut Flight<'_, R>, limit: u32) -> Outcome {
+    fly_until(flight, limit, |flight| flight.has_arrived())
+}
+
+/// Flies until those have arrived who are asked for, or the limit is reached.
+pub fn fly_until<'m, R: AnyRobot + ?Sized>(
+    flight: &mut Flight<'m, R>,
+    limit: u32,
+    have_arrived: impl Fn(&Flight<'m, R>) -> bool,
+) -> Outcome {
     let mut outcome = Outcome { arrived: None, collisions: 0, lost: 0 };
     while outcome.arrived.is_none() && flight.ticks() < limit {
         let before = occupied(flight);
         flight.tick();
         outcome.collisions += collisions(&before, &occupied(flight));
-        outcome.arrived = flight.has_arrived().then(|| flight.ticks());
+        outcome.arrived = have_arrived(flight).then(|| flight.ticks());
     }
     outcome.lost = flight.traffic().iter().map(|traffic| traffic.lost).sum();
     outcome

@@ -1,17 +1,23 @@
 //! A robot of section 5.1 on the host whose teammate is the image in the emulator, and forged
 //! frames.
 
-use firmware::missions::{CANDIDATES, CELLS, SECTION_5_1, WORDS};
+use firmware::missions::{CELLS, LAYERS, NODES, POLICIES, SECTION_5_1, WORDS};
 use host_sim::{AnyRobot, EventEffect, Faults, Flight, KEY, NavigatorFlight};
-use iibt_core::navigation::{Intention, Mission, Navigation, Said};
-use iibt_core::team::{Context, Key, MAX_FRAME, SipHash64, encode};
+use iibt_core::navigation::{Intention, Navigation};
+use iibt_core::team::{Context, Envelope, Key, MAX_FRAME, SipHash64, encode};
 
 /// The key of the image `team_member`.
 pub const DEMO_KEY: Key = Key::new(*b"section 5.1 demo");
 
+/// The task of a robot of section 5.1, with the sizes of the image.
+pub type Task = Navigation<'static, CELLS, WORDS, LAYERS, NODES, POLICIES>;
+
+/// What a robot of section 5.1 announces.
+pub type Message = Intention<WORDS, POLICIES>;
+
 /// One of the robots of section 5.1; the others have stopped.
 pub struct OnHost {
-    flight: NavigatorFlight<'static, CELLS, WORDS, CANDIDATES>,
+    flight: NavigatorFlight<'static, CELLS, WORDS, LAYERS, NODES, POLICIES>,
     number: usize,
 }
 
@@ -37,27 +43,35 @@ impl OnHost {
 
     /// Its task.
     #[must_use]
-    pub fn navigation(&self) -> &Navigation<'static, CELLS, WORDS, CANDIDATES> {
+    pub fn navigation(&self) -> &Task {
         self.flight.robot(self.number).robot().navigation()
+    }
+
+    /// What the frames of its team belong to.
+    #[must_use]
+    pub fn context(&self) -> Context {
+        context(self.navigation())
     }
 }
 
-/// What the frames of a mission belong to.
+/// What the frames of a robot's team belong to.
 #[must_use]
-pub fn context<const W: usize>(mission: &Mission<'_, W>) -> Context {
-    Context::of::<Intention>(0, mission.id())
+pub fn context<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>(
+    robot: &Navigation<'_, S, W, L, M, K>,
+) -> Context {
+    Context::of::<Intention<W, K>>(0, robot.mission_id())
 }
 
 /// Has every robot receive an intention, whichever robot it names, with a valid tag.
 ///
 /// # Panics
 /// When no frame carries such an intention.
-pub fn overhear<R: AnyRobot, const W: usize>(
+pub fn overhear<R: AnyRobot, const W: usize, const K: usize>(
     flight: &mut Flight<'_, R>,
-    mission: &Mission<'_, W>,
-    said: &Said,
+    context: Context,
+    said: &Envelope<Intention<W, K>>,
 ) {
     let mut buffer = [0; MAX_FRAME];
-    let frame = encode(said, &SipHash64::new(KEY), context(mission), &mut buffer).expect("it fits a frame");
-    (0..mission.starts.len()).for_each(|robot| flight.deliver(robot, frame));
+    let frame = encode(said, &SipHash64::new(KEY), context, &mut buffer).expect("it fits a frame");
+    (0..flight.cells().len()).for_each(|robot| flight.deliver(robot, frame));
 }

@@ -1,0 +1,165 @@
+//! Way-points and batteries.
+
+use super::*;
+
+#[test]
+fn way_points_are_visited_in_order_before_any_goal_while_the_others_go_on() {
+    let mission = factory();
+    let mut team = agreed(&mission);
+    visit(&mut team, 0, 42);
+    visit(&mut team, 0, 4);
+    let tracks = fly_to_the_end(&mut team);
+    assert!(passed(&tracks[0], &[42, 4]), "{:?}", tracks[0]);
+    let first_goal = tracks[0].iter().position(|&cell| cell == 4).expect("it was there");
+    assert!(tracks[1..].iter().all(|track| GOALS.contains(&Cell(track[first_goal]))), "the others are there");
+    assert!(on_goals(&team, &mission) && task(&team, 0).waypoints().is_empty());
+}
+
+#[test]
+fn two_robots_with_way_points_of_their_own_come_to_one_plan_after_the_other() {
+    for loss in [0.0, 0.3] {
+        let mut most = 0;
+        for seed in 0..20 {
+            let mission = factory();
+            let mut team = lossy(&mission, loss, seed);
+            fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
+            visit(&mut team, 0, 4);
+            visit(&mut team, 2, 42);
+            let tracks = fly_to_the_end(&mut team);
+            assert!(passed(&tracks[0], &[4]) && passed(&tracks[2], &[42]), "loss {loss}, seed {seed}");
+            most = most.max(round(&team));
+        }
+        // A round to go, and one for each robot that is done; each opener has every third number.
+        println!("way-points with a loss of {loss}: {most} is the last round");
+        assert!(most <= 15, "{most}");
+    }
+}
+
+#[test]
+fn a_robot_that_has_arrived_sets_out_again_for_a_way_point() {
+    let mission = factory();
+    let mut team = team(&mission);
+    fly_until(&mut team, "all stop", stopped);
+    visit(&mut team, 1, 0);
+    let tracks = fly_to_the_end(&mut team);
+    assert!(passed(&tracks[1], &[0]) && on_goals(&team, &mission));
+}
+
+#[test]
+fn a_way_point_that_has_become_an_obstacle_waits_until_it_is_free() {
+    let mission = factory();
+    let mut team = agreed(&mission);
+    visit(&mut team, 0, 30);
+    team.cause(EventEffect::Block(Cell(30)));
+    fly_until(&mut team, "robot 1 has seen it", |team| task(team, 0).hazards().any(|cell| cell == Cell(30)));
+    fly_until(&mut team, "a round for goals", |team| {
+        decided_after(team, 0) && protocol(team, 0).fact().purpose == Purpose::Goal
+    });
+    assert_eq!(task(&team, 0).waypoints(), [Cell(30)]);
+    team.cause(EventEffect::Clear(Cell(30)));
+    let tracks = fly_to_the_end(&mut team);
+    assert!(passed(&tracks[0], &[30]) || !task(&team, 0).waypoints().is_empty(), "{:?}", tracks[0]);
+}
+
+#[test]
+fn a_robot_with_a_low_battery_charges_while_the_others_go_on() {
+    let mission = with_chargers();
+    let mut team = agreed(&mission);
+    team.set_charge(0, 10);
+    let tracks = fly_to_the_end(&mut team);
+    assert!(passed(&tracks[0], &[13]), "{:?}", tracks[0]);
+    let on_charger = tracks[0].iter().position(|&cell| cell == 13).expect("it was there");
+    let moved = |robot: usize| tracks[robot][..on_charger].iter().any(|&cell| cell != STARTS[robot].0);
+    assert!(moved(1) && moved(2), "the others do not wait");
+    assert!(team.charge(0) >= 90 && on_goals(&team, &mission));
+}
+
+#[test]
+fn a_team_that_waits_for_charging_stands_until_the_robot_is_back() {
+    let mission = Mission { waits_for_charging: true, ..with_chargers() };
+    let mut team = agreed(&mission);
+    team.set_charge(0, 10);
+    fly_until(&mut team, "a round", |team| decided_after(team, 0));
+    let standing = cells(&team)[1..].to_vec();
+    fly_until(&mut team, "robot 1 is on its charger", |team| {
+        assert_eq!((&cells(team)[1..], stages(team)[0]), (&standing[..], Stage::Away));
+        team.cells()[0] == Cell(13)
+    });
+    fly_until(&mut team, "robot 1 is back", |team| {
+        assert_eq!(cells(team)[1..], standing);
+        stages(team)[0] != Stage::Away
+    });
+    assert!(team.charge(0) >= 90);
+    fly_until(&mut team, "all stop", stopped);
+}
+
+#[test]
+fn a_robot_without_a_charger_stands_until_it_is_charged_and_then_takes_the_goal_that_is_left() {
+    let mission = factory();
+    let mut team = agreed(&mission);
+    team.set_charge(0, 10);
+    fly_until(&mut team, "robot 1 is away", |team| stages(team)[0] == Stage::Away);
+    fly_until(&mut team, "a round without it", |team| decided_after(team, 0));
+    let standing = team.cells()[0];
+    fly_until(&mut team, "the others arrive", |team| stages(team)[1..] == [Stage::Arrived; 2]);
+    for charge in [10, 50, 89] {
+        team.set_charge(0, charge);
+        tick(&mut team, 10);
+        assert_eq!((stages(&team)[0], team.cells()[0]), (Stage::Away, standing), "{charge} % is not full");
+        assert_eq!(team.robot(0).robot().activity(), Some("Recharge"));
+        assert_eq!(team.statuses()[0], Status::Running);
+    }
+    team.set_charge(0, 95);
+    fly_until(&mut team, "all stop", stopped);
+    assert!(on_goals(&team, &mission));
+}
+
+#[test]
+fn robots_that_are_low_at_once_charge_at_once() {
+    let mission = with_chargers();
+    let mut team = agreed(&mission);
+    (0..3).for_each(|robot| team.set_charge(robot, 10));
+    let tracks = fly_to_the_end(&mut team);
+    for (track, charger) in tracks.iter().zip([13, 27, 41]) {
+        assert!(passed(track, &[charger]), "{track:?}");
+    }
+    assert!(on_goals(&team, &mission));
+}
+
+/// Nothing leads to the charger in the corner 6 but cells that have become blocked.
+#[test]
+fn a_robot_without_a_way_to_its_charger_stands_and_opens_no_round_after_round() {
+    static CHARGERS: [Option<Cell>; 1] = [Some(Cell(6))];
+    let mission = Mission { chargers: &CHARGERS, ..factory() };
+    let mut team = team(&mission);
+    [5, 13].into_iter().for_each(|cell| team.cause(EventEffect::Block(Cell(cell))));
+    fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
+    team.set_charge(0, 10);
+    tick(&mut team, 150);
+    let (standing, rounds) = (cells(&team), round(&team));
+    for _ in 0..50 {
+        team.tick();
+        assert_eq!((cells(&team), round(&team)), (standing.clone(), rounds));
+        assert_eq!(team.robot(0).robot().activity(), Some("Recharge"));
+    }
+    team.set_charge(0, 95);
+    fly_until(&mut team, "all stop", stopped);
+}
+
+/// A corridor with the charger at its closed end, where a teammate stands.
+#[test]
+fn a_teammate_that_stands_in_the_way_to_a_charger_steps_aside() {
+    let mut map = open_floor();
+    assert!((7..=12).all(|cell| map.block(Cell(cell))), "a wall below the first row");
+    static STARTS: [Cell; 2] = [Cell(28), Cell(2)];
+    static GOALS: [Cell; 2] = [Cell(24), Cell(3)];
+    static CHARGERS: [Option<Cell>; 1] = [Some(Cell(0))];
+    let mission = Mission { chargers: &CHARGERS, ..Mission::new(map, &STARTS, &GOALS) };
+    let mut team = team(&mission);
+    fly_until(&mut team, "all stop", stopped);
+    assert_eq!(cells(&team), [24, 3], "robot 2 has its goal in the corridor");
+    team.set_charge(0, 10);
+    let tracks = fly_to_the_end(&mut team);
+    assert!(passed(&tracks[0], &[0]), "{:?}", tracks[0]);
+    assert!(on_goals(&team, &mission));
+}
