@@ -46,16 +46,16 @@ pub enum Reading {
 /// ```
 /// use host_sim::{EventEffect, Faults, NavigatorFlight, Radio};
 /// use iibt_core::grid::{Cell, Map};
-/// use iibt_core::navigation::{Mission, Stage};
+/// use iibt_core::navigation::Mission;
 ///
 /// let map = Map::<1>::drawn("....\n....\n....")?;
 /// let (starts, goals) = ([Cell(0), Cell(8)], [Cell(3), Cell(11)]);
 /// let mission = Mission::new(map, &starts, &goals);
 /// let radio = Radio { loss: 0.2, jitter: 2, ..Radio::default() };
 /// let mut flight =
-///     NavigatorFlight::<12, 1, 16>::over(&mission, Faults { radio, ..Faults::default() }, 7)?;
+///     NavigatorFlight::<12, 1, 33, 64, 16>::over(&mission, Faults { radio, ..Faults::default() }, 7)?;
 ///
-/// while flight.reports().iter().any(|report| report.stage != Stage::Agreed) {
+/// while flight.reports().iter().any(|report| report.policy.is_none()) {
 ///     flight.tick();
 /// }
 /// flight.cause(EventEffect::Block(Cell(1))); // an obstacle appears
@@ -64,7 +64,7 @@ pub enum Reading {
 ///     flight.tick();
 /// }
 /// assert!(flight.has_arrived() && flight.collisions().total() == 0);
-/// assert!(flight.robot(0).robot().navigation().hazards().contains(&Cell(1)));
+/// assert!(flight.robot(0).robot().navigation().hazards().any(|cell| cell == Cell(1)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Flight<'m, R: AnyRobot + ?Sized> {
@@ -89,8 +89,8 @@ pub struct Flight<'m, R: AnyRobot + ?Sized> {
     collisions: Collisions,
 }
 
-/// A flight of navigating robots for maps of up to `S` cells in `W` words, weighing up to `P`
-/// candidates.
+/// A flight of navigating robots, with the sizes of their
+/// [`Navigation`](iibt_core::navigation::Navigation).
 pub type NavigatorFlight<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> =
     Flight<'m, Navigating<'m, S, W, L, M, K>>;
 

@@ -99,8 +99,8 @@ impl<R: Robot<T>, T> Robot<Simulated<T>> for OnParts<R> {
 ///         if self.0.0 + counted >= 10 { Status::Success } else { Status::Running }
 ///     }
 ///     fn act(&mut self, _: &mut bool) {}
-///     fn message(&self) -> Counted {
-///         self.0
+///     fn message(&self) -> Option<Counted> {
+///         Some(self.0)
 ///     }
 /// }
 ///
