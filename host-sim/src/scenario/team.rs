@@ -49,8 +49,9 @@ impl Drawing {
             apart(&robot, &robots).map_err(|reason| Fault::new(span, reason))?;
             robot.slip = share("slip", written.slip.as_ref().or(file.slip.as_ref()), 0.0)?;
             robot.view = whole("view", written.view.as_ref().or(file.view.as_ref()), 1..=8, 1)? as u16;
-            robot.charger = self.charger(written, &robot, &robots)?;
-            robot.goal = self.own_goal(written, &robot, &robots)?;
+            robot.charger =
+                self.own_cell("charger", written.charger.as_ref(), &robot, &robots, |other| other.charger)?;
+            robot.goal = self.own_cell("goal", written.goal.as_ref(), &robot, &robots, |other| other.goal)?;
             robots.push(robot);
         }
         all_or_none(&robots, file)?;
@@ -96,36 +97,21 @@ impl Drawing {
         }
     }
 
-    /// Where a robot charges: a cell that it can reach and that is no other robot's charger.
-    fn charger(
+    /// The charger or the goal that a robot has to itself: a cell that it can reach and that `of`
+    /// gives for none of the other robots.
+    fn own_cell(
         &self,
-        written: &file::RobotEntry,
+        what: &str,
+        number: Option<&WholeNumber>,
         robot: &RobotSpec,
         others: &[RobotSpec],
+        of: impl Fn(&RobotSpec) -> Option<Cell>,
     ) -> Read<Option<Cell>> {
-        let Some(number) = &written.charger else { return Ok(None) };
-        let cell = self.within_reach("charger", number, robot)?;
-        match others.iter().find(|other| other.charger == Some(cell)) {
+        let Some(number) = number else { return Ok(None) };
+        let cell = self.within_reach(what, number, robot)?;
+        match others.iter().find(|other| of(other) == Some(cell)) {
             Some(other) => {
-                let reason = format!("{} is the charger of {} already", cell.0, other.name);
-                Err(Fault::new(number.span(), reason))
-            }
-            None => Ok(Some(cell)),
-        }
-    }
-
-    /// The goal that a robot owns: a cell that it can reach and that no other robot owns.
-    fn own_goal(
-        &self,
-        written: &file::RobotEntry,
-        robot: &RobotSpec,
-        others: &[RobotSpec],
-    ) -> Read<Option<Cell>> {
-        let Some(number) = &written.goal else { return Ok(None) };
-        let cell = self.within_reach("goal", number, robot)?;
-        match others.iter().find(|other| other.goal == Some(cell)) {
-            Some(other) => {
-                let reason = format!("{} is the goal of {} already", cell.0, other.name);
+                let reason = format!("{} is the {what} of {} already", cell.0, other.name);
                 Err(Fault::new(number.span(), reason))
             }
             None => Ok(Some(cell)),
