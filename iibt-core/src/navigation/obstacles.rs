@@ -97,6 +97,11 @@ impl Obstacles {
         self.seen.iter().filter(|known| is_blocked(known.weight.into())).map(|known| known.cell)
     }
 
+    /// Whether this robot takes the cell for blocked by its own evidence.
+    pub(super) fn is_blocked(&self, cell: Cell) -> bool {
+        self.blocked().any(|blocked| blocked == cell)
+    }
+
     fn remember(&mut self, new: CellEvidence) {
         if self.seen.is_full() {
             let weakest = self.seen.iter().min_by_key(|known| known.weight.unsigned_abs()).copied();

@@ -249,7 +249,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     }
 
     pub(super) fn is_blocked(&self, cell: Cell) -> bool {
-        self.obstacles.blocked().any(|blocked| blocked == cell)
+        self.obstacles.is_blocked(cell)
     }
 
     /// The cell that the robot stands on, between no two others.
@@ -277,7 +277,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         self.look(percept, peers);
         if let Some(here) = self.standing() {
             let obstacles = &self.obstacles;
-            self.waypoints.tick_off(here, |cell| obstacles.blocked().any(|blocked| blocked == cell));
+            self.waypoints.tick_off(here, |cell| obstacles.is_blocked(cell));
             if self.rounds.is_none() {
                 let fact = self.fact(here, self.purpose());
                 let number = self.mission_id();
@@ -295,7 +295,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         self.localisation.update(map, reading);
         let Some(here) = self.localisation.here() else { return };
         let obstacles = &self.obstacles;
-        self.localisation.learn(map, here, |cell| obstacles.blocked().any(|blocked| blocked == cell));
+        self.localisation.learn(map, here, |cell| obstacles.is_blocked(cell));
         if let Some((from, to)) = self.under_way.take()
             && here == to
             && from != to

@@ -3,8 +3,8 @@
 use super::super::Member;
 use super::patience::Patience;
 use super::{
-    Digest, Event, Fact, JointPolicies, Proposal, Protocol, RoundMessage, Scores, Teammates, Timing, Waiting,
-    Want,
+    Digest, Event, Fact, JointPolicies, Proposal, Protocol, RoundMessage, Scores, Teammates, Timing, View,
+    Waiting, Want,
 };
 
 /// What a robot brings to a tick.
@@ -143,14 +143,17 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
             return event;
         }
         let view = self.patience.view_to_open(own.want, &self.protocol, teammates, list)?;
-        self.protocol.open(view, own.fact).ok()?;
-        Some(Event::Opened(self.protocol.proposal().round))
+        self.open(view, own.fact)
     }
 
     /// Opens a round at once because the robot wants another decision, if it may; `fact` is that of
     /// now, and the robot stands at its place.
     pub fn ask(&mut self, want: Want, fact: &F) -> Option<Event> {
         let view = self.patience.wish(want, &self.protocol)?;
+        self.open(view, fact)
+    }
+
+    fn open(&mut self, view: View, fact: &F) -> Option<Event> {
         self.protocol.open(view, fact).ok()?;
         Some(Event::Opened(self.protocol.proposal().round))
     }
