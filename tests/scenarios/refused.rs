@@ -1,0 +1,221 @@
+use super::*;
+
+/// A sound scenario; the cases below each spoil one line of it.
+const SOUND: &str = "\
+title = 'two robots'
+limit = 100
+map = '''
+....
+.#..
+....
+'''
+goals = [3, 11]
+[[robot]]
+start = 0
+paths = [[0, 1, 2, 3]]
+[[robot]]
+name = 'Bo'
+start = 8
+paths = [[8, 9, 10, 11]]
+[radio]
+loss = 0.1
+delay = 1
+[[event]]
+tick = 4
+block = 7
+[inference]
+precision = 16.0
+";
+
+fn refusal(name: &str, text: &str) -> String {
+    Scenario::parse(name, text).map_or_else(|error| error.to_string(), |_| "accepted".to_owned())
+}
+
+#[test]
+fn the_sound_one_is_not() {
+    assert_eq!(refusal("sound.toml", SOUND), "accepted");
+}
+
+#[test]
+fn with_file_line_and_reason() {
+    #[rustfmt::skip]
+    let cases = [
+        ("limit = 100", "limit = ", "2", "string values must be quoted"),
+        ("limit = 100", "limits = 100", "2", "unknown field `limits`, expected one of `title`"),
+        ("limit = 100", "limit = 0", "2", "limit = 0 is not between 1 and 100000"),
+        ("limit = 100", "limit = 2.5", "2", "expected a whole number"),
+        ("limit = 100", "view = 9", "2", "view = 9 is not between 1 and 8"),
+        ("'two robots'", "''", "1", "title is not one line of 1 to 120 characters"),
+        (".#..", ".#.", "5", "row 1 of the map has 3 cells, but row 0 has 4"),
+        (".#..", ".#x.", "5", "row 1, column 2 of the map: 'x' is not a map character"),
+        (".#..", ".#1.", "10", "the map draws R1 as '1' already"),
+        (".#..", ".#1.\n1...", "6", "row 2, column 0 of the map: robot 1 is drawn at 6 already"),
+        (".#..", ".#G.", "8", "the map draws goals as 'G' already"),
+        ("limit = 100", "need = 0", "2", "need = 0 is not between 1 and 2"),
+        ("limit = 100", "need = 3", "2", "need = 3 is not between 1 and 2"),
+        ("limit = 100", "need = 'all'", "2", "expected a whole number"),
+        ("limit = 100", "forget = -1", "2", "forget = -1 is not between 0 and 65535"),
+        ("limit = 100", "forget = 70000", "2", "forget = 70000 is not between 0 and 65535"),
+        ("limit = 100", "wait_for_charging = 1", "2", "expected a boolean"),
+        ("start = 0", "start = 0\ngoal = 5", "11", "goal 5 is blocked on the map"),
+        ("start = 0", "start = 0\ngoal = 12", "11", "goal 12 is outside the map, whose cells are 0 to 11"),
+        ("precision = 16.0", "policies = 0", "23", "policies = 0 is not between 1 and 16"),
+        ("precision = 16.0", "policies = 17", "23", "policies = 17 is not between 1 and 16"),
+        ("precision = 16.0", "budget = 0", "23", "budget = 0 is not between 1 and 1000000000"),
+        ("precision = 16.0", "haste = 2.0", "23", "unknown field `haste`"),
+        ("block = 7", "clear = 5", "21", "clear 5 is blocked on the map"),
+        ("block = 7", "clear = 12", "21", "clear 12 is outside the map"),
+        ("block = 7", "clear = 7\nwho = 'Bo'", "22", "an obstacle is nobody's: leave `who` out"),
+        ("block = 7", "block = 7\nclear = 7", "19", "say what happens: exactly one of block, block_path_of, clear"),
+        ("block = 7", "block_path_of = 'Al'", "21", "no robot is called \"Al\": there are R1, Bo"),
+        ("block = 7", "block_path_of = 7", "21", "expected a string"),
+        ("block = 7", "block_path_of = 'Bo'\nfor = 3", "22", "only stop takes a time: leave `for` out"),
+        ("[3, 11]", "[3, 3]", "8", "goal 3 is listed twice"),
+        ("[3, 11]", "[3,\n12]", "9", "goal 12 is outside the map, whose cells are 0 to 11"),
+        ("[3, 11]", "[3, 11, 5]", "8", "goal 5 is blocked on the map"),
+        ("[3, 11]", "[-1, 11]", "8", "goal -1 is outside the map"),
+        ("start = 0", "start = 5", "10", "start 5 is blocked on the map"),
+        ("start = 0", "start = 70000", "10", "start 70000 is outside the map"),
+        ("start = 0", "battery = 50", "9", "R1 has no start: write start = CELL, or draw '1' on the map"),
+        ("start = 8\npaths = [[8", "start = 0\npaths = [[0, 1, 2, 3], [0, 4, 8", "12", "Bo starts at 0, where R1 stands already"),
+        ("'Bo'", "'R1'", "12", "two robots are called R1"),
+        ("'Bo'", r#""B\no""#, "13", "name is not one line of 1 to 12 characters"),
+        ("[[0, 1, 2, 3]]", "[[0, 1, 2]]", "11", "the path ends at 2, which is no goal"),
+        ("[[0, 1, 2, 3]]", "[[0, 2, 3]]", "11", "0 and 2 on the path are no neighbours"),
+        ("[[0, 1, 2, 3]]", "[[1, 2, 3]]", "11", "no path begins at 0, where the robot starts"),
+        ("[[0, 1, 2, 3]]", "[[0, 1, 5]]", "11", "path cell 5 is blocked on the map"),
+        ("[[0, 1, 2, 3]]", "[[0, 1, 99]]", "11", "path cell 99 is outside the map"),
+        ("[[0, 1, 2, 3]]", "[[]]", "11", "the path has no cells"),
+        ("[[0, 1, 2, 3]]", "[]", "11", "0 paths listed: give 1 to 16"),
+        ("paths = [[0, 1, 2, 3]]", "", "15", "R1 has no paths: list them for every robot or for none"),
+        ("loss = 0.1", "loss = 1.5", "17", "loss = 1.5 is not between 0 and 1"),
+        ("loss = 0.1", "loss = nan", "17", "loss = NaN is not between 0 and 1"),
+        ("delay = 1", "delay = 0", "18", "delay = 0 is not between 1 and 1000"),
+        ("delay = 1", "jitter = 1", "18", "unknown field `jitter`"),
+        ("block = 7", "block = 8", "21", "8 is where Bo starts"),
+        ("block = 7", "block = 12", "21", "block 12 is outside the map"),
+        ("tick = 4", "at = 4", "19", "say when it happens"),
+        ("tick = 4", "robot = 'Al'\nat = 4", "20", "no robot is called \"Al\": there are R1, Bo"),
+        ("tick = 4\nblock = 7", "tick = 4", "19", "say what happens: exactly one of block, block_path_of, clear, charge, visit and stop"),
+        ("tick = 4", "tick = 4\nplan = 2", "19", "say when it happens"),
+        ("tick = 4", "plan = 0", "20", "plan = 0 is not between 1 and 1000"),
+        ("tick = 4", "plan = 1\nmoves = 65", "21", "moves = 65 is not between 0 and 64"),
+        ("tick = 4", "tick = 4\nmoves = 1", "21", "moves are those of a plan: write plan = N with it"),
+        ("block = 7", "block = 7\nstop = true", "19", "say what happens: exactly one"),
+        ("block = 7", "block = 7\nwho = 'Bo'", "22", "an obstacle is nobody's: leave `who` out"),
+        ("block = 7", "block = 7\nfor = 3", "22", "only stop takes a time: leave `for` out"),
+        ("block = 7", "charge = 20", "19", "say whom it concerns: who = \"NAME\""),
+        ("block = 7", "charge = 101\nwho = 'Bo'", "21", "charge = 101 is not between 0 and 100"),
+        ("block = 7", "visit = 5\nwho = 'Bo'", "21", "way-point 5 is blocked on the map"),
+        ("block = 7", "visit = 12\nwho = 'Bo'", "21", "way-point 12 is outside the map"),
+        ("block = 7", "visit = 7\nwho = 'Al'", "22", "no robot is called \"Al\": there are R1, Bo"),
+        ("block = 7", "stop = false\nwho = 'Bo'", "21", "stop = false says nothing"),
+        ("block = 7", "stop = true\nfor = 0\nwho = 'Bo'", "22", "for = 0 is not between 1 and 100000"),
+        ("block = 7", "stop = 1\nwho = 'Bo'", "21", "expected a boolean"),
+        ("start = 0", "start = 0\ncharger = 5", "11", "charger 5 is blocked on the map"),
+        ("start = 0", "start = 0\ncharger = 12", "11", "charger 12 is outside the map"),
+        ("start = 0", "start = 0\ndrain = -1", "11", "drain = -1 is not between 0 and 100"),
+        ("start = 0", "start = 0\ncharging = 200", "11", "charging = 200 is not between 0 and 100"),
+        ("start = 0", "start = 0\nslip = 2", "11", "slip = 2 is not between 0 and 1"),
+        ("limit = 100", "slip = 1.5", "2", "slip = 1.5 is not between 0 and 1"),
+        ("start = 0", "start = 0\npace = 0", "11", "pace = 0 is not between 1 and 8"),
+        ("start = 0", "start = 0\nsensor = 2", "11", "sensor = 2 is not between 0 and 1"),
+        ("start = 0", "start = 0\nview = 9", "11", "view = 9 is not between 1 and 8"),
+        ("limit = 100", "missions = 0", "2", "missions = 0 is not between 1 and 1000"),
+        ("[radio]", "[[goal]]\ncell = 4\nserves = 0.5\n[radio]", "17", "4 is no goal"),
+        ("[radio]", "[[goal]]\ncell = 3\nserves = 2\n[radio]", "18", "serves = 2 is not between 0 and 1"),
+        ("[radio]", "[[goal]]\ncell = 3\nserves = 1\n[[goal]]\ncell = 3\nserves = 1\n[radio]", "20", "goal 3 has a [[goal]] already"),
+        ("precision = 16.0", "alike = 1", "23", "expected a boolean"),
+        ("precision = 16.0", "precision = -1", "23", "precision = -1 is not between 0 and 1000"),
+    ];
+    for (right, wrong, line, reason) in cases {
+        assert!(SOUND.contains(right), "{right}");
+        let refusal = refusal("my.toml", &SOUND.replacen(right, wrong, 1));
+        assert!(refusal.starts_with(&format!("my.toml:{line}: ")), "{wrong}: {refusal}");
+        assert!(refusal.contains(reason), "{wrong}: {refusal}");
+    }
+}
+
+#[test]
+fn when_a_robot_cannot_get_to_a_goal_of_its_own() {
+    let apart = SOUND.replacen("....\n.#..\n....", "..#.\n.##.\n..#.", 1).replace("paths", "# paths");
+    let refused = refusal("my.toml", &apart);
+    assert!(refused.starts_with("my.toml:10: R1 on 0 can reach no goal: no way of at most 64"), "{refused}");
+    let shared = "title = 't'\nmap = '''\n1.#G\n2.#.\nG.#.\n'''";
+    let refused = refusal("my.toml", shared);
+    assert!(refused.starts_with("my.toml:2: R2 on 4 can reach no goal of its own"), "{refused}");
+}
+
+#[test]
+fn when_a_charger_or_a_way_point_is_out_of_reach_or_taken() {
+    let text = |more: &str| format!("title = 't'\nmap = '''\n1.G\n###\n2.G\n'''\n{more}");
+    let refused = |more: &str| refusal("my.toml", &text(more));
+    assert_eq!(refused("[[robot]]\ncharger = 7"), "my.toml:8: R1 on 0 cannot reach the charger 7");
+    let visit = "[[event]]\ntick = 3\nvisit = 1\nwho = 'R2'";
+    assert_eq!(refused(visit), "my.toml:9: R2 on 6 cannot reach the way-point 1");
+    let free = text("[[robot]]\ncharger = 1\n[[robot]]\ncharger = 1").replace("###", "...");
+    assert_eq!(refusal("my.toml", &free), "my.toml:10: 1 is the charger of R1 already");
+}
+
+#[test]
+fn when_a_goal_is_owned_twice_or_out_of_reach() {
+    let text = |more: &str| format!("title = 't'\nmap = '''\n1.G\n###\n2.G\n'''\n{more}");
+    let refused = |more: &str| refusal("my.toml", &text(more));
+    assert_eq!(refused("[[robot]]\ngoal = 8"), "my.toml:8: R1 on 0 cannot reach the goal 8");
+    let twice = text("[[robot]]\ngoal = 2\n[[robot]]\ngoal = 2").replace("###", "...");
+    assert_eq!(refusal("my.toml", &twice), "my.toml:10: 2 is the goal of R1 already");
+}
+
+#[test]
+fn when_a_number_is_left_out() {
+    let refused = refusal("my.toml", "title = 't'\nmap = '''\n1.G\n3.G\n'''");
+    assert_eq!(refused, "my.toml:2: robot 2 is missing, but the map draws robot 3: leave no number out");
+}
+
+#[test]
+fn when_the_team_or_the_map_is_too_large() {
+    let nine = "[[robot]]\nstart = 0\n".repeat(9);
+    let team = refusal("a.toml", &format!("title = 't'\nmap = '...'\ngoals = [1]\n{nine}"));
+    assert_eq!(team, "a.toml:20: 9 robots, but a team has at most 8");
+    let map = refusal("a.toml", &format!("title = 't'\nmap = '''\n{}'''", "1.......G\n".repeat(114)));
+    assert!(map.starts_with("a.toml:2: the map has 9 x 114 cells: draw 2 to 1024"), "{map}");
+    let goals = refusal("a.toml", "title = 't'\nmap = '1GGGGGGGGG'");
+    assert_eq!(goals, "a.toml:2: 9 goals, but a mission has at most 8");
+    let no_goal = refusal("a.toml", "title = 't'\nmap = '1...'");
+    assert_eq!(no_goal, "a.toml:2: no goal for 1 robot: draw 'G' on the map or list them");
+    let nobody = refusal("a.toml", "title = 't'\nmap = '...G'");
+    assert!(nobody.starts_with("a.toml:2: no robots"), "{nobody}");
+    let path = format!("0{}", ", 1, 0".repeat(40));
+    let long = format!("title = 't'\nmap = '...'\ngoals = [0]\n[[robot]]\nstart = 0\npaths = [[{path}]]");
+    assert_eq!(refusal("a.toml", &long), "a.toml:6: the path has 80 moves, but at most 64 fit");
+}
+
+#[test]
+fn when_it_is_no_text() {
+    let error = Scenario::read("noise.bin", b"title = 't'\n\xff\xfe").unwrap_err();
+    assert_eq!(error.to_string(), "noise.bin:2: this is no UTF-8 text");
+}
+
+#[test]
+fn when_there_is_no_such_name() {
+    assert!(library::find("factori").is_none());
+    assert_eq!(library::nearest("factori"), Some("factory"));
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_without_a_panic(bytes: Vec<u8>) {
+        prop_assert!(Scenario::read("noise", &bytes).is_err());
+    }
+
+    #[test]
+    fn any_damage_without_a_panic(at in 0..SOUND.len(), length in 0usize..40, insert in "[ -~\n]{0,6}") {
+        let end = (at + length).min(SOUND.len());
+        let text = [&SOUND[..at], &insert, &SOUND[end..]].concat();
+        if let Err(error) = Scenario::parse("damaged", &text) {
+            let lines = 1..=text.lines().count() + 1;
+            prop_assert!(error.line.is_some_and(|line| lines.contains(&line)), "{error}");
+            prop_assert!(!error.reason.is_empty());
+        }
+    }
+}
