@@ -117,9 +117,9 @@
 //! | a node that yields in the last pass | wakes the tree in the next `tickOnce` | is ignored |
 //! | wrong thresholds, children, parameters | exceptions at run time | build errors: [`TreeRule`] |
 //!
-//! [`Compat`] does as BehaviorTree.CPP in three points: a halt of the tree reaches idle actions too,
-//! a `Precondition` is not asked while its child runs, and a `Timeout` halts its child in the next
-//! tick, before anything else.
+//! [`Compat`] does as BehaviorTree.CPP in three points: a halt of the tree reaches idle actions
+//! too, a `Precondition` is not asked while its child runs, and a `Timeout` halts its child in the
+//! next tick, before anything else.
 
 mod check;
 pub mod compiled;
