@@ -3,15 +3,16 @@
 //! `@` and `T` are how the MovingAI benchmark maps draw obstacles.
 
 use super::{Cell, Map, MapError};
-use core::fmt;
 
 /// The reason why a drawing is not a map. Lines and columns count from one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DrawingError {
     /// The drawing is empty or has more cells than the map's type holds.
+    #[error(transparent)]
     Size(MapError),
     /// A character other than `.`, `#`, `@` or `T`.
+    #[error("line {line}, column {column}: a cell is '.' (free) or '#', '@', 'T' (blocked)")]
     Unknown {
         /// The line of the drawing.
         line: u32,
@@ -19,6 +20,7 @@ pub enum DrawingError {
         column: u32,
     },
     /// This line is longer or shorter than the first one.
+    #[error("line {line}, column {column}: the line is not as long as the first one")]
     Ragged {
         /// The line of the drawing.
         line: u32,
@@ -104,22 +106,6 @@ const fn check(signs: &[u8], width: usize) -> Result<(), DrawingError> {
 const fn is_blocked(sign: u8) -> bool {
     matches!(sign, b'#' | b'@' | b'T')
 }
-
-impl fmt::Display for DrawingError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Size(error) => error.fmt(f),
-            Self::Unknown { line, column } => {
-                write!(f, "line {line}, column {column}: a cell is '.' (free) or '#', '@', 'T' (blocked)")
-            }
-            Self::Ragged { line, column } => {
-                write!(f, "line {line}, column {column}: the line is not as long as the first one")
-            }
-        }
-    }
-}
-
-impl core::error::Error for DrawingError {}
 
 #[cfg(test)]
 mod tests {

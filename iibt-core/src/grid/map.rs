@@ -1,7 +1,6 @@
 //! The map: a rectangle of free and blocked cells, one bit each.
 
 use super::{Cell, CellSet, Move};
-use core::fmt;
 use core::num::NonZeroU16;
 
 /// The 32-bit words that a map of `width` x `height` cells needs: the parameter of [`Map`].
@@ -36,12 +35,14 @@ pub struct Map<const W: usize> {
 }
 
 /// The reason why a map is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MapError {
     /// Width or height is zero.
+    #[error("the map has no cells")]
     Empty,
     /// More cells than the `W` words hold, or than cell numbers of 16 bits can name.
+    #[error("the map has more cells than its type holds")]
     TooLarge,
 }
 
@@ -177,17 +178,6 @@ impl<const W: usize> Map<W> {
         columns + (a.0 / self.width).abs_diff(b.0 / self.width)
     }
 }
-
-impl fmt::Display for MapError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Empty => "the map has no cells",
-            Self::TooLarge => "the map has more cells than its type holds",
-        })
-    }
-}
-
-impl core::error::Error for MapError {}
 
 #[cfg(test)]
 mod tests {

@@ -9,7 +9,6 @@
 use super::open_list::OpenList;
 use super::spread::Spread;
 use super::{Cell, Map, Path};
-use core::fmt;
 
 /// Plans over maps of up to `S` cells; needs 9 bytes per cell and keeps nothing from one call to
 /// the next.
@@ -35,22 +34,29 @@ pub struct Planner<const S: usize> {
 }
 
 /// The reason why there is no path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PlanError {
     /// The map has more cells than the planner's arena.
+    #[error("the map has more cells than the planner's arena")]
     MapTooLarge,
     /// The start is not on the map.
+    #[error("the start is not on the map")]
     StartOutside,
     /// The start is blocked.
+    #[error("the start is blocked")]
     StartBlocked,
     /// The goal is not on the map.
+    #[error("the goal is not on the map")]
     GoalOutside,
     /// The goal is blocked.
+    #[error("the goal is blocked")]
     GoalBlocked,
     /// Obstacles separate the start from the goal.
+    #[error("no way leads from the start to the goal")]
     NoWay,
     /// The way has more moves than the [`HORIZON`](crate::actions::HORIZON).
+    #[error("the way to the goal is longer than the horizon")]
     TooLong,
 }
 
@@ -193,22 +199,6 @@ impl Distances<'_> {
         self.table.get(cell.index()).copied().filter(|&distance| distance != UNREACHED)
     }
 }
-
-impl fmt::Display for PlanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::MapTooLarge => "the map has more cells than the planner's arena",
-            Self::StartOutside => "the start is not on the map",
-            Self::StartBlocked => "the start is blocked",
-            Self::GoalOutside => "the goal is not on the map",
-            Self::GoalBlocked => "the goal is blocked",
-            Self::NoWay => "no way leads from the start to the goal",
-            Self::TooLong => "the way to the goal is longer than the horizon",
-        })
-    }
-}
-
-impl core::error::Error for PlanError {}
 
 #[cfg(test)]
 mod tests {

@@ -56,40 +56,53 @@ struct Header {
 }
 
 /// The reason why a message was not encoded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum EncodeError {
     /// The sender is not below [`MAX_TEAM`].
+    #[error("the sender's number is not below the largest team")]
     Sender,
     /// Every receiver would reject the message.
+    #[error("invalid message: {0}")]
     Invalid(Invalid),
     /// The frame does not fit the buffer; [`MAX_FRAME`] bytes fit every one.
+    #[error("the frame does not fit the buffer")]
     BufferTooSmall,
     /// The message takes more bytes than its [`MAX_BYTES`](Message::MAX_BYTES) say.
+    #[error("the message is longer than its type says")]
     MessageTooLong,
 }
 
 /// The reason why bytes are not a frame, in the order of the checks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DecodeError {
     /// More bytes than the longest frame has.
+    #[error("longer than the longest frame")]
     TooLong,
     /// Not a COBS encoding, or a delimiter inside.
+    #[error("no COBS form")]
     Cobs,
     /// Too few bytes for a version and a tag.
+    #[error("too short for a version and a tag")]
     TooShort,
     /// Another version of the frame, which is given.
+    #[error("frame version {0} instead of {VERSION}")]
     Version(u8),
     /// Damaged, or made with another key or in another [`Context`].
+    #[error("wrong tag: damaged, or another key, team, mission or schema")]
     Tag,
     /// Authentic, but the body does not read as header and message.
+    #[error("the body does not read as a message")]
     Body,
     /// Authentic, but bytes follow the message.
+    #[error("bytes after the message")]
     Trailing,
     /// Authentic, but the sender is not below [`MAX_TEAM`].
+    #[error("the sender's number is not below the largest team")]
     Sender,
     /// Authentic, but a value of the message is out of its range.
+    #[error("invalid message: {0}")]
     Invalid(Invalid),
 }
 
@@ -227,33 +240,3 @@ fn open<M: Message>(body: &[u8]) -> Result<Envelope<M>, DecodeError> {
     let stamp = Stamp { epoch: header.epoch, sequence: header.sequence };
     Ok(Envelope { sender: header.sender, stamp, message })
 }
-
-impl core::fmt::Display for EncodeError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Sender => f.write_str("the sender's number is not below the largest team"),
-            Self::Invalid(invalid) => write!(f, "invalid message: {invalid}"),
-            Self::BufferTooSmall => f.write_str("the frame does not fit the buffer"),
-            Self::MessageTooLong => f.write_str("the message is longer than its type says"),
-        }
-    }
-}
-
-impl core::fmt::Display for DecodeError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::TooLong => f.write_str("longer than the longest frame"),
-            Self::Cobs => f.write_str("no COBS form"),
-            Self::TooShort => f.write_str("too short for a version and a tag"),
-            Self::Version(found) => write!(f, "frame version {found} instead of {VERSION}"),
-            Self::Tag => f.write_str("wrong tag: damaged, or another key, team, mission or schema"),
-            Self::Body => f.write_str("the body does not read as a message"),
-            Self::Trailing => f.write_str("bytes after the message"),
-            Self::Sender => f.write_str("the sender's number is not below the largest team"),
-            Self::Invalid(invalid) => write!(f, "invalid message: {invalid}"),
-        }
-    }
-}
-
-impl core::error::Error for EncodeError {}
-impl core::error::Error for DecodeError {}

@@ -44,12 +44,14 @@ pub struct Limits {
 }
 
 /// The reason why limits are refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitsError {
     /// Lost before it stops being fresh.
+    #[error("lost before it stops being fresh")]
     Order,
     /// Longer than [`Limits::LONGEST`].
+    #[error("a limit is longer than {} ticks", Limits::LONGEST.0)]
     TooLong,
 }
 
@@ -117,17 +119,6 @@ impl Limits {
         }
     }
 }
-
-impl core::fmt::Display for LimitsError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Order => f.write_str("lost before it stops being fresh"),
-            Self::TooLong => write!(f, "a limit is longer than {} ticks", Limits::LONGEST.0),
-        }
-    }
-}
-
-impl core::error::Error for LimitsError {}
 
 #[cfg(test)]
 mod tests {

@@ -64,17 +64,10 @@ pub trait Message: Clone + Serialize + DeserializeOwned {
 }
 
 /// The value of a message that no sender can mean, in words.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Invalid(pub &'static str);
-
-impl core::fmt::Display for Invalid {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(self.0)
-    }
-}
-
-impl core::error::Error for Invalid {}
 
 /// Nothing: the message of robots that only have to know of each other.
 impl Message for () {

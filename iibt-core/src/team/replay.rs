@@ -3,7 +3,7 @@
 //! Frames carry no wall clock, which could be lost or set wrong, but a [`Stamp`]: how often the
 //! sender has started, and the number of the frame since. A receiver takes only a stamp newer than
 //! the newest it has taken. There is no window for late frames, as other protocols have: a message
-//! is complete, so one that was overtaken is worth nothing, and the newest stamp alone is a state
+//! is complete, so one that was overtaken has no use, and the newest stamp alone is a state
 //! that cannot be got wrong.
 //!
 //! What this does not cover: a receiver that restarts has forgotten the stamps, and takes a

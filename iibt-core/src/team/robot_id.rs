@@ -37,12 +37,14 @@ pub struct Member {
 }
 
 /// The reason why a team has no such member.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MemberError {
     /// The team is larger than [`MAX_TEAM`].
+    #[error("a team has at most {MAX_TEAM} robots")]
     TeamTooLarge,
     /// The robot's number is not below the size of its team.
+    #[error("the robot's number is not below the size of its team")]
     NotInTeam,
 }
 
@@ -73,14 +75,3 @@ impl Member {
         self.team as usize
     }
 }
-
-impl core::fmt::Display for MemberError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::TeamTooLarge => write!(f, "a team has at most {MAX_TEAM} robots"),
-            Self::NotInTeam => f.write_str("the robot's number is not below the size of its team"),
-        }
-    }
-}
-
-impl core::error::Error for MemberError {}

@@ -77,20 +77,26 @@ pub enum Heard {
 }
 
 /// The reason why a message was refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
     /// The bytes are not a frame.
+    #[error("no frame: {0}")]
     Frame(DecodeError),
     /// The sender is this robot itself: an echo, or two robots with the same number.
+    #[error("from this robot itself")]
     Own,
     /// The team has no such robot.
+    #[error("from a robot outside the team")]
     Unknown,
     /// The robot's task does not accept it.
+    #[error("not accepted: {0}")]
     Foreign(Invalid),
     /// The newest message of this peer again.
+    #[error("received before")]
     Duplicate,
     /// A message older than the newest of this peer: replayed or overtaken.
+    #[error("older than what the robot said before")]
     Outdated,
 }
 
@@ -254,21 +260,6 @@ impl<M> Peer<M> {
         if self.lost { Freshness::Lost } else { limits.freshness(now.since(self.heard)) }
     }
 }
-
-impl core::fmt::Display for Refused {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Frame(error) => write!(f, "no frame: {error}"),
-            Self::Own => f.write_str("from this robot itself"),
-            Self::Unknown => f.write_str("from a robot outside the team"),
-            Self::Foreign(invalid) => write!(f, "not accepted: {invalid}"),
-            Self::Duplicate => f.write_str("received before"),
-            Self::Outdated => f.write_str("older than what the robot said before"),
-        }
-    }
-}
-
-impl core::error::Error for Refused {}
 
 #[cfg(test)]
 mod tests {
