@@ -353,7 +353,7 @@ fn example() -> Said {
     Said { sender: RobotId(2), stamp, message: Intention(RoundMessage { proposal, fact, answer }) }
 }
 
-/// A message in JSON; with the cells of its walls, of so many on the map.
+/// A message in JSON; with the cells of its walls, by the number of cells of the map.
 fn as_json(said: &Said, cells: Option<usize>) -> Value {
     let Envelope { sender, stamp, message } = said;
     let (epoch, sequence) = (stamp.epoch, stamp.sequence);

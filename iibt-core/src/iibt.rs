@@ -3,8 +3,8 @@
 //! [`InferenceNode`] is Algorithm 1 of the paper, generic over a [`Task`].
 //! [`Navigation`](crate::navigation::Navigation) is the task of reaching goals on a grid as a team,
 //! and [`table`] makes tasks of tables. [`Logic`] holds what is true of the world as logic
-//! variables, and [`rules`] turn an unmet precondition into a preference (the paper's f_L). This is
-//! the only room that knows both trees and probabilities.
+//! variables, and [`rules`] has the size by which evidence for an unmet precondition is raised.
+//! Trees and probabilities meet here.
 
 pub mod logic;
 mod node;

@@ -9,7 +9,7 @@
 //! | E = P(π) | [`Habits`] | policies |
 //! | q(s) | [`Beliefs`] | states |
 //! | G | [`Terms`] | by policy |
-//! | G in ticks, of policies a team has in common | [`PolicyCost`], weighed by [`WeighedPolicies`] | by policy |
+//! | G in ticks, of a team's list | [`PolicyCost`], weighed by [`WeighedPolicies`] | by policy |
 //! | γ | [`Scoring::precision`], updated by a [`Precision`] | |
 //! | a, counts of A | [`LikelihoodCounts`], itself a [`Likelihood`] | outcomes x states |
 //! | b, counts of B | [`TransitionCounts`], itself a [`Transition`] | states x states per action |

@@ -94,21 +94,9 @@ pub const fn entropy(distribution: &[f32]) -> f32 {
     -sum
 }
 
-/// The digamma function ψ(x) = d ln Γ(x) / dx, within `3e-7` of max(1, |ψ(x)|); minus infinity at
-/// zero, NaN below.
-#[must_use]
-pub const fn digamma(x: f32) -> f32 {
-    match x {
-        f32::INFINITY => x,
-        _ if x > 0.0 => ln(x) + digamma_excess(x) - 1.0 / x,
-        _ if x == 0.0 => f32::NEG_INFINITY,
-        _ => f32::NAN,
-    }
-}
-
-/// ψ(x + 1) - ln x, by which a digamma exceeds a logarithm: positive, falling from infinity at zero
-/// to `1 / 2x` for large `x`, where the difference of the two would be lost in their last places;
-/// NaN below zero.
+/// ψ(x + 1) - ln x, by which the digamma function exceeds a logarithm: positive, falling from
+/// infinity at zero to `1 / 2x` for large `x`, where the difference of the two would be lost in
+/// their last places; NaN below zero.
 ///
 /// The asymptotic series from four on; below, ψ(x + 1) = ψ(x + n + 1) - Σ_k 1 / (x + k) leads
 /// there.
@@ -280,12 +268,6 @@ fn exp_below(lanes: &mut [f32; LANES], largest: f32) {
     *lanes = lanes.map(|x| exp(x - largest));
 }
 
-/// Turns values into their log-softmax `x - ln Σ exp(x)` in place.
-pub fn log_softmax(values: &mut [f32]) {
-    let total = log_sum_exp(values);
-    values.iter_mut().for_each(|x| *x -= total);
-}
-
 /// Turns log weights into the distribution `softmax(x)` in place.
 pub fn softmax(values: &mut [f32]) {
     let largest = largest(values);
@@ -317,10 +299,14 @@ pub const fn is_distribution(distribution: &[f32]) -> bool {
         sum += distribution[index];
         index += 1;
     }
-    sum > 1.0 - TOLERANCE && sum < 1.0 + TOLERANCE
+    is_one(sum)
 }
 
-const TOLERANCE: f32 = 1e-4;
+/// Whether a sum of probabilities is one within `1e-4`, which is what rounding may take or add.
+pub(crate) const fn is_one(sum: f32) -> bool {
+    const TOLERANCE: f32 = 1e-4;
+    sum > 1.0 - TOLERANCE && sum < 1.0 + TOLERANCE
+}
 
 #[cfg(test)]
 mod tests {
@@ -339,21 +325,6 @@ mod tests {
         }
         let z = 1.0 / (y * y);
         sum + y.ln() - 0.5 / y - z * (1.0 / 12.0 - z * (1.0 / 120.0 - z * (1.0 / 252.0 - z / 240.0)))
-    }
-
-    #[test]
-    fn digamma_agrees_with_double_precision() {
-        let mut x = 1e-6_f32;
-        while x < 1e6 {
-            let wanted = reference(f64::from(x));
-            let error = (f64::from(digamma(x)) - wanted).abs() / wanted.abs().max(1.0);
-            assert!(error < 3e-7, "{x}: {error:e}");
-            x *= 1.003;
-        }
-        // Minus the constant of Euler and Mascheroni.
-        assert!(close(digamma(1.0), -0.577_215_7));
-        assert!(digamma(-1.0).is_nan() && digamma(f32::NAN).is_nan());
-        assert_eq!((digamma(0.0), digamma(f32::INFINITY)), (f32::NEG_INFINITY, f32::INFINITY));
     }
 
     #[test]
@@ -415,14 +386,6 @@ mod tests {
         let mut broken = [f32::NAN, 0.0];
         softmax(&mut broken);
         assert_eq!(broken, [0.5; 2]);
-    }
-
-    #[test]
-    fn log_softmax_is_the_logarithm_of_softmax() {
-        let (mut logs, mut probabilities) = ([0.3, -2.0, 5.0], [0.3, -2.0, 5.0]);
-        log_softmax(&mut logs);
-        softmax(&mut probabilities);
-        assert!(logs.iter().zip(probabilities).all(|(&x, p)| close(exp(x), p)));
     }
 
     #[test]

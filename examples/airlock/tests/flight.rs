@@ -33,9 +33,9 @@ impl Battery for Parts {
     }
 }
 
-/// Flies an airlock whose inner door is open and whose outer door is shut. Each drive fails the first
-/// time, and every seventh reading is wrong. Returns the ticks until both trees succeed; the doors
-/// must never be open together.
+/// Flies an airlock whose inner door is open and whose outer door is shut. Each drive fails the
+/// first time, and every seventh reading is wrong. Returns the ticks until both trees succeed; the
+/// doors must never be open together.
 fn fly(loss: f64, charge: u8) -> Result<Option<u32>, Box<dyn Error>> {
     let mut doors = [0, 1]; // in truth: the inner one is open
     let mut tries = [0, 0];

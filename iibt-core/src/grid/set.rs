@@ -107,8 +107,8 @@ impl<const W: usize> CellSet<W> {
         self.zip(other, |ours, theirs| ours & !theirs)
     }
 
-    /// Adds every cell of another set moved to the number `by` higher; numbers past the end of the set
-    /// are dropped.
+    /// Adds every cell of another set moved to the number `by` higher; numbers past the end of the
+    /// set are dropped.
     #[inline]
     pub(super) fn add_raised(&mut self, other: &Self, by: usize) {
         let (words, bits) = (by / 32, by % 32);
@@ -119,7 +119,8 @@ impl<const W: usize> CellSet<W> {
         }
     }
 
-    /// Adds every cell of another set moved to the number `by` lower; numbers below zero are dropped.
+    /// Adds every cell of another set moved to the number `by` lower; numbers below zero are
+    /// dropped.
     #[inline]
     pub(super) fn add_lowered(&mut self, other: &Self, by: usize) {
         let (words, bits) = (by / 32, by % 32);

@@ -11,14 +11,10 @@
 //! reached(0)     = { start }                               \ b(0) \ b(1)
 //! reached(k + 1) = { cells one move or a wait away from reached(k) } \ b(k) \ b(k + 1) \ b(k + 2)
 //! ```
-//!
-//! A slow robot, whose every move takes `p` steps, goes in strides of `p` steps each, and `b(k)`
-//! are then the cells where teammates are in any step of the stride that ends after `k` of them.
 
 use super::spread::Spread;
 use super::{Cell, CellSet, Map, Move, Path};
 use crate::actions::HORIZON;
-use core::num::NonZero;
 
 /// The arena of the planner: one set of cells per step, `4 * W * (HORIZON + 1)` bytes.
 ///
@@ -51,7 +47,6 @@ pub struct Sweep<'a, const W: usize> {
     map: &'a Map<W>,
     from: Cell,
     teammates: &'a [Path],
-    pace: NonZero<usize>,
     reached: &'a [CellSet<W>; HORIZON + 1],
 }
 
@@ -71,29 +66,13 @@ impl<const W: usize> TimedPlanner<W> {
     ///
     /// Cost: linear in `W (HORIZON + 1)`, and one pass over each teammate's path.
     pub fn sweep<'a>(&'a mut self, map: &'a Map<W>, from: Cell, teammates: &'a [Path]) -> Sweep<'a, W> {
-        self.sweep_among(NonZero::<usize>::MIN, map, from, teammates, CellSet::EMPTY)
-    }
-
-    /// The same for a robot whose every move takes `pace` steps: its paths are made of moves after
-    /// `pace - 1` waits, and of `pace` waits. Its first move leads into none of the cells in
-    /// `standing`: a teammate that stands there has not chosen yet, and could not choose any way if
-    /// this robot followed on its heels.
-    pub fn sweep_among<'a>(
-        &'a mut self,
-        pace: NonZero<usize>,
-        map: &'a Map<W>,
-        from: Cell,
-        teammates: &'a [Path],
-        standing: CellSet<W>,
-    ) -> Sweep<'a, W> {
-        self.place(map, teammates, pace);
+        self.place(map, teammates);
         let spread = Spread::over(map);
         let mut candidates = map.free_cells().intersection(&[from].into_iter().collect());
         let mut before = CellSet::EMPTY;
-        for step in 0..=HORIZON / pace {
+        for step in 0..=HORIZON {
             let now = self.layer(step);
             let taken = before.union(&now).union(&self.layer(step + 1));
-            let taken = if step == 1 { taken.union(&standing) } else { taken };
             let reached = candidates.without(&taken);
             candidates = spread.from(&reached);
             before = now;
@@ -101,17 +80,15 @@ impl<const W: usize> TimedPlanner<W> {
                 *layer = reached;
             }
         }
-        Sweep { map, from, teammates, pace, reached: &self.layers }
+        Sweep { map, from, teammates, reached: &self.layers }
     }
 
     /// Fills the layers with the cells of the teammates.
-    fn place(&mut self, map: &Map<W>, teammates: &[Path], pace: NonZero<usize>) {
+    fn place(&mut self, map: &Map<W>, teammates: &[Path]) {
         self.layers.fill(CellSet::EMPTY);
         for path in teammates {
-            for (step, cell) in path.timeline(map).enumerate().take(HORIZON + 1) {
-                if let Some(layer) = self.layers.get_mut(strides(step, pace)) {
-                    layer.insert(cell);
-                }
+            for (layer, cell) in self.layers.iter_mut().zip(path.timeline(map)) {
+                layer.insert(cell);
             }
         }
     }
@@ -119,11 +96,6 @@ impl<const W: usize> TimedPlanner<W> {
     fn layer(&self, step: usize) -> CellSet<W> {
         self.layers.get(step).copied().unwrap_or(CellSet::EMPTY)
     }
-}
-
-/// Returns the number of strides that contain `steps` steps.
-const fn strides(steps: usize, pace: NonZero<usize>) -> usize {
-    steps.div_ceil(pace.get())
 }
 
 impl<const W: usize> Default for TimedPlanner<W> {
@@ -139,17 +111,14 @@ impl<const W: usize> Sweep<'_, W> {
     /// robot that starts on its goal and can stay there all the time arrives at every step.
     #[must_use]
     pub fn arrives(&self, goal: Cell, step: usize) -> bool {
-        let Some(stride) = self.stride(step) else { return false };
-        self.clear_since(goal).is_some_and(|clear| clear <= step) && self.enters(goal, stride)
+        self.clear_since(goal).is_some_and(|clear| clear <= step) && self.enters(goal, step)
     }
 
     /// The first step at which a path arrives at the goal, or `None` when none does within the
     /// horizon.
     #[must_use]
     pub fn earliest(&self, goal: Cell) -> Option<usize> {
-        let clear = strides(self.clear_since(goal)?, self.pace);
-        let stride = (clear..=HORIZON / self.pace).find(|&stride| self.enters(goal, stride))?;
-        Some(stride * self.pace.get())
+        (self.clear_since(goal)?..=HORIZON).find(|&step| self.enters(goal, step))
     }
 
     /// A path of exactly `arrival` moves that [arrives](Self::arrives) at the goal with the last of
@@ -164,20 +133,7 @@ impl<const W: usize> Sweep<'_, W> {
     /// Cost: at most `4 arrival²` lookups of a bit.
     #[must_use]
     pub fn path_to(&self, goal: Cell, arrival: usize) -> Option<Path> {
-        if self.arrives(goal, arrival) { self.trace(goal, self.stride(arrival)?) } else { None }
-    }
-
-    /// The shortest path to a cell that keeps clear of the teammates until it is there. Unlike a
-    /// goal, the cell need not stay free of them.
-    #[must_use]
-    pub fn soonest(&self, cell: Cell) -> Option<Path> {
-        let stride = (0..=HORIZON / self.pace).find(|&stride| self.is_reached(cell, stride))?;
-        self.trace(cell, stride)
-    }
-
-    /// The stride that ends with a step; `None` where none does.
-    fn stride(&self, step: usize) -> Option<usize> {
-        (step <= HORIZON && step % self.pace == 0).then(|| step / self.pace)
+        if self.arrives(goal, arrival) { self.trace(goal, arrival) } else { None }
     }
 
     /// A path that is on a reached cell with its last move.
@@ -193,19 +149,9 @@ impl<const W: usize> Sweep<'_, W> {
         }
         let mut path = Path::at(self.from);
         for &step in moves.get(..arrival)? {
-            for _ in 1..self.pace.get() {
-                path.push(Move::Wait).ok()?;
-            }
             path.push(step).ok()?;
         }
         Some(path)
-    }
-
-    /// Returns the cells on which the robot can be at `step` (for a slow robot, after `step`
-    /// strides) without a conflict so far; none past the horizon.
-    #[must_use]
-    pub fn reached(&self, step: usize) -> CellSet<W> {
-        self.reached.get(step).copied().unwrap_or(CellSet::EMPTY)
     }
 
     /// The first step from which on no teammate is on the cell; `None` when one stays there.
@@ -283,30 +229,6 @@ mod tests {
         let path = sweep.path_to(Cell(24), 7).unwrap();
         let blank = ".......";
         assert_picture(&picture(&map, &path), &[blank, blank, blank, "...7...", "0123...", blank, blank]);
-    }
-
-    #[test]
-    fn a_cell_on_the_way_may_be_a_teammate_s_later() {
-        let map = drawn(&["....."]);
-        let teammate = [moving(&["....b", "....b", "....b", "...b.", "..b.."], 'b')];
-        let mut planner = TimedPlanner::new();
-        let sweep = planner.sweep(&map, Cell(0), &teammate);
-        assert_eq!(sweep.earliest(Cell(2)), None, "the teammate stays there");
-        let path = sweep.soonest(Cell(2)).unwrap();
-        assert_picture(&frames(&map, &[('a', path)]), &["a....", ".a...", "..a.."]);
-        assert_eq!(sweep.soonest(Cell(0)), Some(Path::at(Cell(0))));
-        assert_eq!(sweep.soonest(Cell(4)), None, "nobody gets past it");
-    }
-
-    #[test]
-    fn the_first_move_does_not_follow_on_the_heels_of_who_has_not_chosen() {
-        let map = drawn(&["...", "..."]);
-        let mut planner = TimedPlanner::new();
-        let standing = [Cell(1)].into_iter().collect();
-        let sweep = planner.sweep_among(NonZero::<usize>::MIN, &map, Cell(0), &[], standing);
-        assert_eq!(sweep.path_to(Cell(1), 1), None);
-        assert_eq!(sweep.earliest(Cell(1)), Some(2), "afterwards it may be gone");
-        assert!(sweep.reached(1).contains(Cell(3)) && !sweep.reached(1).contains(Cell(1)));
     }
 
     #[test]

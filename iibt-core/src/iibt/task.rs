@@ -44,7 +44,7 @@ use crate::team::{Message, Peers};
 /// impl Task for Lamp {
 ///     type Percept = bool;
 ///     type Message = Silence;
-///     /// How much it is worth to plug the lamp in, and to light it.
+///     /// The preference for a lamp that is plugged in, and for one that is lit.
 ///     type Preference = [f32; 2];
 ///     type Candidates = [Action; 2];
 ///     type Policy = Action;

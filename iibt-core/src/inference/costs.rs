@@ -6,8 +6,7 @@
 //! tick, so that robots of every make add them up to the same sum and choose the same policy.
 
 use super::error::{Argument, OutOfRange};
-use super::policy::Choice;
-use crate::math;
+use super::policy::{self, Choice};
 use heapless::Vec;
 
 /// A time in eighths of a tick.
@@ -118,11 +117,7 @@ impl<const K: usize> WeighedPolicies<K> {
             weighed.costs.push(cost).map_err(|_| too_many)?;
             weighed.posterior.push(score).map_err(|_| too_many)?;
         }
-        if weighed.costs.iter().all(|cost| cost.is_impossible) {
-            weighed.posterior.fill(0.0);
-        } else {
-            math::softmax(&mut weighed.posterior);
-        }
+        policy::posterior(&mut weighed.posterior, f32::INFINITY);
         Ok(weighed)
     }
 

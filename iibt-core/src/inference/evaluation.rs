@@ -163,12 +163,6 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         self.terms.as_flattened().get(..self.done()).unwrap_or(&[])
     }
 
-    /// The terms of one group's own part for each of its candidates among those scored last, in the
-    /// order in which joint policies brought them up.
-    pub fn own_terms(&self, group: usize) -> impl Iterator<Item = &Terms> {
-        self.groups.iter().skip(group).take(1).flat_map(Group::iter).map(|candidate| &candidate.terms)
-    }
-
     /// ln E - F - γ G of the joint policies scored so far: their log posterior up to a constant.
     #[must_use]
     pub fn scores(&self) -> &[f32] {

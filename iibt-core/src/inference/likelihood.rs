@@ -3,7 +3,7 @@
 //! | form | what it is | numbers it stores |
 //! |---|---|---|
 //! | [`DenseLikelihood`] | any table | outcomes x states |
-//! | [`IdentityNoise`] | the state itself, read with even errors | 3 |
+//! | [`IdentityNoise`] | the state itself, read with even errors | 4 |
 //! | [`OutcomeTable`] | an outcome that labels of the states determine | its labels and columns |
 //!
 //! An [`OutcomeTable`] stores a byte per state, a byte per combination of labels, and a column per

@@ -2,9 +2,7 @@
 
 use super::Shape;
 use super::likelihood::TableError;
-
-/// The tolerance for the sum of a column.
-const TOLERANCE: f32 = 1e-4;
+use crate::math;
 
 /// Whether every column is a distribution.
 pub(super) const fn check(table: &[f32], shape: &Shape) -> Result<(), TableError> {
@@ -24,7 +22,7 @@ pub(super) const fn check(table: &[f32], shape: &Shape) -> Result<(), TableError
             sum += table[at];
             at += columns;
         }
-        if !(sum > 1.0 - TOLERANCE && sum < 1.0 + TOLERANCE) {
+        if !math::is_one(sum) {
             return Err(TableError::Column(column, sum));
         }
         column += 1;

@@ -16,6 +16,7 @@ pub use next_state::NextState;
 
 use super::shape::{Shape, mass};
 use crate::actions::{Action, Actions};
+use crate::math;
 
 /// P(s' | s, u): the change of a hidden factor by each action, given its own state and, where
 /// motion is coupled, the states of other factors.
@@ -88,6 +89,5 @@ fn stay_without_mass(beliefs: &[&[f32]], to: &mut [f32]) {
 
 /// Copies the belief about the factor itself.
 pub(super) fn stay(beliefs: &[&[f32]], to: &mut [f32]) {
-    let from = beliefs.first().copied().unwrap_or(&[]);
-    to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+    math::assign(to, beliefs.first().copied().unwrap_or(&[]));
 }

@@ -43,11 +43,6 @@ impl<const R: usize> Group<R> {
         self.used as usize
     }
 
-    /// The candidates that are in the rows.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Rollout> {
-        self.candidates.iter().take(self.used())
-    }
-
     /// The row of the candidate with this key.
     #[inline]
     pub(super) fn find(&self, key: u32) -> Option<usize> {

@@ -6,8 +6,8 @@ use crate::actions::Action;
 /// The successes and failures of `U` actions, in which an action that fails leaves the state as it
 /// is: the counts of a [`NextState`](crate::inference::NextState).
 ///
-/// Every action begins with so many successes and no failure, so that before the first failure
-/// every slip is exactly zero and motion certain. Twelve bytes per action.
+/// Every action begins with the same number of successes and no failure, so that before the first
+/// failure every slip is exactly zero and motion certain. Twelve bytes per action.
 ///
 /// ```
 /// use iibt_core::inference::NextState;

@@ -20,7 +20,7 @@ use crate::math;
 ///
 /// // A prior that is only known at run time.
 /// assert!(Factor::try_new(&SWITCH, SWITCH.shape(), &[0.5, 0.4]).is_none());
-/// // A lamp that somebody else switches.
+/// // A lamp that changes by itself.
 /// let other = LAMP.controlled_by(Control::None);
 /// assert_eq!(other.states(), 2);
 /// ```
@@ -42,7 +42,7 @@ pub struct Factor<'a> {
 ///
 /// static TURN: NextState = NextState::new(&[0, 1, 1, 0], 2);
 /// static SENSOR: IdentityNoise = IdentityNoise::new(0.9, 2);
-/// // Two wheels on one axle, and a door that nobody moves.
+/// // Two wheels on one axle, and a door that no action moves.
 /// static FACTORS: [Factor; 3] = [
 ///     Factor::new(&TURN, TURN.shape(), &[0.5, 0.5]),
 ///     Factor::new(&TURN, TURN.shape(), &[0.5, 0.5]).controlled_by(Control::Shared(0)),

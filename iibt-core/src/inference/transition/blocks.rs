@@ -4,6 +4,7 @@ use super::{Transition, stay, stay_without_mass};
 use crate::actions::Action;
 use crate::inference::Shape;
 use crate::inference::likelihood::TableError;
+use crate::math;
 
 /// q(s_i') = Σ_j w_j B^ij q(s_j): the row of blocks of one factor in the block matrix of the
 /// paper's section 4.
@@ -67,7 +68,7 @@ impl<'a> Blocks<'a> {
             sum += blocks[at].0;
             at += 1;
         }
-        if !(sum > 0.9999 && sum < 1.0001) {
+        if !math::is_one(sum) {
             return Err(TableError::Column(0, sum));
         }
         Ok(Self { blocks, shape })

@@ -137,8 +137,8 @@ impl<'a> NextState<'a> {
         self.slips.get(usize::from(action)).copied().unwrap_or(self.slip)
     }
 
-    /// The state after `action` in `state` without a slip; `None` for a state or action that does
-    /// not exist.
+    /// The state after `action` in `state` without a slip; `state` itself where there is no such
+    /// state or action.
     #[must_use]
     pub fn successor(&self, action: Action, state: usize) -> usize {
         let row = self.row(action).unwrap_or(&[]);
