@@ -63,12 +63,13 @@ pub trait Scanner {
     /// Asked up to [`MAX_HAZARDS`](iibt_core::navigation::MAX_HAZARDS) times a tick. A cell may be
     /// named again.
     ///
-    /// The team avoids such a cell until it is told that it is clear. A teammate is no obstacle, but
-    /// may be reported as one: the robots know where it can be.
+    /// The team avoids such a cell until it is told that it is clear. A teammate is no obstacle,
+    /// but may be reported as one: the robots know where it can be.
     fn scan(&mut self) -> Option<Cell>;
 
-    /// Returns whether a cell is in view and free: evidence that an obstacle is gone. Asked at every
-    /// tick for the obstacles that the robot remembers. A sensor that cannot tell leaves this out.
+    /// Returns whether a cell is in view and free: evidence that an obstacle is gone. Asked at
+    /// every tick for the obstacles that the robot remembers. A sensor that cannot tell leaves this
+    /// out.
     fn is_clear(&mut self, cell: Cell) -> bool {
         let _ = cell;
         false

@@ -1,8 +1,7 @@
 //! The robot of a navigating team.
 
-use crate::Robot;
-use crate::Settings;
 use crate::hardware::{Battery, Drive, Localiser, Scanner};
+use crate::{Robot, Settings};
 use iibt_core::iibt::InferenceNode;
 use iibt_core::navigation::{GridPercept, Intention, Mission, MissionError, Navigation};
 use iibt_core::team::{Invalid, Peers};
@@ -52,14 +51,14 @@ static TREE: Tree<Skill, NODES> = tree! {
 #[derive(Clone, Debug)]
 pub struct Navigator<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> {
     memory: Memory<NODES>,
-    skills: Skills<'m, S, W, L, M, K>,
+    blackboard: Blackboard<'m, S, W, L, M, K>,
     percept: GridPercept,
     message: Option<Intention<W, K>>,
 }
 
-/// The state that the leaves share.
+/// What the leaves share.
 #[derive(Clone, Debug)]
-struct Skills<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> {
+struct Blackboard<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> {
     navigation: Navigation<'m, S, W, L, M, K>,
     node: InferenceNode<Navigation<'m, S, W, L, M, K>>,
     charge: u8,
@@ -95,7 +94,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         let timeout = Duration(settings.tick().0.saturating_mul(Self::TIMEOUT_TICKS));
         Ok(Self {
             memory: Memory::new(),
-            skills: Skills {
+            blackboard: Blackboard {
                 navigation: Navigation::new(mission, settings.member(), settings.epoch())?,
                 node: InferenceNode::new(timeout),
                 charge: 100,
@@ -109,25 +108,25 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     /// Sets the battery thresholds.
     #[must_use]
     pub fn with_thresholds(mut self, thresholds: Thresholds) -> Self {
-        self.skills.thresholds = thresholds;
+        self.blackboard.thresholds = thresholds;
         self
     }
 
     /// Returns the task of the inference node, with its last decision.
     #[must_use]
     pub const fn navigation(&self) -> &Navigation<'m, S, W, L, M, K> {
-        &self.skills.navigation
+        &self.blackboard.navigation
     }
 
     /// Returns the task for instructions: way-points and preferences for goals.
     pub const fn navigation_mut(&mut self) -> &mut Navigation<'m, S, W, L, M, K> {
-        &mut self.skills.navigation
+        &mut self.blackboard.navigation
     }
 
     /// Sets the most work units of a tick; see [`Navigation::set_budget`].
     #[must_use]
     pub fn with_budget(mut self, units: u32) -> Self {
-        self.skills.navigation.set_budget(units);
+        self.blackboard.navigation.set_budget(units);
         self
     }
 
@@ -146,15 +145,15 @@ where
     type Message = Intention<W, K>;
 
     fn mission(&self) -> u64 {
-        self.skills.navigation.mission_id()
+        self.blackboard.navigation.mission_id()
     }
 
     fn accepts(&self, intention: &Intention<W, K>) -> Result<(), Invalid> {
-        self.skills.navigation.accepts(intention)
+        self.blackboard.navigation.accepts(intention)
     }
 
     fn sense(&mut self, hardware: &mut H, _: Instant) {
-        self.skills.charge = hardware.charge();
+        self.blackboard.charge = hardware.charge();
         self.percept.reading = hardware.locate();
         self.percept.moving = hardware.is_moving();
         self.percept.hazards.clear();
@@ -164,21 +163,21 @@ where
             let _ = self.percept.hazards.push(hazard);
         }
         self.percept.clear.clear();
-        for cell in self.skills.navigation.watched().filter(|&cell| hardware.is_clear(cell)) {
+        for cell in self.blackboard.navigation.watched().filter(|&cell| hardware.is_clear(cell)) {
             // Without room, a cell that is still clear is told at a later tick.
             let _ = self.percept.clear.push(cell);
         }
     }
 
     fn tick(&mut self, peers: Peers<'_, Intention<W, K>>, now: Instant) -> Status {
-        let mut leaves = Ticking { skills: &mut self.skills, percept: &self.percept, peers };
+        let mut leaves = NavigatorLeaves { blackboard: &mut self.blackboard, percept: &self.percept, peers };
         let status = TREE.tick(&mut self.memory, &mut leaves, now).status;
-        self.message = self.skills.navigation.intention(peers);
+        self.message = self.blackboard.navigation.intention(peers);
         status
     }
 
     fn act(&mut self, hardware: &mut H) {
-        if let Some(step) = self.skills.navigation.command() {
+        if let Some(step) = self.blackboard.navigation.command() {
             hardware.go(step);
         }
     }
@@ -188,23 +187,25 @@ where
     }
 }
 
-/// The skills in a tick, with what was sensed and heard.
-struct Ticking<'t, 'm, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> {
-    skills: &'t mut Skills<'m, S, W, L, M, K>,
+/// The leaves in a tick: the blackboard, with what was sensed and heard.
+struct NavigatorLeaves<'t, 'm, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
+{
+    blackboard: &'t mut Blackboard<'m, S, W, L, M, K>,
     percept: &'t GridPercept,
     peers: Peers<'t, Intention<W, K>>,
 }
 
 impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
-    Ticking<'_, '_, S, W, L, M, K>
+    NavigatorLeaves<'_, '_, S, W, L, M, K>
 {
-    /// Drives to the charger with the team's consent, and stands there until the battery is charged.
+    /// Drives to the charger with the team's consent, and stands there until the battery is
+    /// charged.
     fn recharge(&mut self, now: Instant) -> Status {
-        if self.skills.charge >= self.skills.thresholds.charged {
-            self.skills.navigation.set_charging(false);
+        if self.blackboard.charge >= self.blackboard.thresholds.charged {
+            self.blackboard.navigation.set_charging(false);
             return Status::Success;
         }
-        self.skills.navigation.set_charging(true);
+        self.blackboard.navigation.set_charging(true);
         match self.decide(now) {
             Status::Failure => Status::Failure,
             // It is not done before the battery is charged.
@@ -213,16 +214,16 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     }
 
     fn decide(&mut self, now: Instant) -> Status {
-        let Skills { navigation, node, .. } = &mut *self.skills;
+        let Blackboard { navigation, node, .. } = &mut *self.blackboard;
         node.tick(navigation, self.percept, self.peers, now)
     }
 }
 
 impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> Leaves<Skill>
-    for Ticking<'_, '_, S, W, L, M, K>
+    for NavigatorLeaves<'_, '_, S, W, L, M, K>
 {
     fn condition(&mut self, leaf: &Skill, _: Instant) -> bool {
-        *leaf == Skill::BatteryEnough && self.skills.charge >= self.skills.thresholds.low
+        *leaf == Skill::BatteryEnough && self.blackboard.charge >= self.blackboard.thresholds.low
     }
 
     fn on_running(&mut self, leaf: &Skill, now: Instant) -> Status {
@@ -235,7 +236,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     fn on_halted(&mut self, leaf: &Skill, _: Instant) -> Halt {
         match leaf {
-            Skill::MoveToGoal => self.skills.node.halt(&mut self.skills.navigation),
+            Skill::MoveToGoal => self.blackboard.node.halt(&mut self.blackboard.navigation),
             Skill::Recharge | Skill::BatteryEnough => {}
         }
         Halt::Done

@@ -5,6 +5,7 @@ use super::{t1, t2};
 use iibt_core::inference::{
     Beliefs, Candidates, Evaluation, Evidence, MAX_SWEEPS, Model, ObservationError, Problem, Scoring, Update,
 };
+use iibt_core::team::Fnv1a;
 
 /// The number of random models in a digest.
 pub const MODELS: u64 = 200;
@@ -16,13 +17,13 @@ pub const MODELS: u64 = 200;
 /// random model.
 #[must_use]
 pub fn digest(seed: u64) -> u64 {
-    let mut digest = Digest::new();
+    let mut digest = Digest(Fnv1a::EMPTY);
     digest.add_t1();
     digest.add_t2();
     for model in 0..MODELS {
         digest.add_random(seed.wrapping_add(model));
     }
-    digest.0
+    digest.0.finish()
 }
 
 /// The scoring where the joint gain is not enumerated.
@@ -30,17 +31,11 @@ const PER_MODALITY: [Scoring; 2] = [Scoring::DEFAULT, Scoring::JAX_PYMDP];
 
 const ALL: [Scoring; 3] = [Scoring::DEFAULT, Scoring::JAX_PYMDP, Scoring::NUMPY_PYMDP];
 
-struct Digest(u64);
+struct Digest(Fnv1a);
 
 impl Digest {
-    const fn new() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-
     fn add_bits(&mut self, bits: u32) {
-        for byte in bits.to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
+        self.0 = self.0.write(&bits.to_le_bytes());
     }
 
     fn add_numbers(&mut self, numbers: &[f32]) {

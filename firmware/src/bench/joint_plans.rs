@@ -36,7 +36,7 @@ impl Problems {
         self.0 % count.max(1)
     }
 
-    /// The next one, for so many robots, at most eight; `None` where the map has too few free cells.
+    /// The next one, for at most eight robots; `None` where the map has too few free cells.
     pub fn next(&mut self, robots: usize) -> Option<Instance> {
         let mut map = Map::new(8, 8).ok()?;
         for cell in (0..64).map(Cell) {
@@ -62,7 +62,7 @@ impl Problems {
     }
 }
 
-/// What the plans for [`PROBLEMS`] problems of one size were.
+/// Figures of the plans for [`PROBLEMS`] problems of one size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Plans {
     /// A hash of all plans.
@@ -75,7 +75,7 @@ pub struct Plans {
     pub worst: u32,
 }
 
-/// Plans for so many robots; `measure` is told to plan, and returns what that took beside the plan.
+/// Plans for a number of robots. `measure` plans, and returns what that took beside the plan.
 pub fn plan_all(
     robots: usize,
     planner: &mut Planner,
