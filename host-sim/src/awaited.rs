@@ -46,7 +46,7 @@ impl fmt::Display for Awaited {
     }
 }
 
-/// The ticks after which waiting for the same is told.
+/// The ticks of waiting for the same after which it is an event.
 const TOLD_AFTER: u32 = 20;
 
 /// Since when each robot waits for the same.

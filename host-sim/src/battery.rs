@@ -46,7 +46,8 @@ impl BatteryState {
         self.charge = f64::from(percent.min(100));
     }
 
-    /// Drains the battery by a move between two cells; charges it where the robot stays on its charger.
+    /// Drains the battery by a move between two cells; charges it where the robot stays on its
+    /// charger.
     pub(crate) fn tick(&mut self, from: Cell, to: Cell) {
         if from != to {
             self.charge = (self.charge - self.drain).max(0.0);

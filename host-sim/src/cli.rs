@@ -233,8 +233,7 @@ impl RunArgs {
                 format!("{}: --frames keeps those of one mission, not of a series", scenario.name).into()
             );
         }
-        let mut logbook = self.logbook()?;
-        let mut observer: (Box<dyn Observer>, _) = (Box::new(()), logbook.take());
+        let mut observer: (Box<dyn Observer>, _, _) = (Box::new(()), self.logbook()?, self.recording()?);
         let series = fly_series(scenario, conditions, true, &mut observer).map_err(about(&scenario.name))?;
         if let Some(logbook) = observer.1 {
             logbook.finish()?;
@@ -257,14 +256,12 @@ impl RunArgs {
 
     fn logbook(&self) -> Result<Option<Logbook<BufWriter<File>>>, Failure> {
         let Some(path) = &self.log else { return Ok(None) };
-        let file = File::create(path).map_err(about(path.display()))?;
-        Ok(Some(Logbook::new(BufWriter::new(file))))
+        Ok(Some(Logbook::new(created(path)?)))
     }
 
     fn recording(&self) -> Result<Option<FrameRecording<BufWriter<File>>>, Failure> {
         let Some(path) = &self.frames else { return Ok(None) };
-        let file = File::create(path).map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(Some(FrameRecording::new(BufWriter::new(file))))
+        Ok(Some(FrameRecording::new(created(path)?)))
     }
 
     fn report(&self, record: &Record) -> Result<String, Failure> {
@@ -329,6 +326,11 @@ fn unknown(
     let hint = nearest.map_or_else(String::new, |nearest| format!("did you mean '{nearest}'? "));
     let names = names.collect::<Vec<_>>().join(", ");
     format!("{none} is called '{name}': {hint}built in are {names}; a file of your own ends in .")
+}
+
+/// Creates a file; an error names it.
+fn created(path: &Path) -> Result<BufWriter<File>, String> {
+    File::create(path).map(BufWriter::new).map_err(about(path.display()))
 }
 
 /// Reads a file of at most `most` bytes; an error names the file.

@@ -5,16 +5,20 @@
 //! core's table, each leaf bound by its name. They are the baseline for inference, written as an
 //! engineer would with the same sensors, radio and maps, and no probabilities:
 //!
-//! | question | answer |
-//! |---|---|
-//! | where am I | where the last move should have led, if the reading says so; any other reading counts when it comes twice in a row |
-//! | whose goal is which | least sum of ways from the announced cells; the lower number keeps the goal it has announced |
-//! | which way | a path in space and time past those with the right of way and those that stand, constructed again when an obstacle or a teammate is on it |
-//! | when to arrive | not before the slowest teammate: waits before the last move, and the last move only when all are one move away |
-//! | may I move | into a cell that was announced a tick before, where no teammate can be, and that none with the right of way goes to |
-//! | who has the right of way | robots on their way to a charger, then the lower number |
-//! | who was not heard | may be anywhere it can have come to; one not heard for sixteen frames stands where it was |
-//! | battery low | drive to the charger, stay until charged, come back |
+//! - Where am I: where the last move should have led, if the reading says so; any other reading
+//!   counts when it comes twice in a row.
+//! - Whose goal is which: the least sum of ways from the announced cells; the lower number keeps
+//!   the goal it has announced.
+//! - Which way: a path in space and time past those with the right of way and those that stand,
+//!   constructed again when an obstacle or a teammate is on it.
+//! - When to arrive: not before the slowest teammate. Waits come before the last move, and the last
+//!   move only when all are one move away.
+//! - May I move: into a cell that was announced a tick before, where no teammate can be, and that
+//!   none with the right of way goes to.
+//! - Who has the right of way: robots on their way to a charger, then the lower number.
+//! - A teammate that was not heard may be anywhere it can have come to; one not heard for sixteen
+//!   frames stands where it was.
+//! - With a low battery: drive to the charger, stay until charged, come back.
 //!
 //! There is no round and no agreement: every robot decides by itself from the last messages. It
 //! announces `Agreed` when it makes the next step of its path in this tick, and `Announced` when it
@@ -38,7 +42,7 @@ pub(crate) use leaves::ConventionalTree;
 
 use self::leaves::ConventionalLeaf;
 use self::message::PathMessage;
-use self::navigator::{Navigator, Orders};
+use self::navigator::{ConventionalNavigator, Orders};
 use self::teammate::Teammate;
 use crate::body::Body;
 use crate::robot::{AnyRobot, shrunk};
@@ -59,7 +63,7 @@ use std::num::NonZero;
 pub(crate) struct ConventionalRobot<const S: usize, const W: usize> {
     tree: &'static BoundTree<ConventionalLeaf>,
     memory: Vec<tree::NodeMemory<Full>>,
-    navigator: Navigator<S, W>,
+    navigator: ConventionalNavigator<S, W>,
     /// The ticks from one control cycle to the next: the delay of a frame.
     period: u32,
     /// The time of the last action.
@@ -105,7 +109,7 @@ impl<const S: usize, const W: usize> ConventionalRobot<S, W> {
         Ok(Self {
             tree,
             memory: vec![tree::NodeMemory::NEW; tree.len()],
-            navigator: Navigator::new(orders),
+            navigator: ConventionalNavigator::new(orders),
             period: settings.tick().0,
             acted: None,
             seen: [(Cell(u16::MAX), Instant(0)); MAX_TEAM],
@@ -195,7 +199,7 @@ where
 
 /// The skills as the leaves of the tree.
 struct Hands<'n, const S: usize, const W: usize> {
-    navigator: &'n mut Navigator<S, W>,
+    navigator: &'n mut ConventionalNavigator<S, W>,
 }
 
 impl<const S: usize, const W: usize> Leaves<ConventionalLeaf> for Hands<'_, S, W> {

@@ -182,8 +182,8 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         events
     }
 
-    /// The cell two moves ahead on a robot's path by the newest plan, or one move ahead where two are
-    /// the end of it; none that a robot is in or is to come to.
+    /// The cell two moves ahead on a robot's path by the newest plan, or one move ahead where two
+    /// are the end of it; none that a robot is in or is to come to.
     fn ahead(&self, robot: usize) -> Option<Cell> {
         let report = &self.reports[robot];
         let is_newest = self.reports.iter().all(|other| other.round <= report.round);

@@ -6,6 +6,7 @@ use crate::faults::Faults;
 use crate::flight::Flight;
 use crate::flight_event::FlightEvent;
 use crate::phases::{self, Phase};
+use crate::progress::is_member;
 use crate::record::{self, Activity, Record, RobotRecord, TimedEvent};
 use crate::robot::AnyRobot;
 use crate::scenario::{Floor, Scenario};
@@ -13,7 +14,6 @@ use crate::team::{Pilot, TeamError, with_team};
 use crate::verdict::{self, Evidence};
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::{MAX_GOALS, Report, Stage};
-use iibt_core::team::RobotId;
 
 /// The conditions of a flight besides its scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -64,16 +64,6 @@ pub trait Observer {
 /// No observer.
 impl Observer for () {
     fn observe(&mut self, _: &Snapshot<'_>) {}
-}
-
-/// Two observers; the second may be absent.
-impl<A: Observer> Observer for (Box<dyn Observer + '_>, Option<A>) {
-    fn observe(&mut self, snapshot: &Snapshot<'_>) {
-        self.0.observe(snapshot);
-        if let Some(other) = &mut self.1 {
-            other.observe(snapshot);
-        }
-    }
 }
 
 /// Three observers; the second and the third may be absent.
@@ -182,8 +172,8 @@ impl<'f, 'm> Recorder<'f, 'm> {
         });
     }
 
-    /// Whether every robot says that it has arrived, or is lost to the team for good, the mission is
-    /// accomplished, and no event is to come.
+    /// Whether every robot says that it has arrived, or is lost to the team for good, the mission
+    /// is accomplished, and no event is to come.
     fn is_over(&self) -> bool {
         let members = self.members();
         let (reports, world) = (self.flight.reports(), self.flight.world());
@@ -196,13 +186,10 @@ impl<'f, 'm> Recorder<'f, 'm> {
             || (is_done && self.evidence(&members, &self.moving()).is_accomplished())
     }
 
-    /// Which robots take part: the members of the newest round; all, where there are no rounds.
+    /// Which robots take part.
     fn members(&self) -> Vec<bool> {
         let reports = self.flight.reports();
-        let newest = reports.iter().max_by_key(|report| report.round).map(|report| report.members);
-        let view = newest.filter(|view| !view.is_empty());
-        let is_member = |robot: usize| view.is_none_or(|view| view.contains(RobotId(robot as u8)));
-        (0..reports.len()).map(is_member).collect()
+        (0..reports.len()).map(is_member(reports)).collect()
     }
 
     fn moving(&self) -> Vec<bool> {

@@ -1,7 +1,8 @@
 //! What recorded frames of a navigating team say: who goes where, when and how surely.
 //!
-//! The facts of a round's members give its list of joint policies, and each robot's frame carries the
-//! number of the chosen one and its probability. So the frames and the mission are all it takes.
+//! The facts of a round's members give its list of joint policies, and each robot's frame carries
+//! the number of the chosen one and its probability. So the frames and the mission are all it
+//! takes.
 
 use crate::scenario::{MAX_CELLS, Scenario};
 use crate::team::{LAYERS, MEDIUM, NODES, POLICIES, SMALL, TeamError, on_mission};

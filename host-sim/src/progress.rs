@@ -46,11 +46,17 @@ fn chosen_round(reports: &[Report]) -> Option<u32> {
     members(reports).any(|report| follows(report, newest.round)).then_some(newest.round)
 }
 
-/// The reports of the members of the newest round.
-fn members(reports: &[Report]) -> impl Iterator<Item = &Report> {
+/// Whether a robot takes part, by its index: it is a member of the newest round. All are, where
+/// there are no rounds.
+pub(crate) fn is_member(reports: &[Report]) -> impl Fn(usize) -> bool + use<> {
     let newest = reports.iter().max_by_key(|report| report.round).map(|report| report.members);
     let view = newest.filter(|view| !view.is_empty());
-    let is_member = move |robot: usize| view.is_none_or(|view| view.contains(RobotId(robot as u8)));
+    move |robot| view.is_none_or(|view| view.contains(RobotId(robot as u8)))
+}
+
+/// The reports of the robots that take part.
+fn members(reports: &[Report]) -> impl Iterator<Item = &Report> {
+    let is_member = is_member(reports);
     reports.iter().enumerate().filter(move |&(robot, _)| is_member(robot)).map(|(_, report)| report)
 }
 

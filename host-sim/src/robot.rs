@@ -9,7 +9,8 @@ use iibt_core::tree::Status;
 
 /// A flying robot, whose controller may be compiled for any size of map.
 ///
-/// Implemented for the firmware's [`Controller`] of a [`Navigator`] in a simulated body.
+/// Implemented for the firmware's [`Controller`] of a [`Navigator`], or of a robot with a
+/// conventional tree, in a simulated body.
 pub trait AnyRobot {
     /// Ticks its controller once; returns what its tree returned.
     fn tick(&mut self) -> Status;

@@ -1,7 +1,7 @@
 //! The team: a controller for every robot, each in a body of its own: the firmware's own, or one
 //! with a conventional tree.
 //!
-//! A controller is compiled for a size of map; this module alone chooses the size.
+//! A controller is compiled for a size of map, which is chosen here.
 
 use crate::body::{Body, body};
 use crate::conventional::{ConventionalRobot, ConventionalTree, period};

@@ -172,10 +172,7 @@ fn block(scenario: &mut Scenario, random: &mut Random) {
 }
 
 fn is_needed(scenario: &Scenario, cell: Cell) -> bool {
-    let visits = |event: &Event| matches!(event.effect, EventEffect::Visit(_, at) if at == cell);
-    scenario.goals.contains(&cell)
-        || scenario.robots.iter().any(|robot| robot.start == cell || robot.charger == Some(cell))
-        || scenario.events.iter().any(visits)
+    scenario.has_place_at(cell) || scenario.robots.iter().any(|robot| robot.start == cell)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! `frames`: what recorded frames say of a team's plans.
 
-use super::{Failure, print, read_up_to, scenario};
+use super::{Failure, about, print, read_up_to, scenario};
 use clap::Args;
 use host_sim::{KEY, TeamFrames};
 use iibt_core::team::Key;
@@ -39,11 +39,10 @@ pub(super) struct Frames {
 impl Frames {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
         let name = self.file.display();
-        let bytes = read_up_to(&self.file, MAX_BYTES).map_err(|error| format!("{name}: {error}"))?;
+        let bytes = read_up_to(&self.file, MAX_BYTES).map_err(about(&name))?;
         let scenario = scenario(&self.mission)?;
         let key = self.key.map_or(KEY, Key::new);
-        let frames = TeamFrames::read(&scenario, &key, &bytes)
-            .map_err(|error| format!("{}: {error}", scenario.name))?;
+        let frames = TeamFrames::read(&scenario, &key, &bytes).map_err(about(&scenario.name))?;
         if frames.accepted == 0 {
             let reasons: Vec<_> =
                 frames.refused.iter().map(|(reason, times)| format!("{times} refused: {reason}")).collect();

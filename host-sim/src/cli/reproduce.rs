@@ -26,7 +26,7 @@ pub(super) struct Reproduce {
     /// Only this section; may be given several times
     #[arg(long, value_name = "SECTION", value_parser = chapter)]
     only: Vec<&'static Chapter>,
-    /// Fly only a few seeds where chance has a say
+    /// Fly only a few seeds where results are random
     #[arg(long)]
     quick: bool,
     /// Print everything as JSON, and nothing else

@@ -29,7 +29,7 @@ pub(super) struct Orders<const W: usize> {
 
 /// The state that the leaves share.
 #[derive(Clone, Debug)]
-pub(super) struct Navigator<const S: usize, const W: usize> {
+pub(super) struct ConventionalNavigator<const S: usize, const W: usize> {
     orders: Orders<W>,
     /// The map with the known obstacles.
     floor: Map<W>,
@@ -57,7 +57,7 @@ pub(super) struct Navigator<const S: usize, const W: usize> {
     pub(super) last: Option<ConventionalLeaf>,
 }
 
-impl<const S: usize, const W: usize> Navigator<S, W> {
+impl<const S: usize, const W: usize> ConventionalNavigator<S, W> {
     pub(super) fn new(orders: Orders<W>) -> Self {
         let start = orders.starts.get(orders.robot).copied().unwrap_or_default();
         let fixed = [0, 1].map(|index| orders.goals.get(index).copied());

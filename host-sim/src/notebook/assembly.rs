@@ -2,8 +2,8 @@
 
 use super::fault::NotebookFault;
 use super::model::Notebook;
-use super::structure::{self, Forms, LikelihoodForm, LikelihoodOf, TransitionForm, TransitionOf};
-use iibt_core::inference::{Control, Factor, Modality, Model, Shape};
+use super::structure::{self, Forms, LikelihoodForm, TransitionForm};
+use iibt_core::inference::{Control, Factor, Likelihood, Modality, Model, Shape, Transition};
 
 /// The forms of all tables of a notebook.
 pub(super) struct ModelAssembly<'n> {
@@ -36,14 +36,13 @@ impl<'n> ModelAssembly<'n> {
         let numbered = self.likelihoods.iter().zip(&labels).enumerate();
         let likelihoods = numbered
             .map(|(number, (form, labels))| {
-                LikelihoodOf::new(form, labels)
-                    .map_err(|error| NotebookFault::new(format!("A[{number}]: {error}")))
+                form.build(labels).map_err(|error| NotebookFault::new(format!("A[{number}]: {error}")))
             })
             .collect::<Result<Vec<_>, _>>()?;
         let numbered = self.transitions.iter().enumerate();
         let transitions = numbered
             .map(|(number, form)| {
-                TransitionOf::new(form).map_err(|error| NotebookFault::new(format!("B[{number}]: {error}")))
+                form.build().map_err(|error| NotebookFault::new(format!("B[{number}]: {error}")))
             })
             .collect::<Result<Vec<_>, _>>()?;
         let factors = self.factors(&transitions)?;
@@ -53,12 +52,15 @@ impl<'n> ModelAssembly<'n> {
         then(&model)
     }
 
-    fn factors<'a>(&'a self, transitions: &'a [TransitionOf<'a>]) -> Result<Vec<Factor<'a>>, NotebookFault> {
+    fn factors<'a>(
+        &'a self,
+        transitions: &'a [Box<dyn Transition + 'a>],
+    ) -> Result<Vec<Factor<'a>>, NotebookFault> {
         let parts = transitions.iter().zip(&self.notebook.transitions).zip(&self.notebook.priors).enumerate();
         parts
             .map(|(number, ((form, of), prior))| {
                 let shape = Shape::new(of.states(), &of.table.shape()[2..]);
-                let factor = shape.and_then(|shape| Factor::try_new(form.form(), shape, prior));
+                let factor = shape.and_then(|shape| Factor::try_new(&**form, shape, prior));
                 let factor = factor.ok_or_else(|| {
                     NotebookFault::new(format!("B[{number}] and D[{number}] are no factor"))
                 })?;
@@ -71,7 +73,7 @@ impl<'n> ModelAssembly<'n> {
 
     fn modalities<'a>(
         &'a self,
-        likelihoods: &'a [LikelihoodOf<'a>],
+        likelihoods: &'a [Box<dyn Likelihood + 'a>],
     ) -> Result<Vec<Modality<'a>>, NotebookFault> {
         let parts =
             likelihoods.iter().zip(&self.notebook.likelihoods).zip(&self.notebook.preferences).enumerate();
@@ -80,7 +82,7 @@ impl<'n> ModelAssembly<'n> {
                 let (outcomes, states) = of.table.shape().split_at(1);
                 let shape = Shape::new(outcomes[0], states);
                 shape
-                    .and_then(|shape| Modality::try_new(form.form(), shape, &of.factors, preference))
+                    .and_then(|shape| Modality::try_new(&**form, shape, &of.factors, preference))
                     .ok_or_else(|| NotebookFault::new(format!("A[{number}] and C[{number}] are no modality")))
             })
             .collect()

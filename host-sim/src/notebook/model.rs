@@ -37,8 +37,8 @@ pub(super) const MAX_STEPS: usize = 10_000;
 pub struct Notebook {
     pub(super) file: String,
     pub(super) name: String,
-    pub(super) likelihoods: Vec<Likelihood>,
-    pub(super) transitions: Vec<Transition>,
+    pub(super) likelihoods: Vec<LikelihoodTable>,
+    pub(super) transitions: Vec<TransitionTable>,
     /// C by modality.
     pub(super) preferences: Vec<Vec<f32>>,
     /// D by factor.
@@ -54,7 +54,7 @@ pub struct Notebook {
 
 /// A of one modality.
 #[derive(Clone, Debug)]
-pub(super) struct Likelihood {
+pub(super) struct LikelihoodTable {
     /// Outcomes first, then the states of each factor.
     pub(super) table: Tensor,
     pub(super) factors: Vec<usize>,
@@ -62,13 +62,13 @@ pub(super) struct Likelihood {
 
 /// B of one factor.
 #[derive(Clone, Debug)]
-pub(super) struct Transition {
+pub(super) struct TransitionTable {
     /// Actions, next states, the factor's own states, then those of each factor it is coupled to.
     pub(super) table: Tensor,
     pub(super) coupled_to: Vec<usize>,
 }
 
-impl Transition {
+impl TransitionTable {
     pub(super) fn actions(&self) -> usize {
         self.table.shape()[0]
     }
@@ -121,7 +121,7 @@ impl Notebook {
 
     /// The bytes of all numbers in single precision, each likelihood a full table over all factors.
     pub(super) fn dense_bytes(&self) -> usize {
-        let states = self.transitions.iter().map(Transition::states).fold(1, usize::saturating_mul);
+        let states = self.transitions.iter().map(TransitionTable::states).fold(1, usize::saturating_mul);
         let outcomes: usize = self.likelihoods.iter().map(|likelihood| likelihood.table.shape()[0]).sum();
         let transitions: usize =
             self.transitions.iter().map(|transition| transition.table.values().len()).sum();

@@ -3,7 +3,7 @@
 use super::entries::{Entries, list};
 use super::fault::{NotebookFault, refuse};
 use super::json::JsonValue;
-use super::model::{MAX_POLICIES, Transition};
+use super::model::{MAX_POLICIES, TransitionTable};
 use super::tensor::{Tensor, place};
 use iibt_core::actions::HORIZON;
 use iibt_core::math;
@@ -12,7 +12,7 @@ use iibt_core::math;
 /// `policy_len` steps.
 pub(super) fn read(
     entries: &Entries,
-    transitions: &[Transition],
+    transitions: &[TransitionTable],
 ) -> Result<Vec<Vec<Vec<u8>>>, NotebookFault> {
     match (entries.get("policies"), entries.get("policy_len")) {
         (Some(_), Some(_)) => {
@@ -36,7 +36,7 @@ fn steps(value: Option<&JsonValue>, key: &str, default: usize) -> Result<usize, 
     }
 }
 
-fn listed(value: &JsonValue, transitions: &[Transition]) -> Result<Vec<Vec<Vec<u8>>>, NotebookFault> {
+fn listed(value: &JsonValue, transitions: &[TransitionTable]) -> Result<Vec<Vec<Vec<u8>>>, NotebookFault> {
     let items = list(value, || "policies".to_owned())?;
     if items.is_empty() || items.len() > MAX_POLICIES {
         refuse!("policies has {} entries: this program takes 1 to {MAX_POLICIES}", items.len());
@@ -64,7 +64,7 @@ fn listed(value: &JsonValue, transitions: &[Transition]) -> Result<Vec<Vec<Vec<u
 fn actions(
     row: &JsonValue,
     (policy, step): (usize, usize),
-    transitions: &[Transition],
+    transitions: &[TransitionTable],
 ) -> Result<Vec<u8>, NotebookFault> {
     let at = || place("policies", &[policy, step]);
     let items = list(row, at)?;
@@ -86,7 +86,7 @@ fn actions(
 }
 
 /// The number of an action that a factor has.
-pub(super) fn action(value: &JsonValue, transition: &Transition) -> Option<u8> {
+pub(super) fn action(value: &JsonValue, transition: &TransitionTable) -> Option<u8> {
     value
         .as_count()
         .filter(|&action| action < transition.actions())
@@ -94,8 +94,8 @@ pub(super) fn action(value: &JsonValue, transition: &Transition) -> Option<u8> {
 }
 
 /// All sequences of joint actions, the last factor of the last step running fastest.
-fn all(steps: usize, transitions: &[Transition]) -> Result<Vec<Vec<Vec<u8>>>, NotebookFault> {
-    let actions: Vec<_> = transitions.iter().map(Transition::actions).collect();
+fn all(steps: usize, transitions: &[TransitionTable]) -> Result<Vec<Vec<Vec<u8>>>, NotebookFault> {
+    let actions: Vec<_> = transitions.iter().map(TransitionTable::actions).collect();
     let joint = actions.iter().try_fold(1_usize, |count, &actions| count.checked_mul(actions));
     let count =
         joint.and_then(|joint| joint.checked_pow(steps as u32)).filter(|&count| count <= MAX_POLICIES);

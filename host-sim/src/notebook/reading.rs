@@ -3,7 +3,7 @@
 use super::entries::{Entries, list};
 use super::fault::{NotebookFault, refuse};
 use super::json::JsonValue;
-use super::model::{Likelihood, MAX_STATES, Notebook, Observations, Transition};
+use super::model::{LikelihoodTable, MAX_STATES, Notebook, Observations, TransitionTable};
 use super::observations;
 use super::policies;
 use super::tensor::{Tensor, finite, place};
@@ -45,7 +45,7 @@ pub(super) fn model(file: &str, value: &JsonValue) -> Result<Notebook, NotebookF
     }
     let entries = Entries::new(entries);
     let transitions = transitions(&entries)?;
-    let states: Vec<_> = transitions.iter().map(Transition::states).collect();
+    let states: Vec<_> = transitions.iter().map(TransitionTable::states).collect();
     let likelihoods = likelihoods(&entries, &states)?;
     let outcomes: Vec<_> = likelihoods.iter().map(|likelihood| likelihood.table.shape()[0]).collect();
     let policies = policies::read(&entries, &transitions)?;
@@ -88,7 +88,7 @@ fn name(file: &str, value: Option<&JsonValue>) -> Result<String, NotebookFault> 
     }
 }
 
-fn transitions(entries: &Entries) -> Result<Vec<Transition>, NotebookFault> {
+fn transitions(entries: &Entries) -> Result<Vec<TransitionTable>, NotebookFault> {
     let tables = entries.required("B", "B[f][s'][s][u], the transitions")?;
     if tables.is_empty() || tables.len() > MAX_FACTORS {
         refuse!("B has {} factors: a model has 1 to {MAX_FACTORS}", tables.len());
@@ -115,7 +115,7 @@ fn transition(
     mut table: Tensor,
     on: &[usize],
     states: &[usize],
-) -> Result<Transition, NotebookFault> {
+) -> Result<TransitionTable, NotebookFault> {
     let name = place("B", &[factor]);
     if table.shape().len() != on.len() + 2 {
         let (axes, wanted) = (table.shape().len(), on.len() + 2);
@@ -143,7 +143,7 @@ fn transition(
     if coupled_to.len() >= MAX_CONDITIONS {
         refuse!("{name} depends on {} factors: a table depends on at most {MAX_CONDITIONS}", on.len());
     }
-    Ok(Transition { table, coupled_to })
+    Ok(TransitionTable { table, coupled_to })
 }
 
 fn and(others: usize) -> String {
@@ -165,7 +165,7 @@ fn check_axes(table: &Tensor, name: &str, on: &[usize], states: &[usize]) -> Res
     Ok(())
 }
 
-fn likelihoods(entries: &Entries, states: &[usize]) -> Result<Vec<Likelihood>, NotebookFault> {
+fn likelihoods(entries: &Entries, states: &[usize]) -> Result<Vec<LikelihoodTable>, NotebookFault> {
     let reduced = entries.get("A_red").is_some();
     if reduced && entries.get("A").is_some() {
         refuse!("A and A_red are both there: one of them is the likelihood");
@@ -197,7 +197,7 @@ fn likelihood(
     mut table: Tensor,
     mut factors: Vec<usize>,
     states: &[usize],
-) -> Result<Likelihood, NotebookFault> {
+) -> Result<LikelihoodTable, NotebookFault> {
     if table.shape().len() != factors.len() + 1 {
         let axes = table.shape().len();
         refuse!("{name} has {axes} axes, not {}: the outcome and a state of each factor", factors.len() + 1);
@@ -216,7 +216,7 @@ fn likelihood(
     if factors.len() > MAX_CONDITIONS {
         refuse!("{name} depends on {} factors: a table depends on at most {MAX_CONDITIONS}", factors.len());
     }
-    Ok(Likelihood { table, factors })
+    Ok(LikelihoodTable { table, factors })
 }
 
 /// For each of `tables` the factors that it depends on, each once.

@@ -1,10 +1,12 @@
 //! The structure of full tables: the smallest of the core's forms for each.
 
-use super::model;
+use super::model::TransitionTable;
 use super::tensor::{Tensor, alike};
-use iibt_core::inference::likelihood::{self, MAX_KINDS, MAX_LABELS};
-use iibt_core::inference::transition;
-use iibt_core::inference::{IdentityNoise, Likelihood, NextState, OutcomeTable, Transition};
+use iibt_core::inference::likelihood::{MAX_KINDS, MAX_LABELS};
+use iibt_core::inference::{
+    DenseLikelihood, DenseTransition, IdentityNoise, Likelihood, NextState, OutcomeTable, TableError,
+    Transition,
+};
 
 /// Whether structure is looked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,7 +46,7 @@ pub(super) fn likelihood(table: &Tensor, forms: Forms) -> LikelihoodForm {
 }
 
 /// The smallest form of a transition, whose axes are actions, next states, and the conditions.
-pub(super) fn transition(of: &model::Transition, forms: Forms) -> TransitionForm {
+pub(super) fn transition(of: &TransitionTable, forms: Forms) -> TransitionForm {
     let structured = if forms == Forms::Dense { None } else { next_state(&of.table) };
     structured.unwrap_or_else(|| TransitionForm::Dense {
         table: of.table.to_f32(),
@@ -65,6 +67,22 @@ impl LikelihoodForm {
         }
     }
 
+    /// The core's likelihood; `labels` are those of an outcome table.
+    pub(super) fn build<'a>(
+        &'a self,
+        labels: &'a [&'a [u8]],
+    ) -> Result<Box<dyn Likelihood + 'a>, TableError> {
+        Ok(match self {
+            Self::IdentityNoise { correct, states } => Box::new(IdentityNoise::among(*correct, *states)),
+            Self::OutcomeTable { kinds, columns, outcomes, .. } => {
+                Box::new(OutcomeTable::try_new(labels, kinds, columns, *outcomes)?)
+            }
+            Self::Dense { table, outcomes, states } => {
+                Box::new(DenseLikelihood::try_new(table, *outcomes, states)?)
+            }
+        })
+    }
+
     /// Its name.
     pub(super) fn name(&self) -> &'static str {
         match self {
@@ -82,6 +100,16 @@ impl TransitionForm {
             Self::NextState { table, .. } => size_of_val(&table[..]) + size_of::<f32>(),
             Self::Dense { table, .. } => size_of_val(&table[..]),
         }
+    }
+
+    /// The core's transition.
+    pub(super) fn build(&self) -> Result<Box<dyn Transition + '_>, TableError> {
+        Ok(match self {
+            Self::NextState { table, states, slip } => Box::new(NextState::try_new(table, *states, *slip)?),
+            Self::Dense { table, actions, states } => {
+                Box::new(DenseTransition::try_new(table, *actions, states)?)
+            }
+        })
     }
 
     /// Its name.
@@ -218,66 +246,6 @@ fn is_close(form: f32, table: f64) -> bool {
     let form = f64::from(form);
     let error = (form - table).abs();
     form == table || (form > 0.0 && table > 0.0 && error <= 5e-5 * table && error <= 1e-6)
-}
-
-/// A form of a likelihood as the core has it.
-pub(super) enum LikelihoodOf<'a> {
-    IdentityNoise(IdentityNoise),
-    OutcomeTable(OutcomeTable<'a>),
-    Dense(likelihood::DenseLikelihood<'a>),
-}
-
-impl<'a> LikelihoodOf<'a> {
-    pub(super) fn new(
-        form: &'a LikelihoodForm,
-        labels: &'a [&'a [u8]],
-    ) -> Result<Self, likelihood::TableError> {
-        Ok(match form {
-            LikelihoodForm::IdentityNoise { correct, states } => {
-                Self::IdentityNoise(IdentityNoise::among(*correct, *states))
-            }
-            LikelihoodForm::OutcomeTable { kinds, columns, outcomes, .. } => {
-                Self::OutcomeTable(OutcomeTable::try_new(labels, kinds, columns, *outcomes)?)
-            }
-            LikelihoodForm::Dense { table, outcomes, states } => {
-                Self::Dense(likelihood::DenseLikelihood::try_new(table, *outcomes, states)?)
-            }
-        })
-    }
-
-    pub(super) fn form(&self) -> &dyn Likelihood {
-        match self {
-            Self::IdentityNoise(form) => form,
-            Self::OutcomeTable(form) => form,
-            Self::Dense(form) => form,
-        }
-    }
-}
-
-/// A form of a transition as the core has it.
-pub(super) enum TransitionOf<'a> {
-    NextState(NextState<'a>),
-    Dense(transition::DenseTransition<'a>),
-}
-
-impl<'a> TransitionOf<'a> {
-    pub(super) fn new(form: &'a TransitionForm) -> Result<Self, likelihood::TableError> {
-        Ok(match form {
-            TransitionForm::NextState { table, states, slip } => {
-                Self::NextState(NextState::try_new(table, *states, *slip)?)
-            }
-            TransitionForm::Dense { table, actions, states } => {
-                Self::Dense(transition::DenseTransition::try_new(table, *actions, states)?)
-            }
-        })
-    }
-
-    pub(super) fn form(&self) -> &dyn Transition {
-        match self {
-            Self::NextState(form) => form,
-            Self::Dense(form) => form,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -195,7 +195,7 @@ fn chosen() -> [Item; 3] {
 
 /// Whether all ten bars arrive where and when the ratio of their two pairings says.
 fn arrivals() -> Item {
-    // Any path with the right arrival will do: what it is worth by itself cancels.
+    // Any path with the right arrival will do: its own value cancels.
     let stand_in = |bar: &Bar| {
         bar.cells.unwrap_or(match bar.arrival {
             "24@5" => &[45, 38, 38, 31, 31, 24],
