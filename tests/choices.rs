@@ -1,4 +1,5 @@
-//! What a team settles on: the paths it agrees on, whatever it is compiled for and however it shares out its work.
+//! What a team settles on: the paths it agrees on, whatever it is compiled for and however it
+//! shares out its work.
 
 use firmware::missions::{LAYERS, NODES, POLICIES};
 use host_sim::{Faults, NavigatorFlight};
@@ -10,7 +11,7 @@ fn settled<const S: usize, const W: usize>(drawn: &str, starts: &[u16], goals: &
     settled_with::<S, W>(drawn, starts, goals, &[]).0
 }
 
-/// The same where some robots do no more than so many work units in a tick; and the ticks that it takes.
+/// The same where some robots have a budget of work units a tick, and the ticks that it takes.
 fn settled_with<const S: usize, const W: usize>(
     drawn: &str,
     starts: &[u16],

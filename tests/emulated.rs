@@ -1,4 +1,5 @@
-//! The image in QEMU against the host: the same plan with the same bits, and a mission flown together.
+//! The image in QEMU against the host: the same plan with the same bits, and a mission flown
+//! together.
 
 use firmware::missions::SECTION_5_1;
 use iibt_core::grid::Cell;

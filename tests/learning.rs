@@ -71,7 +71,7 @@ mod in_flight {
         assert_eq!(learns, does_not, "to the last bit");
     }
 
-    /// The true probability is reached within three standard errors of a ratio of so many tries,
+    /// The true probability is reached within three standard errors of a ratio of this many tries,
     /// plus what the eight successes that a robot begins with weigh.
     #[test]
     fn the_slips_a_robot_has_learned_are_those_of_its_drive() {
