@@ -50,7 +50,9 @@ pub mod transition;
 pub use agent::{Agent, Decision, Room};
 pub use belief::Beliefs;
 pub use candidates::{Candidates, Combinations, Habits};
-pub use costs::{CostTerm, Eighths, PolicyCost, WeighedPolicies, expected_time};
+pub use costs::{
+    CostTerm, Eighths, PolicyCost, PrivateCost, WeighedPolicies, cheapest, expected_time, worth_of_nats,
+};
 pub use error::{Argument, DecisionError, Impossible, ObservationError, OutOfRange};
 pub use estimation::{EXACT_LIMIT, MAX_SWEEPS, Update};
 pub use evaluation::Evaluation;

@@ -2,8 +2,12 @@
 
 mod exploration;
 mod grid;
+mod members;
 mod model;
-mod rules;
+mod moves;
+mod patience;
+mod scores;
+mod stage;
 mod task;
 mod team;
 mod ticks;

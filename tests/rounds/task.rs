@@ -1,7 +1,8 @@
 //! The smallest task that shares space: robots on at most 16 places, each on a timed path.
 
+use iibt_core::iibt::cheapest_policy;
 use iibt_core::team::RobotId;
-use iibt_core::team::rounds::{Claim, Fact, JointPolicies};
+use iibt_core::team::rounds::{Claim, Fact, JointPolicies, Score};
 use serde::{Deserialize, Serialize};
 
 /// Places, one bit each.
@@ -125,5 +126,9 @@ impl JointPolicies for List {
 
     fn is_together(&self, policy: usize) -> bool {
         self.0[policy].is_together
+    }
+
+    fn choose<'s>(&self, members: impl Iterator<Item = (RobotId, &'s [Score])> + Clone) -> Option<usize> {
+        cheapest_policy(self, members)
     }
 }

@@ -46,7 +46,7 @@ pub(super) struct Robot {
     pub(super) errand: u8,
     pub(super) is_moving: bool,
     pub(super) is_alive: bool,
-    pub(super) want: Want,
+    pub(super) want: Option<Want>,
     pub(super) stamp: Stamp,
     pub(super) sent: Option<Rc<Said>>,
     pub(super) scores: [Score; K],
@@ -87,7 +87,7 @@ impl Robot {
             errand: fact.errand,
             is_moving: false,
             is_alive: true,
-            want: Want::Nothing,
+            want: None,
             stamp: Stamp { epoch, sequence: 0 },
             sent: None,
             scores: [Score::default(); K],
@@ -109,28 +109,32 @@ impl Robot {
         self.end_move();
         let mates = teammates(&self.heard);
         let fact = Place { at: self.at, errand: self.errand };
-        let own = Own { fact: &fact, is_standing: !self.is_moving, want: self.want };
+        let own = Own { fact: &fact, is_standing: !self.is_moving };
         let event = self.rounds.tick(own, &mates, &*self.list);
+        let want = self.want.filter(|_| event.is_none() && own.is_standing);
+        let event = event.or_else(|| self.rounds.ask(want?, &fact));
         if matches!(event, Some(Event::Opened(_) | Event::Joined(_))) {
-            (self.want, self.worked) = (Want::Nothing, 0);
+            (self.want, self.worked) = (None, 0);
         }
         self.events.extend(event);
-        if let Some(digest) = self.rounds.wanted(&mates) {
+        if let Some(digest) = self.rounds.protocol().wanted(&mates) {
             self.worked += 1;
             if self.worked > self.listing {
                 let facts: Vec<_> =
                     self.rounds.protocol().facts(&mates).map(|(id, fact)| (id, *fact)).collect();
                 self.list = generate(self.rounds.proposal(), &facts);
                 let scores: Scores<K> = self.scores.iter().copied().take(self.list.len()).collect();
-                self.rounds.give(digest, scores, &*self.list, &mates).expect("the digest was asked for");
+                let protocol = self.rounds.protocol_mut();
+                protocol.give(digest, scores, &*self.list, &mates).expect("the digest was asked for");
             }
         }
-        if !self.is_moving && self.rounds.may_move(&mates, &*self.list) {
+        if !self.is_moving && self.rounds.protocol().may_move(&mates, &*self.list) {
             (self.is_moving, self.driven) = (true, 0);
             self.at = self.list.between(self.policy(), self.id(), self.rounds.protocol().step());
         }
         let listed = (self.worked * K as u32 / (self.listing + 1)) as u8;
-        self.sent = Some(Rc::new(Said { message: self.rounds.message(&mates, listed, 255), number: 0 }));
+        let message = self.rounds.protocol().message(&mates, listed, 255);
+        self.sent = Some(Rc::new(Said { message, number: 0 }));
         self.stamp.sequence += 1;
     }
 
@@ -144,7 +148,7 @@ impl Robot {
     fn end_move(&mut self) {
         self.driven += 1;
         if self.is_moving && self.driven >= self.pace {
-            self.rounds.advance();
+            self.rounds.protocol_mut().advance();
             self.is_moving = false;
             let step = self.rounds.protocol().step();
             self.at = self.list.place(self.policy(), self.id(), step);

@@ -21,7 +21,7 @@ fn ticks(robots: u8, loss: f64, seed: u64) -> (u32, u32) {
     let mut team = Team::new(&places, Rc::new(there_and_back), Radio::new(loss, seed));
     team.fly(1000, Team::has_arrived).expect("the first round comes about");
     let before = team.robots[0].rounds.proposal().round;
-    team.robots[0].want = Want::Better;
+    team.robots[0].want = Some(Want::Better);
     let mut moved = vec![None; team.robots.len()];
     for tick in 0..200 {
         team.tick();

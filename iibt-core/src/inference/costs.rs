@@ -29,7 +29,7 @@ pub struct PolicyCost {
     /// The expected time until the policy is done, over the worlds of the common belief
     /// ([`expected_time`]): the pragmatic value with its sign changed.
     pub time: Eighths,
-    /// The habit, -ln E / β.
+    /// The habit, -ln E / β ([`worth_of_nats`]).
     pub habit: Eighths,
     /// The largest delay that one of the robots it needs expects.
     pub delay: Eighths,
@@ -55,6 +55,75 @@ impl PolicyCost {
         // Four numbers of 16 bits do not overflow 32.
         self.time as u32 + self.habit as u32 + self.delay as u32 + self.price as u32
     }
+
+    /// Returns this cost with what one more robot adds to it: delays combine by their maximum, since
+    /// the last to arrive ends the policy, and prices by their sum.
+    ///
+    /// ```
+    /// use iibt_core::inference::{PolicyCost, PrivateCost};
+    ///
+    /// let robot = |delay| PrivateCost { delay, price: Some(3), is_needed: true };
+    /// let cost = PolicyCost { time: 40, ..PolicyCost::FREE };
+    /// assert_eq!(cost.with(robot(Some(8))).with(robot(Some(12))).total(), 40 + 12 + 6);
+    /// assert!(cost.with(robot(None)).is_impossible);
+    /// let spare = PrivateCost { is_needed: false, ..robot(None) };
+    /// assert_eq!(cost.with(spare).total(), 43, "it may come as late as it likes");
+    /// ```
+    #[must_use]
+    pub fn with(self, robot: PrivateCost) -> Self {
+        let delay = if robot.is_needed { robot.delay } else { Some(0) };
+        let Some((delay, price)) = delay.zip(robot.price) else {
+            return Self { is_impossible: true, ..self };
+        };
+        Self { delay: self.delay.max(delay), price: self.price.saturating_add(price), ..self }
+    }
+}
+
+/// What a joint policy costs one robot, by what only that robot knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PrivateCost {
+    /// How much later than the policy's end the robot expects to be done; `None` if it cannot be.
+    pub delay: Option<Eighths>,
+    /// What else the policy costs it; `None` if it cannot follow the policy.
+    pub price: Option<Eighths>,
+    /// Whether the policy needs the robot's part: whether its delay counts.
+    pub is_needed: bool,
+}
+
+/// Returns the cheapest of some policies by its place in their order, the first of equals; `None`
+/// when none is possible.
+///
+/// It compares whole numbers: no precision and no rounding changes the choice.
+///
+/// ```
+/// use iibt_core::inference::{PolicyCost, cheapest};
+///
+/// let costs = [48, 40, 40].map(|time| PolicyCost { time, ..PolicyCost::FREE });
+/// assert_eq!(cheapest(costs), Some(1));
+/// assert_eq!(cheapest([PolicyCost::IMPOSSIBLE]), None);
+/// ```
+#[doc(alias = "argmin")]
+#[doc(alias = "policy selection")]
+pub fn cheapest(costs: impl IntoIterator<Item = PolicyCost>) -> Option<usize> {
+    let possible = costs.into_iter().enumerate().filter(|(_, cost)| !cost.is_impossible);
+    possible.min_by_key(|(_, cost)| cost.total()).map(|(policy, _)| policy)
+}
+
+/// Returns the time that counts as much as some nats at a precision of β nats per tick, nats / β, in
+/// eighths of a tick: what a [habit](PolicyCost::habit) -ln E or a missed preference adds to a cost.
+///
+/// The result is rounded to the nearest eighth and at most [`Eighths::MAX`]. Nats below zero and NaN
+/// are worth nothing.
+///
+/// ```
+/// use iibt_core::inference::worth_of_nats;
+///
+/// assert_eq!(worth_of_nats(-0.25_f32.ln(), 0.5), 22); // 1.386 nats are 2.77 ticks
+/// ```
+#[doc(alias = "prior over policies")]
+#[must_use]
+pub fn worth_of_nats(nats: f32, precision: f32) -> Eighths {
+    (8.0 * nats / precision + 0.5) as Eighths // saturates, and a NaN becomes zero
 }
 
 /// Returns the expectation of a time, in eighths of a tick, over worlds with these probabilities.
@@ -124,8 +193,7 @@ impl<const K: usize> WeighedPolicies<K> {
     /// Returns the cheapest policy, the first of equals; `None` when none is possible.
     #[must_use]
     pub fn choose(&self) -> Option<Choice> {
-        let possible = self.costs.iter().enumerate().filter(|(_, cost)| !cost.is_impossible);
-        let (policy, _) = possible.min_by_key(|(_, cost)| cost.total())?;
+        let policy = cheapest(self.costs.iter().copied())?;
         let probability = self.probability(policy);
         Some(Choice { policy, joint: probability, marginal: probability })
     }
@@ -254,5 +322,12 @@ mod tests {
         assert_eq!((weighed.posterior(), weighed.choose().unwrap().policy), (&[0.0, 1.0][..], 1));
         assert_eq!(expected_time(&[1.0, 1.0], &[most, most]), most);
         assert_eq!(expected_time(&[f32::NAN], &[most]), 0);
+        let costly = PrivateCost { delay: Some(most), price: Some(most), is_needed: true };
+        assert_eq!(dear.with(costly).with(costly), dear);
+        let worth = |nats, precision| worth_of_nats(nats, precision);
+        assert_eq!(
+            [worth(1.0, 0.0), worth(-1.0, 1.0), worth(0.0, 0.0), worth(1e30, 1.0)],
+            [most, 0, 0, most]
+        );
     }
 }

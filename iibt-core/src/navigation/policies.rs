@@ -6,7 +6,8 @@ use super::mission::{MAX_GOALS, Mission};
 use crate::bounded::up_to;
 use crate::grid::joint::{Errand, Failure, JointPlan, PolicyList, Problem, Target};
 use crate::grid::{Cell, CellSet, Map, Move, Path};
-use crate::inference::{PolicyCost, WeighedPolicies};
+use crate::iibt::{cheapest_policy, weigh};
+use crate::inference::WeighedPolicies;
 use crate::team::rounds::{JointPolicies, Proposal, Score, View};
 use crate::team::{MAX_TEAM, RobotId};
 use heapless::Vec;
@@ -265,25 +266,7 @@ impl<'a, const W: usize, const K: usize> OnMap<'a, W, K> {
         &self,
         members: impl Iterator<Item = (RobotId, &'s [Score])> + Clone,
     ) -> WeighedPolicies<K> {
-        let costs = (0..self.len().min(K)).map(|policy| self.cost_of(policy, members.clone()));
-        // There is room: no more than K.
-        WeighedPolicies::new(costs, self.mission.precision).unwrap_or_default()
-    }
-
-    fn cost_of<'s>(
-        &self,
-        policy: usize,
-        members: impl Iterator<Item = (RobotId, &'s [Score])>,
-    ) -> PolicyCost {
-        let mut cost = PolicyCost { time: self.cost(policy), ..PolicyCost::FREE };
-        for (robot, scores) in members {
-            let score = scores.get(policy).copied().unwrap_or(Score::CANNOT);
-            let delay = if self.needs(policy, robot) { score.delay } else { 0 };
-            cost.is_impossible |= delay == Score::IMPOSSIBLE || score.price == Score::IMPOSSIBLE;
-            cost.delay = cost.delay.max(delay.into());
-            cost.price = cost.price.saturating_add(score.price.into());
-        }
-        cost
+        weigh(self, members, self.mission.precision)
     }
 
     fn map(&self) -> &'a Map<W> {
@@ -351,7 +334,7 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
     }
 
     fn choose<'s>(&self, members: impl Iterator<Item = (RobotId, &'s [Score])> + Clone) -> Option<usize> {
-        self.weigh(members).choose().map(|choice| choice.policy)
+        cheapest_policy(self, members)
     }
 }
 
@@ -437,7 +420,7 @@ mod tests {
                 core::array::from_fn(|_| core::array::from_fn(|_| Score { delay: draw(), price: draw() }));
             let members = scores.iter().enumerate().map(|(robot, list)| (RobotId(robot as u8), &list[..]));
             let weighed = policies.weigh(members.clone());
-            assert_eq!(policies.choose(members.clone()), crate::team::rounds::choose(&policies, members));
+            assert_eq!(policies.choose(members), weighed.choose().map(|choice| choice.policy));
             let likeliest = weighed.choose().map_or(0.0, |choice| choice.joint);
             assert!(weighed.posterior().iter().all(|&p| p <= likeliest));
         }

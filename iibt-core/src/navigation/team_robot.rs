@@ -9,7 +9,7 @@ use super::{
 };
 use crate::bounded::up_to;
 use crate::grid::{Cell, CellSet, Move, Path};
-use crate::inference::WeighedPolicies;
+use crate::inference::{Eighths, WeighedPolicies, worth_of_nats};
 use crate::team::rounds::{
     Digest, Event, JointPolicies, Own, RoundMessage, Rounds, Score, Scores, Teammates, Timing, Waiting, Want,
 };
@@ -301,7 +301,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             && from != to
             && let Some(rounds) = &mut self.rounds
         {
-            rounds.advance();
+            rounds.protocol_mut().advance();
         }
     }
 
@@ -373,15 +373,16 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             plans: self.policies.plans(),
             view: rounds.proposal().view,
         };
-        let protocol = rounds.protocol();
+        let own = Own { fact: &fact, is_standing: standing.is_some() };
+        let mut event = (rounds.tick(own, &teammates, &list), Cause::Teammate);
         // Where all policies were impossible for some member, there is none whose precondition could
         // ask for another round.
+        let protocol = rounds.protocol();
         let is_void = protocol.has_decided() && protocol.policy().is_none() && *protocol.fact() != fact;
-        let (want, cause) =
-            if is_void { (Want::Needed, Cause::Shortfall) } else { (Want::Nothing, Cause::Teammate) };
-        let own = Own { fact: &fact, is_standing: standing.is_some(), want };
-        let event = rounds.tick(own, &teammates, &list);
-        self.note(event, cause, &teammates);
+        if is_void && event.0.is_none() && own.is_standing {
+            event = (rounds.ask(Want::Needed, &fact), Cause::Shortfall);
+        }
+        self.note(event.0, event.1, &teammates);
     }
 
     fn note(&mut self, event: Option<Event>, cause: Cause, teammates: &Teammates<'_, Fact<W>, K>) {
@@ -424,7 +425,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     pub(super) fn list(&mut self, peers: Peers<'_, Intention<W, K>>) {
         let teammates = Teammates::from(peers);
         let Some(rounds) = &self.rounds else { return };
-        let Some(digest) = rounds.wanted(&teammates) else { return };
+        let Some(digest) = rounds.protocol().wanted(&teammates) else { return };
         if self.listing != Some(digest) {
             self.policies.clear();
             self.listing = Some(digest);
@@ -443,14 +444,15 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             && let Some(digest) = self.listing
             && let Some(scores) = self.scores()
             && let Some(rounds) = &mut self.rounds
-            && rounds.wanted(&teammates) == Some(digest)
+            && rounds.protocol().wanted(&teammates) == Some(digest)
         {
             let list = OnMap::<W, K> {
                 mission: self.mission,
                 plans: self.policies.plans(),
                 view: rounds.proposal().view,
             };
-            if rounds.give(digest, scores, &list, &teammates).is_ok() && rounds.protocol().has_decided() {
+            let protocol = rounds.protocol_mut();
+            if protocol.give(digest, scores, &list, &teammates).is_ok() && protocol.has_decided() {
                 self.weigh(&teammates);
             }
         }
@@ -481,8 +483,9 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         let delay: f32 = path.moves().map(extra).sum();
         let end = path.end(map);
         let value = self.mission.goals.iter().zip(self.goal_values).find(|&(&goal, _)| goal == end);
-        let missed = value.map_or(0.0, |(_, value)| 1.0 - value) / self.mission.precision.max(0.1);
-        Score { delay: eighths(delay), price: eighths(missed) }
+        let missed = value.map_or(0.0, |(_, value)| 1.0 - value);
+        let missed = worth_of_nats(missed, self.mission.precision.max(0.1));
+        Score { delay: in_a_frame((8.0 * delay + 0.5) as Eighths), price: in_a_frame(missed) }
     }
 
     /// Line 32: begins the next move of the path, if it is the robot's turn.
@@ -500,7 +503,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     /// The next move and where it leads, if it is the robot's turn.
     fn may_enter(&self, teammates: &Teammates<'_, Fact<W>, K>) -> Option<(Move, Cell)> {
         let (rounds, list) = self.rounds.as_ref().zip(self.on_map())?;
-        self.next_cell().filter(|_| rounds.may_move(teammates, &list))
+        self.next_cell().filter(|_| rounds.protocol().may_move(teammates, &list))
     }
 
     /// The next move of the path and where it leads, if the robot is where the path says.
@@ -559,7 +562,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         let probability = policy.map_or(0.0, |policy| self.weighed.probability(policy));
         let probability = (255.0 * probability + 0.5) as u8; // a cast saturates
         let listed = self.policies.plans().len() as u8;
-        Some(Intention(rounds.message(&Teammates::from(peers), listed, probability)))
+        Some(Intention(rounds.protocol().message(&Teammates::from(peers), listed, probability)))
     }
 
     /// Line 35: stands.
@@ -588,7 +591,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     }
 }
 
-/// A time in ticks as eighths, in what a frame holds.
-fn eighths(ticks: f32) -> u8 {
-    ((8.0 * ticks + 0.5) as u8).min(Score::IMPOSSIBLE - 1) // a cast saturates
+/// A time in what a frame holds; a cost that is finite is never "cannot".
+fn in_a_frame(time: Eighths) -> u8 {
+    u8::try_from(time).unwrap_or(u8::MAX).min(Score::IMPOSSIBLE - 1)
 }

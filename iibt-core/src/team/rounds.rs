@@ -2,7 +2,7 @@
 //!
 //! In a round every member stands and announces a [`Fact`]. From the facts all derive the same
 //! [list of joint policies](JointPolicies). Each gives two bytes a policy: what only it knows. Who
-//! has all scores knows the [choice](choose), and that all others will make the same. Without loss
+//! has all scores knows the [choice](JointPolicies::choose), and that all others will make the same. Without loss
 //! that takes three ticks, whatever the size of the team, and two for the first of two robots.
 //!
 //! ```text
@@ -20,7 +20,6 @@
 //! [`Waiting`] names what a robot waits for. Rules, messages byte by byte, and why no two plans
 //! meet: `docs/protocol.md`.
 
-mod choice;
 mod claim;
 mod digest;
 mod execution;
@@ -35,7 +34,6 @@ mod teammates;
 mod view;
 mod waiting;
 
-pub use choice::{choose, total};
 pub use claim::{Claim, Fact};
 pub use digest::Digest;
 pub use message::{Answer, Choice, Proposal, RoundMessage, Score, Scores};

@@ -43,13 +43,10 @@ impl Timing {
     }
 }
 
-/// Whether a robot needs another decision, by what it has learned since its fact was frozen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// How much a robot needs another decision, by what it has learned since its fact was frozen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Want {
-    /// It does not.
-    #[default]
-    Nothing,
     /// Another would be better: not twice within the refractory time.
     Better,
     /// It cannot go on with the present one, because its way is blocked: at once.
@@ -140,10 +137,9 @@ impl Patience {
         self.view = view;
     }
 
-    /// The view to open a round with now, if there is a reason.
+    /// The view to open a round with now, if trouble with the others has lasted long enough.
     pub(super) fn view_to_open<F, L, const K: usize>(
         &mut self,
-        want: Want,
         protocol: &Protocol<F, K>,
         teammates: &Teammates<'_, F, K>,
         list: &L,
@@ -155,11 +151,11 @@ impl Patience {
         let view = self.best_view(protocol)?;
         let is_troubled = view != protocol.proposal().view || is_contradicted(protocol, teammates, list);
         self.trouble = if is_troubled { self.trouble.saturating_add(1) } else { 0 };
-        if self.trouble > 2 + 2 * u16::from(protocol.member().robot().0) {
+        let is_due = self.trouble > 2 + 2 * u16::from(protocol.member().robot().0);
+        if is_due {
             self.trouble = 0;
-            return Some(view);
         }
-        self.is_granted(want, protocol).then_some(view)
+        is_due.then_some(view)
     }
 
     /// The view to open a round with, if the wish is granted.
@@ -169,7 +165,17 @@ impl Patience {
         protocol: &Protocol<F, K>,
     ) -> Option<View> {
         let view = self.best_view(protocol)?;
-        self.is_granted(want, protocol).then_some(view)
+        let is_due = match want {
+            Want::Better => self.refractory == 0,
+            Want::Needed => true,
+        };
+        // A round that is being decided goes first: robots that learn something at every tick would
+        // otherwise decide nothing.
+        let is_granted = is_due && protocol.has_decided();
+        if is_granted {
+            self.refractory = self.timing.refractory;
+        }
+        is_granted.then_some(view)
     }
 
     /// A teammate that is lost and cannot be left out.
@@ -181,21 +187,6 @@ impl Patience {
             Err(Waiting::Quorum(_)) => Some(Waiting::Quorum(robot)),
             other => other.err(),
         }
-    }
-
-    fn is_granted<F: Fact, const K: usize>(&mut self, want: Want, protocol: &Protocol<F, K>) -> bool {
-        // A round that is being decided goes first: robots that learn something at every tick would
-        // otherwise decide nothing.
-        let is_granted = protocol.has_decided()
-            && match want {
-                Want::Nothing => false,
-                Want::Better => self.refractory == 0,
-                Want::Needed => true,
-            };
-        if is_granted {
-            self.refractory = self.timing.refractory;
-        }
-        is_granted
     }
 
     /// The present members without those that are lost, and with those that stand outside.

@@ -55,12 +55,8 @@ pub trait JointPolicies {
         false
     }
 
-    /// The policy that all choose, by the scores of all members in the order of their numbers:
-    /// unless a task infers it otherwise, the one that [costs](super::choose) least.
-    fn choose<'s>(&self, members: impl Iterator<Item = (RobotId, &'s [Score])> + Clone) -> Option<usize>
-    where
-        Self: Sized,
-    {
-        super::choose(self, members)
-    }
+    /// The policy that all choose, by the scores of all members in the order of their numbers;
+    /// `None` if each is impossible for some member. Inference decides that:
+    /// [`iibt::cheapest_policy`](crate::iibt::cheapest_policy).
+    fn choose<'s>(&self, members: impl Iterator<Item = (RobotId, &'s [Score])> + Clone) -> Option<usize>;
 }

@@ -2,10 +2,7 @@
 
 use super::super::Member;
 use super::patience::Patience;
-use super::{
-    Digest, Event, Fact, JointPolicies, Proposal, Protocol, RoundMessage, Scores, Teammates, Timing, View,
-    Waiting, Want,
-};
+use super::{Event, Fact, JointPolicies, Proposal, Protocol, Teammates, Timing, View, Waiting, Want};
 
 /// What a robot brings to a tick.
 #[derive(Debug)]
@@ -14,8 +11,6 @@ pub struct Own<'a, F> {
     pub fact: &'a F,
     /// Whether it stands at the place of the fact, between no two others.
     pub is_standing: bool,
-    /// Whether it needs another decision.
-    pub want: Want,
 }
 
 impl<F> Clone for Own<'_, F> {
@@ -32,8 +27,9 @@ impl<F> Copy for Own<'_, F> {}
 /// only use the second.
 ///
 /// ```
+/// use iibt_core::iibt::cheapest_policy;
 /// use iibt_core::team::rounds::{
-///     Event, Fact, Heard, JointPolicies, Own, RoundMessage, Rounds, Score, Teammates, Timing, Waiting, Want,
+///     Event, Fact, Heard, JointPolicies, Own, RoundMessage, Rounds, Score, Teammates, Timing, Waiting,
 /// };
 /// use iibt_core::team::{Member, RobotId, Stamp};
 /// use serde::{Deserialize, Serialize};
@@ -66,6 +62,9 @@ impl<F> Copy for Own<'_, F> {}
 ///     fn is_clear(&self, _: usize, _: RobotId, _: u16, _: RobotId, _: u16) -> bool {
 ///         true
 ///     }
+///     fn choose<'s>(&self, members: impl Iterator<Item = (RobotId, &'s [Score])> + Clone) -> Option<usize> {
+///         cheapest_policy(self, members)
+///     }
 /// }
 ///
 /// let robot = |robot, load| -> Result<Rounds<Load, 2>, Box<dyn std::error::Error>> {
@@ -73,7 +72,7 @@ impl<F> Copy for Own<'_, F> {}
 ///     Ok(Rounds::new(member, 1, 0, Load(load), Timing::DEFAULT))
 /// };
 /// let (mut first, mut second) = (robot(0, 3)?, robot(1, 5)?);
-/// let own = Own { fact: &Load(3), is_standing: true, want: Want::Nothing };
+/// let own = Own { fact: &Load(3), is_standing: true };
 /// let hears = |robot, message| -> Teammates<'_, Load, 2> {
 ///     let stamp = Stamp { epoch: 1, sequence: 0 };
 ///     [(RobotId(robot), Heard { stamp, message })].into_iter().collect()
@@ -83,25 +82,25 @@ impl<F> Copy for Own<'_, F> {}
 /// let nothing = Teammates::from_iter([]);
 /// assert_eq!(first.tick(own, &nothing, &Tables), None);
 /// assert_eq!(first.waiting(&nothing, &Tables), Some(Waiting::Unheard(RobotId(1))));
-/// let fact = first.message(&nothing, 0, 0);
+/// let fact = first.protocol().message(&nothing, 0, 0);
 ///
 /// // The second knows all facts with that, and scores: it cannot use the first table.
 /// let heard = hears(0, &fact);
 /// second.tick(own, &heard, &Tables);
-/// let digest = second.wanted(&heard).ok_or("all facts are known")?;
-/// second.give(digest, [Score::CANNOT, Score::default()].into_iter().collect(), &Tables, &heard)?;
-/// let scored = second.message(&heard, 2, 0);
+/// let digest = second.protocol().wanted(&heard).ok_or("all facts are known")?;
+/// second.protocol_mut().give(digest, [Score::CANNOT, Score::default()].into_iter().collect(), &Tables, &heard)?;
+/// let scored = second.protocol().message(&heard, 2, 0);
 ///
 /// // The first knows all scores with that.
 /// let heard = hears(1, &scored);
 /// first.tick(own, &heard, &Tables);
-/// assert_eq!(first.wanted(&heard), Some(digest));
-/// first.give(digest, [Score::default(); 2].into_iter().collect(), &Tables, &heard)?;
+/// assert_eq!(first.protocol().wanted(&heard), Some(digest));
+/// first.protocol_mut().give(digest, [Score::default(); 2].into_iter().collect(), &Tables, &heard)?;
 /// assert_eq!(first.protocol().policy(), Some(1));
-/// assert!(first.may_move(&heard, &Tables));
+/// assert!(first.protocol().may_move(&heard, &Tables));
 ///
 /// // So does the second, when it hears that.
-/// let decided = first.message(&heard, 2, 0);
+/// let decided = first.protocol().message(&heard, 2, 0);
 /// let event = second.tick(own, &hears(0, &decided), &Tables);
 /// assert_eq!(event, Some(Event::Decided(Some(1))));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -128,11 +127,12 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
         Self { protocol, patience }
     }
 
-    /// Hears the teammates, and joins, opens or decides what there is to.
+    /// Hears the teammates; joins a round, learns the choice, or opens a round where there is trouble.
     ///
-    /// Call it once in every tick, then [work on the list](Self::wanted), then
-    /// [move](Self::may_move), then [announce](Self::message). `list` is the one that was scored in
-    /// this round; before, it is not looked at.
+    /// Call it once in every tick; then [ask](Self::ask) for another decision if there is reason to,
+    /// [work on the list](Protocol::wanted), [move](Protocol::may_move) and
+    /// [announce](Protocol::message). `list` is the one that was scored in this round; before, it is
+    /// not looked at.
     pub fn tick<L>(&mut self, own: Own<'_, F>, teammates: &Teammates<'_, F, K>, list: &L) -> Option<Event>
     where
         L: JointPolicies<Claim = F::Claim>,
@@ -142,12 +142,12 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
         if event.is_some() || !own.is_standing {
             return event;
         }
-        let view = self.patience.view_to_open(own.want, &self.protocol, teammates, list)?;
+        let view = self.patience.view_to_open(&self.protocol, teammates, list)?;
         self.open(view, own.fact)
     }
 
-    /// Opens a round at once because the robot wants another decision, if it may; `fact` is that of
-    /// now, and the robot stands at its place.
+    /// Opens a round because the robot wants another decision, if it may now; `fact` is that of now,
+    /// and the robot stands at its place.
     pub fn ask(&mut self, want: Want, fact: &F) -> Option<Event> {
         let view = self.patience.wish(want, &self.protocol)?;
         self.open(view, fact)
@@ -158,43 +158,6 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
         Some(Event::Opened(self.protocol.proposal().round))
     }
 
-    /// The digest of the list to work on; see [`Protocol::wanted`].
-    #[must_use]
-    pub fn wanted(&self, teammates: &Teammates<'_, F, K>) -> Option<Digest> {
-        self.protocol.wanted(teammates)
-    }
-
-    /// Gives the scores of the finished list, and decides if they are the last; see
-    /// [`Protocol::give`].
-    ///
-    /// # Errors
-    /// What is missing.
-    pub fn give<L>(
-        &mut self,
-        digest: Digest,
-        scores: Scores<K>,
-        list: &L,
-        teammates: &Teammates<'_, F, K>,
-    ) -> Result<(), Waiting>
-    where
-        L: JointPolicies<Claim = F::Claim>,
-    {
-        self.protocol.give(digest, scores, list, teammates)
-    }
-
-    /// Whether the next step may begin now; see [`Protocol::may_move`].
-    pub fn may_move<L>(&self, teammates: &Teammates<'_, F, K>, list: &L) -> bool
-    where
-        L: JointPolicies<Claim = F::Claim>,
-    {
-        self.protocol.may_move(teammates, list)
-    }
-
-    /// Counts a step, once the robot is at its end.
-    pub fn advance(&mut self) {
-        self.protocol.advance();
-    }
-
     /// What the robot waits for; `None` if it may move, or has nothing more to do.
     pub fn waiting<L>(&self, teammates: &Teammates<'_, F, K>, list: &L) -> Option<Waiting>
     where
@@ -203,21 +166,15 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
         self.patience.stranded(&self.protocol).or_else(|| self.protocol.waiting(teammates, list))
     }
 
-    /// What to announce now; see [`Protocol::message`].
-    #[must_use]
-    pub fn message(
-        &self,
-        teammates: &Teammates<'_, F, K>,
-        listed: u8,
-        probability: u8,
-    ) -> RoundMessage<F, K> {
-        self.protocol.message(teammates, listed, probability)
-    }
-
     /// The state that safety rests on.
     #[must_use]
     pub const fn protocol(&self) -> &Protocol<F, K> {
         &self.protocol
+    }
+
+    /// The same, to give scores and to count steps.
+    pub const fn protocol_mut(&mut self) -> &mut Protocol<F, K> {
+        &mut self.protocol
     }
 
     /// The round that the robot is in.
