@@ -1,12 +1,15 @@
 //! Everything that can happen to a team, as far as the bounds go. Every state is checked, and from
-//! some of them the team flies on undisturbed and must arrive.
+//! some of them the team flies on undisturbed and must arrive: whole, and without a robot that dies.
+//!
+//! A move begins and ends by actions of its own, and the robot is in both places in between; so it
+//! takes as long as the exploration likes, and a pace of one, two or three ticks is inside. The team
+//! that flies on has such paces, a draw for each robot.
 //!
 //! The bounds are those of a minute. `IIBT_ROUNDS` multiplies states and walks.
 
 use super::grid::Grid;
-use super::model::{Action, Body, World};
+use super::model::{Action, World};
 use super::team::{Radio, Random, Robot, Team};
-use iibt_core::team::RobotId;
 use iibt_core::team::rounds::{Rounds, Timing};
 use std::collections::HashSet;
 use std::rc::Rc;
@@ -28,6 +31,33 @@ struct Seen {
     depth: usize,
     is_complete: bool,
     continued: usize,
+    deaths: usize,
+    /// Deaths of a robot for which others wait before their last moves.
+    deaths_before_barrier: usize,
+}
+
+impl Seen {
+    /// Flies on from a state: whole, and if one of a team that has not started again may die, without
+    /// it.
+    fn fly_on(
+        &mut self,
+        world: &World,
+        grid: &Rc<Grid>,
+        draw: u64,
+        dies: bool,
+        trace: impl Fn() -> Vec<Action>,
+    ) {
+        self.continued += 1;
+        fly_on(world, grid, draw, &[], &trace);
+        let robots = 0..world.bodies.len();
+        let before_barrier = robots.clone().find(|&robot| world.bodies[robot].is_before_barrier());
+        let dead = before_barrier.unwrap_or((draw / 2) as usize % robots.len());
+        if dies && world.can_lose(dead) {
+            self.deaths += 1;
+            self.deaths_before_barrier += usize::from(before_barrier.is_some());
+            fly_on(world, grid, draw, &[dead], trace);
+        }
+    }
 }
 
 fn scale() -> usize {
@@ -35,9 +65,10 @@ fn scale() -> usize {
 }
 
 /// Explores breadth-first until nothing is new or `limit` states are known; flies on from one state
-/// in `sample`.
+/// in `sample`. Where no robot may start again, some die.
 fn explore(grid: &Rc<Grid>, start: World, limit: usize, sample: u64) -> Seen {
     let mut known = HashSet::from([start.number()]);
+    let dies = start.restarts.iter().all(|&restarts| restarts == 0);
     let mut layer: Vec<(World, Option<Rc<Step>>)> = vec![(start, None)];
     let mut seen = Seen::default();
     while !layer.is_empty() && known.len() < limit {
@@ -51,8 +82,7 @@ fn explore(grid: &Rc<Grid>, start: World, limit: usize, sample: u64) -> Seen {
                         let step = Some(Rc::new(Step { action, before: before.clone() }));
                         check(&after, || trace(&step));
                         if number.is_multiple_of(sample) {
-                            seen.continued += 1;
-                            fly_on(&after, grid, number / sample, &[], || trace(&step));
+                            seen.fly_on(&after, grid, number / sample, dies, || trace(&step));
                         }
                         next.push((after, step));
                     }
@@ -62,8 +92,9 @@ fn explore(grid: &Rc<Grid>, start: World, limit: usize, sample: u64) -> Seen {
         seen.depth += 1;
         layer = next;
     }
-    println!("{:?}", Seen { states: known.len(), is_complete: layer.is_empty(), ..seen });
-    Seen { states: known.len(), is_complete: layer.is_empty(), ..seen }
+    let seen = Seen { states: known.len(), is_complete: layer.is_empty(), ..seen };
+    println!("{seen:?}");
+    seen
 }
 
 fn check(world: &World, trace: impl FnOnce() -> Vec<Action>) {
@@ -83,11 +114,13 @@ fn trace(step: &Option<Rc<Step>>) -> Vec<Action> {
 /// others must arrive, together in one view.
 fn fly_on(world: &World, grid: &Rc<Grid>, seed: u64, dead: &[usize], trace: impl FnOnce() -> Vec<Action>) {
     let loss = if seed.is_multiple_of(2) { 0.0 } else { 0.3 };
+    let mut random = Random(seed);
     let lists = grid.clone();
     let robots = world.bodies.iter().map(|body| {
         let mut robot = Robot::new(Rounds::of(body.protocol.clone(), Timing::DEFAULT), body.stamp.epoch);
         (robot.list, robot.heard, robot.stamp) = (body.list.clone(), body.heard.clone(), body.stamp);
         (robot.at, robot.is_moving) = (body.at, body.is_moving);
+        robot.pace = 1 + random.below(3) as u32;
         robot.centre();
         robot
     });
@@ -131,19 +164,30 @@ fn walk(grid: &Rc<Grid>, mut world: World, steps: usize, random: &mut Random) ->
     (world, trace)
 }
 
-fn square() -> (Rc<Grid>, [u8; 2]) {
-    (Rc::new(Grid::new(2, 2, [&[3, 0], &[1, 2]])), [0, 3])
+fn square() -> (Grid, [u8; 2]) {
+    (Grid::new(2, 2, [&[3, 0], &[1, 2]]), [0, 3])
 }
 
-fn corridor() -> (Rc<Grid>, [u8; 2]) {
-    (Rc::new(Grid::new(4, 1, [&[0, 1], &[2, 3]])), [1, 2])
+fn corridor() -> (Grid, [u8; 2]) {
+    (Grid::new(4, 1, [&[0, 1], &[2, 3]]), [1, 2])
 }
 
 #[test]
 fn two_robots_open_twice() {
     for (grid, start) in [square(), corridor()] {
-        let seen = explore(&grid, World::new(&start, 2, &[]), usize::MAX, 200);
-        assert!(seen.is_complete && seen.states > 50_000 && seen.continued > 100, "{seen:?}");
+        let seen = explore(&Rc::new(grid), World::new(&start, 2, &[]), usize::MAX, 200);
+        assert!(seen.is_complete && seen.states > 50_000, "{seen:?}");
+        assert!(seen.continued > 100 && seen.deaths > 20, "{seen:?}");
+    }
+}
+
+#[test]
+fn two_robots_that_arrive_together_open_twice() {
+    let ((square, start), (corridor, _)) = (square(), corridor());
+    for (grid, start) in [(square, start), (corridor, [2, 3])] {
+        let seen = explore(&Rc::new(grid.together()), World::new(&start, 2, &[]), usize::MAX, 50);
+        assert!(seen.is_complete && seen.states > 50_000, "{seen:?}");
+        assert!(seen.continued > 100 && seen.deaths_before_barrier > 20, "{seen:?}");
     }
 }
 
@@ -152,7 +196,7 @@ fn two_robots_open_once_and_one_starts_again() {
     for restarts in [[1, 0], [0, 1]] {
         let (grid, start) = corridor();
         let limit = 250_000 * scale();
-        let seen = explore(&grid, World::new(&start, 1, &restarts), limit, 1000);
+        let seen = explore(&Rc::new(grid), World::new(&start, 1, &restarts), limit, 1000);
         assert!(seen.is_complete || seen.states >= limit, "{seen:?}");
     }
 }
@@ -162,52 +206,70 @@ fn two_robots_open_twice_and_one_starts_again() {
     for restarts in [[1, 0], [0, 1]] {
         let (grid, start) = square();
         let limit = 250_000 * scale();
-        let seen = explore(&grid, World::new(&start, 2, &restarts), limit, 1000);
+        let seen = explore(&Rc::new(grid.together()), World::new(&start, 2, &restarts), limit, 1000);
         assert!(seen.is_complete || seen.states >= limit, "{seen:?}");
     }
 }
 
 #[test]
 fn three_robots_open_once() {
-    let grid = square_of_six();
-    let limit = 150_000 * scale();
-    let seen = explore(&grid, World::new(&[0, 4, 2], 1, &[]), limit, 1000);
-    assert!(seen.is_complete || seen.states >= limit, "{seen:?}");
+    for (grid, limit) in [(square_of_six(), 150_000), (square_of_six().together(), 50_000)] {
+        let limit = limit * scale();
+        let seen = explore(&Rc::new(grid), World::new(&[0, 4, 2], 1, &[]), limit, 1000);
+        assert!(seen.is_complete || seen.states >= limit, "{seen:?}");
+    }
 }
 
-fn square_of_six() -> Rc<Grid> {
-    Rc::new(Grid::new(3, 2, [&[5, 3, 1], &[2, 0, 4]]))
+fn square_of_six() -> Grid {
+    Grid::new(3, 2, [&[5, 3, 1], &[2, 0, 4]])
 }
 
-/// Walks of three robots with eight openings and these restarts; at the end a robot may die, if
-/// the others know where it can be.
-fn walks(restarts: &[u8], dies: bool) {
-    let grid = square_of_six();
+/// Walks of three robots, of up to 300 actions, with eight openings and these restarts. At the end all fly on; where none
+/// starts again, a robot may die, if the others know where it can be.
+fn walks(grid: Grid, restarts: &[u8]) -> Seen {
+    let (grid, mut seen, mut lengths) = (Rc::new(grid), Seen::default(), [0; 4]);
     let count = 1500 * scale();
-    let (mut moves, mut deaths) = (0, 0);
     for seed in 0..count as u64 {
         let mut random = Random(seed);
-        let (world, trace) = walk(&grid, World::new(&[0, 4, 2], 8, restarts), 300, &mut random);
-        moves += trace.iter().filter(|action| matches!(action, Action::Begin(_))).count();
-        let dead = random.below(3);
-        let is_known = |body: &Body| body.protocol.reach(RobotId(dead as u8)).is_some();
-        let others = world.bodies.iter().enumerate().filter(|&(robot, _)| robot != dead);
-        let dead: &[usize] = if dies && others.map(|(_, body)| body).all(is_known) { &[dead] } else { &[] };
-        deaths += dead.len();
-        fly_on(&world, &grid, seed, dead, || trace);
+        let steps = 40 + random.below(260);
+        let (world, trace) = walk(&grid, World::new(&[0, 4, 2], 8, restarts), steps, &mut random);
+        seen.transitions += trace.len();
+        lengths_of_moves(&trace).for_each(|length| lengths[length.min(3)] += 1);
+        seen.fly_on(&world, &grid, seed, restarts.is_empty(), || trace.clone());
     }
-    println!("{moves} moves in {count} walks, {deaths} deaths");
-    assert!(moves > 5 * count && (deaths > count / 4 || !dies), "{moves} moves, {deaths} deaths in {count}");
+    println!("{seen:?}, moves in which the robot heard so many messages: {lengths:?}");
+    assert!(lengths.iter().sum::<usize>() > 3 * count && lengths.iter().all(|&moves| moves > count / 10));
+    seen
+}
+
+/// How many messages a robot heard in each of its moves.
+fn lengths_of_moves(trace: &[Action]) -> impl Iterator<Item = usize> + '_ {
+    let begun = trace.iter().enumerate().filter_map(|(at, action)| match action {
+        Action::Begin(robot) => Some((at, *robot)),
+        _ => None,
+    });
+    begun.map(|(at, robot)| {
+        let during =
+            trace[at..].iter().take_while(|action| !matches!(action, Action::End(one) if *one == robot));
+        during.filter(|action| matches!(action, Action::Hear(one, ..) if *one == robot)).count()
+    })
 }
 
 #[test]
 fn three_robots_at_random() {
-    walks(&[], true);
+    let seen = walks(square_of_six(), &[]);
+    assert!(seen.deaths > seen.continued / 4, "{seen:?}");
+}
+
+#[test]
+fn three_robots_that_arrive_together_at_random() {
+    let seen = walks(square_of_six().together(), &[]);
+    assert!(seen.deaths_before_barrier > seen.continued / 50, "{seen:?}");
 }
 
 #[test]
 fn three_robots_that_start_again_at_random() {
-    walks(&[1, 1, 1], false);
+    walks(square_of_six(), &[1, 1, 1]);
 }
 
 /// One action a line.

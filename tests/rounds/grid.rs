@@ -2,7 +2,7 @@
 
 use super::task::{Joint, List, Place, Places};
 use iibt_core::team::RobotId;
-use iibt_core::team::rounds::{Claim, Proposal};
+use iibt_core::team::rounds::{Claim, JointPolicies, Proposal};
 use std::cell::RefCell;
 use std::collections::{HashMap, VecDeque};
 use std::rc::Rc;
@@ -25,7 +25,7 @@ impl Grid {
         Self { width, height, targets, is_together: false, lists: RefCell::default() }
     }
 
-    /// The same, with plans in which all make their last moves together.
+    /// The same, with plans in which all make their last moves together, where they can.
     pub(super) fn together(self) -> Self {
         Self { is_together: true, ..self }
     }
@@ -69,7 +69,8 @@ impl Grid {
         for (column, (robot, _)) in members.iter().enumerate() {
             paths[robot.index()] = steps.iter().rev().map(|state| state[column]).collect();
         }
-        Joint { paths, cost: 8, is_together: self.is_together }
+        let joint = Joint { paths, cost: 8, is_together: true };
+        Joint { is_together: self.is_together && passes_barrier(&joint), ..joint }
     }
 
     fn distance(&self, policy: usize, members: &[(RobotId, Places)], state: &[Places]) -> u32 {
@@ -116,4 +117,24 @@ impl Grid {
         }
         steps
     }
+}
+
+/// Whether all arrive that keep the order of a plan and wait for each other before their last moves.
+fn passes_barrier(joint: &Joint) -> bool {
+    let list = List(vec![joint.clone()]);
+    let robots: Vec<RobotId> = (0..joint.paths.len() as u8).map(RobotId).collect();
+    let mut steps = vec![0_u16; robots.len()];
+    let may_move = |robot: RobotId, steps: &[u16]| {
+        let (step, moves) = (steps[robot.index()], list.moves(0, robot));
+        let lets = |&mate: &RobotId| {
+            let reported = steps[mate.index()];
+            let is_ready = step + 1 < moves || reported + 1 >= list.moves(0, mate);
+            mate == robot || (is_ready && list.is_clear(0, robot, step, mate, reported))
+        };
+        step < moves && robots.iter().all(lets)
+    };
+    while let Some(&robot) = robots.iter().find(|&&robot| may_move(robot, &steps)) {
+        steps[robot.index()] += 1;
+    }
+    robots.iter().all(|&robot| steps[robot.index()] == list.moves(0, robot))
 }

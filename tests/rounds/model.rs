@@ -224,12 +224,26 @@ impl World {
                 if index < other && one.contradicts(another) {
                     return Some(format!("robots {index} and {other} follow two plans in one view"));
                 }
+                if index != other && one.outruns(another) {
+                    return Some(format!(
+                        "robot {index} makes its last move before {other} is ready for its own"
+                    ));
+                }
                 if index != other && one.crosses(another) {
                     return Some(format!("the plan of {index} crosses robot {other}, which is left out"));
                 }
             }
         }
         None
+    }
+
+    /// Whether the others, and they alone, could go on if this robot died now: they know where it can
+    /// be, and are a quorum.
+    pub(super) fn can_lose(&self, robot: usize) -> bool {
+        let others = || self.bodies.iter().enumerate().filter(|&(other, _)| other != robot);
+        let lost = RobotId(robot as u8);
+        let view: View = others().map(|(_, body)| body.id()).collect();
+        view.is_quorum(self.bodies.len()) && others().all(|(_, body)| body.protocol.reach(lost).is_some())
     }
 
     /// A number for the state: equal if and only if, but for accidents, all that follows is.
@@ -324,6 +338,24 @@ impl Body {
         let both = self.protocol.has_decided() && other.protocol.has_decided();
         let plan = |body: &Self| (body.protocol.digest(), body.protocol.policy());
         both && views.0.contains(other.id()) && views.1.contains(self.id()) && plan(self) != plan(other)
+    }
+
+    /// Whether its plan has all make their last moves together, and it has yet to make the one before.
+    pub(super) fn is_before_barrier(&self) -> bool {
+        let policy = self.protocol.policy().filter(|&policy| self.list.is_together(policy));
+        policy.is_some_and(|policy| self.protocol.step() + 1 < self.list.moves(policy, self.id()))
+    }
+
+    /// Whether it has begun the last move of a plan, which all make together, before another that has
+    /// scored the same plan has made all its moves but the last.
+    fn outruns(&self, other: &Self) -> bool {
+        let plan = self.protocol.policy().filter(|&policy| self.list.is_together(policy));
+        let Some(policy) = plan.filter(|_| self.protocol.digest() == other.protocol.digest()) else {
+            return false;
+        };
+        let (moves, theirs) = (self.list.moves(policy, self.id()), self.list.moves(policy, other.id()));
+        let begun = self.protocol.step() + u16::from(self.is_moving);
+        moves > 0 && begun >= moves && other.protocol.step() + 1 < theirs
     }
 
     fn crosses(&self, other: &Self) -> bool {
