@@ -16,6 +16,7 @@ mod frames;
 mod inference;
 mod joint_plans;
 mod learning;
+mod lockstep;
 mod manipulation;
 mod navigation;
 // The path makes the modules in it lie beside it, not in a folder of its name.

@@ -6,6 +6,7 @@
 mod benchmark;
 mod digest;
 pub mod joint_plans;
+pub mod lockstep;
 pub mod random_model;
 pub mod t1;
 pub mod t2;

@@ -158,6 +158,26 @@ impl Robot {
         self.link.write_all(bytes).expect("QEMU takes the bytes");
     }
 
+    /// Waits for the next `N` bytes on the link.
+    ///
+    /// # Panics
+    /// When QEMU ends or the robot is silent before they are there.
+    pub fn read<const N: usize>(&mut self) -> [u8; N] {
+        let mut bytes = [0; N];
+        self.fill(&mut bytes);
+        bytes
+    }
+
+    /// Waits for as many bytes on the link as there is room for.
+    ///
+    /// # Panics
+    /// As [`read`](Self::read).
+    pub fn fill(&mut self, bytes: &mut [u8]) {
+        if let Err(error) = self.link.read_exact(bytes) {
+            panic!("no answer ({error}); the robot logged {:#?}", self.seen)
+        }
+    }
+
     /// Waits for the next frame on the link: the bytes up to and with the next zero.
     ///
     /// # Panics

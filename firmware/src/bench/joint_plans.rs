@@ -2,6 +2,7 @@
 
 use iibt_core::grid::joint::{Errand, JointPlanner, Problem, Target};
 use iibt_core::grid::{Cell, CellSet, Map};
+use iibt_core::navigation::Mission;
 
 /// The planner of an image: 64 cells, horizon 32, eight robots.
 pub type Planner = JointPlanner<2, 33, 8, 64>;
@@ -17,6 +18,7 @@ pub struct Problems(u32);
 #[derive(Clone, Debug)]
 pub struct Instance {
     map: Map<2>,
+    starts: [Cell; 8],
     errands: [Errand; 8],
     goals: [Cell; 8],
     robots: usize,
@@ -51,7 +53,7 @@ impl Problems {
             errand.from = self.draw(&mut free)?;
             *goal = self.draw(&mut free)?;
         }
-        Some(Instance { map, errands, goals, robots })
+        Some(Instance { map, starts: errands.map(|errand| errand.from), errands, goals, robots })
     }
 
     fn draw(&mut self, from: &mut CellSet<2>) -> Option<Cell> {
@@ -98,10 +100,17 @@ pub fn plan_all(
 }
 
 impl Instance {
+    /// The mission of a team that has the problem.
+    #[must_use]
+    pub fn mission(&self) -> Mission<'_, 2> {
+        let (starts, goals) = (self.starts.get(..self.robots), self.goals.get(..self.robots));
+        Mission::new(self.map, starts.unwrap_or_default(), goals.unwrap_or_default())
+    }
+
     /// Plans, all at once; returns a hash of the plan and the work units that it took, or `None`
     /// where not all goals can be reached.
     pub fn plan(&self, planner: &mut Planner) -> Option<(u32, u32)> {
-        let Self { map, errands, goals, robots } = self;
+        let Self { map, errands, goals, robots, .. } = self;
         let (errands, goals) = (errands.get(..*robots)?, goals.get(..*robots)?);
         let problem = Problem { map, closed: CellSet::EMPTY, errands, goals, need: *robots };
         let mut budget = u32::MAX;

@@ -1,0 +1,115 @@
+//! A robot of a team on 8 x 8 cells that ticks when it is told to, with what it is told to sense and
+//! hear: the same on the host and on the target, so that frames can be compared and ticks counted.
+
+use super::joint_plans::{Instance, Problems};
+use crate::adapters::Body;
+use crate::hardware::{Clock, Drive, Link, Localiser};
+use crate::missions::{LAYERS, NODES, POLICIES};
+use crate::{Controller, Navigator, Settings};
+use core::num::NonZero;
+use heapless::{Deque, Vec};
+use iibt_core::grid::{Cell, Move, words};
+use iibt_core::navigation::Mission;
+use iibt_core::team::{Key, MAX_FRAME, MAX_TEAM, Member, RobotId};
+use iibt_core::time::Instant;
+
+/// The cells of the map.
+pub const CELLS: usize = 64;
+
+/// The words of the map.
+pub const WORDS: usize = words(8, 8);
+
+/// The key of the team; it keeps nothing secret.
+pub const KEY: Key = Key::new(*b"robots in step..");
+
+/// A robot of the team.
+pub type Robot<'m> = Controller<Navigator<'m, CELLS, WORDS, LAYERS, NODES, POLICIES>, Hardware>;
+
+/// What the robot works on: one frame is sent in a tick at the most.
+pub type Hardware = Body<Line, Ticks, Still, Told>;
+
+/// The problem of a team, by the number of robots and of a draw.
+///
+/// `None` where the map has too few free cells, or not all robots can come to goals.
+#[must_use]
+pub fn problem(robots: usize, draw: usize) -> Option<Instance> {
+    let mut problems = Problems::new(2026);
+    (0..draw).for_each(|_| drop(problems.next(robots)));
+    problems.next(robots)
+}
+
+/// A robot that has just started.
+///
+/// `None` if the team does not have it.
+#[inline] // built where it is to be: a copy more does not fit the stack
+#[must_use]
+pub fn robot<'m>(mission: &'m Mission<'m, WORDS>, number: u8) -> Option<Robot<'m>> {
+    let member = Member::new(RobotId(number), mission.starts.len()).ok()?;
+    let settings = Settings::new(member, KEY, 1, NonZero::<u16>::MIN);
+    let body = Body::new(Line::default(), Ticks(0)).driving(Still, Told(None));
+    Some(Controller::new(Navigator::new(mission, &settings).ok()?, settings, body))
+}
+
+/// Ticks a robot once, with the cell that it reads and the bytes that it hears; returns the frame
+/// that it sends, empty if it sends none. It makes its whole list in one tick.
+pub fn tick<'r>(robot: &'r mut Robot<'_>, reading: Cell) -> &'r [u8] {
+    robot.robot_mut().navigation_mut().set_budget(u32::MAX);
+    let hardware = robot.hardware_mut();
+    hardware.localiser = Told(Some(reading));
+    hardware.clock.0 = hardware.clock.0.wrapping_add(1);
+    hardware.link.sent.clear();
+    robot.tick();
+    &robot.hardware().link.sent
+}
+
+/// A link whose two ends are buffers.
+#[derive(Clone, Debug, Default)]
+pub struct Line {
+    /// What the robot will hear.
+    pub heard: Deque<u8, { MAX_TEAM * MAX_FRAME }>,
+    sent: Vec<u8, MAX_FRAME>,
+}
+
+impl Link for Line {
+    fn receive(&mut self) -> Option<u8> {
+        self.heard.pop_front()
+    }
+
+    fn send(&mut self, frame: &[u8]) -> bool {
+        self.sent.extend_from_slice(frame).is_ok()
+    }
+}
+
+/// A clock that counts ticks.
+#[derive(Clone, Copy, Debug)]
+pub struct Ticks(u32);
+
+impl Clock for Ticks {
+    fn now(&mut self) -> Instant {
+        Instant(self.0)
+    }
+}
+
+/// Wheels whose moves are made elsewhere, between two ticks.
+#[derive(Clone, Copy, Debug)]
+pub struct Still;
+
+impl Drive for Still {
+    fn go(&mut self, _: Move) {}
+
+    fn is_moving(&mut self) -> bool {
+        false
+    }
+
+    fn stop(&mut self) {}
+}
+
+/// A positioning that reads what it is told.
+#[derive(Clone, Copy, Debug)]
+pub struct Told(Option<Cell>);
+
+impl Localiser for Told {
+    fn locate(&mut self) -> Option<Cell> {
+        self.0
+    }
+}

@@ -1,0 +1,73 @@
+//! A robot of a team on the STM32F405, in step with a host: it ticks when the host has told it what
+//! it reads and hears, and answers with the cycles of the tick and its frame.
+//!
+//! Over USART2 it gets the number of robots, of the draw of their problem and its own; then for each
+//! tick the cell (two bytes) and the length of what it hears (two bytes), little-endian, and that.
+//! It answers with the cycles (four bytes), the length of its frame (one byte) and the frame.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("This image runs in step with a host: `cargo test -p tests --test all lockstep` starts it.");
+}
+
+#[cfg(target_os = "none")]
+mod image {
+    use cortex_m::singleton;
+    use firmware::adapters::Chassis;
+    use firmware::bench::joint_plans::Instance;
+    use firmware::bench::lockstep::{self, Robot, WORDS};
+    use firmware::board::{self, Board, TeamLink};
+    use firmware::hardware::Link;
+    use iibt_core::grid::Cell;
+    use iibt_core::navigation::Mission;
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        let chassis = Chassis { cell: 1.0, track: 0.1, speed: 1.0, duty: 0 };
+        let Some(mut board) = Board::take(chassis) else { board::restart() };
+        defmt::info!("boot: in step with a host");
+        match start(&mut board.link) {
+            Some(robot) => run(robot, &mut board),
+            None => board::restart(),
+        }
+    }
+
+    /// `None` when there is no such problem or robot.
+    #[inline(never)]
+    fn start(link: &mut TeamLink) -> Option<&'static mut Robot<'static>> {
+        let [robots, draw, number] = [(); 3].map(|()| byte(link));
+        let problem = lockstep::problem(robots.into(), draw.into())?;
+        let problem: &'static Instance = singleton!(: Instance = problem)?;
+        let mission: &'static Mission<'static, WORDS> =
+            singleton!(: Mission<'static, WORDS> = problem.mission())?;
+        let robot = lockstep::robot(mission, number)?;
+        singleton!(: Robot<'static> = robot)
+    }
+
+    fn run(robot: &'static mut Robot<'static>, board: &mut Board) -> ! {
+        loop {
+            let [low, high, short, long] = [(); 4].map(|()| byte(&mut board.link));
+            for _ in 0..u16::from_le_bytes([short, long]) {
+                // What does not fit is lost, as on the air.
+                let _ = robot.hardware_mut().link.heard.push_back(byte(&mut board.link));
+            }
+            let started = board.clock.cycles();
+            let frame = lockstep::tick(robot, Cell(u16::from_le_bytes([low, high])));
+            let took = board.clock.cycles().wrapping_sub(started);
+            for part in [&took.to_le_bytes(), &[frame.len() as u8][..], frame] {
+                board.link.send(part);
+            }
+        }
+    }
+
+    /// The next byte of the link, once it is there.
+    fn byte(link: &mut TeamLink) -> u8 {
+        loop {
+            if let Some(byte) = link.receive() {
+                return byte;
+            }
+            board::sleep();
+        }
+    }
+}

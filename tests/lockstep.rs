@@ -1,0 +1,107 @@
+//! Robots of teams of two, four and eight on the chip, in step with their teammates on the host: the
+//! same frames bit for bit, and what their ticks take.
+
+use firmware::bench::lockstep::{CELLS, KEY, WORDS, problem};
+use firmware::missions::{LAYERS, NODES, POLICIES};
+use host_sim::{Faults, NavigatorFlight, Reading};
+use std::path::Path;
+use tests::budgets::assert_within;
+use tests::qemu::{Robot, image};
+
+type Flight<'m> = NavigatorFlight<'m, CELLS, WORDS, LAYERS, NODES, POLICIES>;
+
+/// The problems that a team flies.
+const FLIGHTS: usize = 8;
+
+/// The instructions of ticks, by what the robot does in them.
+#[derive(Debug, Default)]
+struct Ticks {
+    /// Neither of the two below: it stands in a round or drives.
+    ordinary: Vec<u64>,
+    /// It makes the list of joint policies and scores it.
+    listing: Vec<u64>,
+    /// It knows all scores, weighs the list, and moves.
+    deciding: Vec<u64>,
+}
+
+impl Ticks {
+    /// Flies a problem until all have arrived, one of the robots on the chip.
+    fn fly(&mut self, image: &Path, robots: usize, draw: usize) {
+        let Some(problem) = problem(robots, draw) else { return };
+        let (mission, number) = (problem.mission(), draw % robots);
+        let mut flight = Flight::with_key(&mission, KEY, Faults::default(), 0).expect("it is sound");
+        let mut chip = Robot::boot_counting(image);
+        chip.wait_for("boot");
+        chip.send(&[robots as u8, draw as u8, number as u8]);
+        let stage = |flight: &Flight<'_>| {
+            let protocol = flight.robot(number).robot().navigation().rounds().map(|rounds| rounds.protocol());
+            protocol.map(|protocol| (protocol.proposal().round, protocol.digest(), protocol.has_decided()))
+        };
+        let mut heard = Vec::new();
+        while !flight.has_arrived() && flight.ticks() < 60 {
+            let (before, here) = (stage(&flight), flight.cells()[number]);
+            flight.set_reading(number, Reading::Cell(here));
+            flight.tick();
+            let (took, frame) = tick(&mut chip, here.0, &heard);
+            let at = format!("tick {} of problem {draw} for {robots}", flight.ticks());
+            assert_eq!(frame, flight.sent(number).concat(), "{at}: not the frame of the host");
+            let after = stage(&flight);
+            let has = |decided: bool, stage: Option<(u32, Option<_>, bool)>| {
+                stage.is_some_and(|(_, digest, has_decided)| digest.is_some() && (has_decided || !decided))
+            };
+            let kind =
+                match (has(false, after) && !has(false, before), has(true, after) && !has(true, before)) {
+                    (true, _) => &mut self.listing,
+                    (_, true) => &mut self.deciding,
+                    _ => &mut self.ordinary,
+                };
+            kind.push(took);
+            heard = (0..robots)
+                .filter(|&other| other != number)
+                .flat_map(|other| flight.sent(other).concat())
+                .collect();
+        }
+    }
+}
+
+/// The instructions of a tick on the chip, and the frame that it sends.
+fn tick(chip: &mut Robot, cell: u16, heard: &[u8]) -> (u64, Vec<u8>) {
+    let length = u16::try_from(heard.len()).expect("eight frames");
+    chip.send(&[&cell.to_le_bytes(), &length.to_le_bytes(), heard].concat());
+    let [a, b, c, d, length] = chip.read();
+    let mut frame = vec![0; length.into()];
+    chip.fill(&mut frame);
+    // An instruction takes a nanosecond, and the timer runs at 168 MHz.
+    (u64::from(u32::from_le_bytes([a, b, c, d])) * 1000 / 168, frame)
+}
+
+fn mean(ticks: &[u64]) -> u64 {
+    ticks.iter().sum::<u64>() / ticks.len().max(1) as u64
+}
+
+fn worst(ticks: &[u64]) -> u64 {
+    ticks.iter().copied().max().unwrap_or(0)
+}
+
+#[test]
+fn a_robot_of_any_team_ticks_on_the_chip_as_on_the_host_and_within_budget() {
+    let image = image("lockstep");
+    for robots in [2, 4, 8] {
+        let mut ticks = Ticks::default();
+        (0..FLIGHTS).for_each(|draw| ticks.fly(&image, robots, draw));
+        let Ticks { ordinary, listing, deciding } = &ticks;
+        for (kind, ticks) in [("ordinary", ordinary), ("listing", listing), ("deciding", deciding)] {
+            println!(
+                "{robots} robots: {} {kind} ticks, mean {}, worst {}",
+                ticks.len(),
+                mean(ticks),
+                worst(ticks)
+            );
+        }
+        assert!(ordinary.len() > 5 * FLIGHTS && listing.len() > FLIGHTS / 2 && deciding.len() > FLIGHTS / 4);
+        if robots == 8 {
+            assert_within("team_of_eight", "ordinary_tick", mean(ordinary));
+            assert_within("team_of_eight", "worst_ordinary_tick", worst(ordinary));
+        }
+    }
+}
