@@ -224,7 +224,7 @@ fn lines_26_to_28_the_timeout_survives_a_wrap_of_the_clock() {
 fn lines_17_to_30_do_bounded_work_in_a_tick_and_go_on_in_the_next() {
     let mut robot = Bench::new(&HESITANT, 0);
     robot.tick(Some(idle()));
-    let raised = robot.node.raised().expect("the loop is not done").rows[0].get(LOC.into()).expect("a state");
+    let raised = robot.node.raised().expect("the loop is not done").rows[0].values()[usize::from(LOC)];
     assert!((raised - 0.1 * InferenceNode::<Handling>::PASSES as f32).abs() < 1e-6, "{raised}");
     assert_eq!(robot.begun(), None);
     robot.tick(Some(idle()));
