@@ -129,18 +129,8 @@ impl<const K: usize> Dirichlet<K> {
 mod tests {
     use super::super::sampling::Dice;
     use super::*;
+    use crate::math::tests::digamma;
     use std::vec::Vec;
-
-    /// ψ in double precision.
-    fn digamma(x: f64) -> f64 {
-        let (mut y, mut sum) = (x, 0.0);
-        while y < 20.0 {
-            sum -= 1.0 / y;
-            y += 1.0;
-        }
-        let z = 1.0 / (y * y);
-        sum + y.ln() - 0.5 / y - z * (1.0 / 12.0 - z * (1.0 / 120.0 - z * (1.0 / 252.0 - z / 240.0)))
-    }
 
     /// H[E θ] - E H[θ] as it is defined, in double precision.
     fn novelty(counts: &[f32]) -> f64 {
