@@ -251,8 +251,8 @@ impl fmt::Display for Way {
             Purpose::Stand => ", its battery is low",
             _ => "",
         };
-        let steps = counted((self.path.len().max(1) - 1) as u32, "step");
-        let moves = format!("{} of {} made", self.made.min(self.moves), counted(self.moves.into(), "move"));
+        let steps = counted(self.path.len().max(1) - 1, "step");
+        let moves = format!("{} of {} made", self.made.min(self.moves), counted(self.moves, "move"));
         write!(f, "{:<4} to {end}{errand} in {steps}, {moves}: {}", self.robot, route(&self.path))
     }
 }

@@ -153,6 +153,14 @@ impl Record {
     pub fn last_arrival(&self) -> u32 {
         self.robots.iter().map(|robot| robot.arrived).max().unwrap_or(0)
     }
+
+    /// The obstacles that appeared, with their ticks.
+    pub(crate) fn obstacles(&self) -> impl Iterator<Item = (u32, Cell)> + '_ {
+        self.events.iter().filter_map(|timed| match timed.event {
+            FlightEvent::Appeared { cell } => Some((timed.tick, cell)),
+            _ => None,
+        })
+    }
 }
 
 impl TimedEvent {

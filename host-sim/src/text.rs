@@ -2,10 +2,11 @@
 
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::Cause;
+use std::fmt::Display;
 
 /// Returns a number and its noun: `1 goal`, `2 goals`.
-pub(crate) fn counted(number: u32, thing: &str) -> String {
-    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+pub(crate) fn counted<N: Display + PartialEq + From<u8>>(number: N, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == N::from(1) { "" } else { "s" })
 }
 
 /// Returns the numbers of cells, separated by spaces.

@@ -2,7 +2,7 @@
 
 use super::convention;
 use super::sweeps::Sweeps;
-use iibt_core::inference::{Beliefs, Evidence, Model, ObservationError, Update};
+use iibt_core::inference::{Beliefs, Evidence, MAX_SWEEPS, Model, ObservationError, Update};
 
 /// The most combinations of states for which parallel sweeps are tried.
 const MAX_COMBINATIONS: usize = 1 << 20;
@@ -31,37 +31,41 @@ pub(super) fn observe<const S: usize, const G: usize>(
 ) -> Observed {
     let mut exact = *beliefs;
     let result = exact.update(model, evidence);
-    let surprise = result.ok().filter(|update| update.exact).map(|update| update.free_energy);
-    let mut ascended = *beliefs;
-    let (after, result, note) = match method {
-        convention::BeliefMethod::Exact => (exact, result, None),
+    let observed = match method {
+        convention::BeliefMethod::Exact => {
+            *beliefs = exact;
+            Observed::new(result, None)
+        }
         convention::BeliefMethod::Ascent => {
-            let result = ascended.update_by_ascent(model, evidence, iibt_core::inference::MAX_SWEEPS);
-            (ascended, result, None)
+            Observed::new(beliefs.update_by_ascent(model, evidence, MAX_SWEEPS), None)
         }
         convention::BeliefMethod::Sweeps => match sweep(beliefs, model, evidence, sweeps) {
-            Ok(update) => return Observed { surprise, impossible: result.err(), ..swept(update, None) },
-            Err(Unswept { after, update, reason }) => {
-                if let (Some(after), Some(update), Err(impossible)) = (after, update, result) {
-                    *beliefs = after;
-                    return Observed {
-                        surprise,
-                        impossible: Some(impossible),
-                        ..swept(update, Some(reason))
-                    };
-                }
-                (exact, result, Some(reason))
+            Ok(update) => Observed { impossible: result.err(), ..swept(update, None) },
+            Err(Unswept { after: Some(after), update: Some(update), reason }) if result.is_err() => {
+                *beliefs = after;
+                Observed { impossible: result.err(), ..swept(update, Some(reason)) }
+            }
+            Err(unswept) => {
+                *beliefs = exact;
+                Observed::new(result, Some(unswept.reason))
             }
         },
     };
-    *beliefs = after;
-    let exact = result.is_ok_and(|update| update.exact) || result.is_err();
-    Observed {
-        method: if exact { "exact" } else { "coordinate ascent" },
-        update: result.ok(),
-        surprise,
-        impossible: result.err(),
-        note,
+    let surprise = result.ok().filter(|update| update.exact).map(|update| update.free_energy);
+    Observed { surprise, ..observed }
+}
+
+impl Observed {
+    /// The result of an exact update or of coordinate ascent.
+    fn new(result: Result<Update, ObservationError>, note: Option<String>) -> Self {
+        let exact = result.is_ok_and(|update| update.exact) || result.is_err();
+        Self {
+            method: if exact { "exact" } else { "coordinate ascent" },
+            update: result.ok(),
+            surprise: None,
+            impossible: result.err(),
+            note,
+        }
     }
 }
 

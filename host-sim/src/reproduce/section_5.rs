@@ -178,18 +178,10 @@ fn settled(record: &Record, decision: &PaperDecision) -> Item {
 
 /// The item on a flight in which the obstacle appeared on the way.
 fn replanned(record: &Record) -> [Item; 3] {
-    let appeared = record
-        .events
-        .iter()
-        .find(|timed| matches!(timed.event, FlightEvent::Appeared { .. }))
-        .map(|timed| timed.tick);
-    let moved = appeared.is_some_and(|tick| record.history[tick as usize] != record.history[0]);
+    let (appeared, obstacle) = record.obstacles().next().unzip();
+    let moved = appeared.is_some_and(|tick: u32| record.history[tick as usize] != record.history[0]);
     let chosen = record.events.iter().filter(|timed| matches!(timed.event, FlightEvent::Chose { .. }));
     let again = appeared.map_or(0, |tick| chosen.filter(|timed| timed.tick >= tick).count());
-    let obstacle = record.events.iter().find_map(|timed| match timed.event {
-        FlightEvent::Appeared { cell } => Some(cell),
-        _ => None,
-    });
     let avoids = |cells: &[Cell]| obstacle.is_some_and(|cell| !cells.contains(&cell));
     let avoided = record.robots.iter().filter(|robot| avoids(&robot.path)).count();
     let together = record.outcome == Outcome::Together;

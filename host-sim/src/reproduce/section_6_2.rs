@@ -78,8 +78,7 @@ fn mission(mission: &Mission) -> [Item; 4] {
     let is_base =
         |rows: &[[f32; 4]; 2]| rows.as_flattened().iter().all(|&entry| entry == 0.0 || entry == 1.0);
     let exact = acting.iter().all(|thought| is_base(&thought.preferences));
-    let raises =
-        format!("{}, {}", counted(raised as u32, "raise"), if exact { "no trace" } else { "traces left" });
+    let raises = format!("{}, {}", counted(raised, "raise"), if exact { "no trace" } else { "traces left" });
     [
         Item::same("the policies acted on, in order", SEQUENCE, sequence),
         Item::claim(

@@ -20,7 +20,12 @@ impl Instance {
     #[must_use]
     pub fn outline(&self) -> String {
         let counts = self.counts();
-        let mut text = format!("{}: {}, {}\n", self.main, nodes(counts.nodes()), levels(counts.depth()));
+        let mut text = format!(
+            "{}: {}, {}\n",
+            self.main,
+            counted(counts.nodes(), "node"),
+            counted(counts.depth(), "level")
+        );
         if let Some(root) = self.nodes.first() {
             self.branch(root, "", "", &mut text);
         }
@@ -107,14 +112,6 @@ fn label(node: &Node) -> String {
         _ = write!(label, " {}={}", guard.attribute, guard.text);
     }
     label.replace(['\n', '\r'], " ")
-}
-
-fn nodes(count: usize) -> String {
-    counted(u32::try_from(count).unwrap_or(u32::MAX), "node")
-}
-
-fn levels(count: usize) -> String {
-    counted(u32::try_from(count).unwrap_or(u32::MAX), "level")
 }
 
 fn quoted(text: &str) -> String {

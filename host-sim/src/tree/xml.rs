@@ -78,18 +78,11 @@ impl<'t> XmlReader<'t> {
             let finished = if self.rest().starts_with("</") {
                 self.closing_tag(&mut open)?
             } else {
-                let place = self.place();
                 if root.is_some() && open.is_empty() {
-                    return Err(Diagnostic::error(
-                        &place,
-                        "a file has one root element, this is a second one",
-                    ));
+                    return Err(self.error("a file has one root element, this is a second one"));
                 }
                 if open.len() == MAX_LEVELS {
-                    return Err(Diagnostic::error(
-                        &place,
-                        format!("more than {MAX_LEVELS} elements in each other"),
-                    ));
+                    return Err(self.error(format!("more than {MAX_LEVELS} elements in each other")));
                 }
                 self.opening_tag(&mut open)?
             };

@@ -17,10 +17,9 @@ const BESIDE: f64 = 10.0;
 const FIGURES: f64 = 0.82;
 
 pub(super) fn draw(intervals: &Intervals) -> Markup {
-    let estimates = || intervals.rows.iter().flat_map(|row| &row.values).map(|(_, estimate)| *estimate);
     let left = intervals.rows.iter().map(|row| width_of(&row.label)).fold(40.0, f64::max) + 12.0;
-    let right =
-        BESIDE + FIGURES * estimates().map(|estimate| width_of(&figures(estimate))).fold(0.0, f64::max);
+    let widths = estimates(intervals).map(|estimate| width_of(&figures(estimate)));
+    let right = BESIDE + FIGURES * widths.fold(0.0, f64::max);
     let names = intervals.rows.first().into_iter().flat_map(|row| &row.values).enumerate();
     let legend = Legend::new(
         Mark::Dot,
@@ -31,11 +30,7 @@ pub(super) fn draw(intervals: &Intervals) -> Markup {
     let row_height = |values: usize| LINE * values as f64 + GAP;
     let bottom = top + intervals.rows.iter().map(|row| row_height(row.values.len())).sum::<f64>();
     let mut svg = Svg::new(left + WIDTH + right, bottom + BELOW);
-    let largest = estimates().flatten().map(|estimate| estimate.high);
-    let axis = match intervals.most {
-        Some(most) => Axis::over([0.0, most]),
-        None => Axis::over(largest.chain([0.0])).rounded(),
-    };
+    let axis = axis(intervals);
     let place = |value: f64| left + WIDTH * axis.part(value);
     for mark in axis.marks() {
         svg.line("axis", (place(mark), top), (place(mark), bottom));
@@ -57,6 +52,18 @@ pub(super) fn draw(intervals: &Intervals) -> Markup {
         y += row_height(row.values.len());
     }
     svg.finish(&intervals.title)
+}
+
+fn estimates(intervals: &Intervals) -> impl Iterator<Item = Option<Estimate>> + '_ {
+    intervals.rows.iter().flat_map(|row| &row.values).map(|(_, estimate)| *estimate)
+}
+
+fn axis(intervals: &Intervals) -> Axis {
+    let highest = estimates(intervals).flatten().map(|estimate| estimate.high);
+    match intervals.most {
+        Some(most) => Axis::over([0.0, most]),
+        None => Axis::over(highest.chain([0.0])).rounded(),
+    }
 }
 
 /// An interval and the value in it.

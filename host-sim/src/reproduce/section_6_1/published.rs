@@ -282,7 +282,7 @@ impl Plan {
         let together = paths.iter().all(|path| path.len() == paths[0].len());
         let meetings = self.meetings();
         let list: Vec<_> = meetings.iter().map(|(_, text)| text.clone()).collect();
-        let count = counted(meetings.len() as u32, "collision");
+        let count = counted(meetings.len(), "collision");
         [
             Item::claim(
                 format!("{}, the paper's paths: legal, and together", self.about),

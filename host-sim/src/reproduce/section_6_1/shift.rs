@@ -28,70 +28,60 @@ pub(super) fn flown(run: &Reproduction<'_>) -> (Vec<Item>, Vec<Figure>) {
     (items, vec![rounds(&scenario, &record), certainty(&scenario)])
 }
 
-/// The five phases of one flight.
+/// The five phases of one flight, and its end.
 fn phases(scenario: &Scenario, record: &Record) -> Vec<Item> {
     let first = record.phases.first().is_some_and(|phase| phase.cause.is_none() && phase.agreed.is_some());
     let mut items = vec![claim("phase 1: the first choice", "all agree", first)];
-    for (index, number) in [2, 3].into_iter().enumerate() {
-        let obstacle = obstacles(record).nth(index);
-        let ours = match obstacle {
-            Some((tick, cell)) if avoided(record, tick, cell) => format!("around p{}", cell.0),
-            Some((_, cell)) => format!("through p{}", cell.0),
-            None => "no obstacle appeared".to_owned(),
-        };
-        items.push(Item::claim(
-            format!("phase {number}: an obstacle on the way of a robot, and another plan around it"),
-            "agreed, and no path meets it",
-            ours,
-            obstacle.is_some_and(|(tick, cell)| avoided(record, tick, cell)),
-        ));
-    }
-    for (robot, cell) in WAY_POINTS {
-        let visited = record.robots[robot].visited.contains(&cell);
-        items.push(claim(
-            format!("phase 4: R{} visits way-point p{}", robot + 1, cell.0),
-            "on its way",
-            visited,
-        ));
-    }
-    for robot in CHARGING {
+    items.extend([2, 3].into_iter().enumerate().map(|(index, phase)| passed(record, phase, index)));
+    items.extend(WAY_POINTS.map(|(robot, cell)| {
+        let what = format!("phase 4: R{} visits way-point p{}", robot + 1, cell.0);
+        claim(what, "on its way", record.robots[robot].visited.contains(&cell))
+    }));
+    items.extend(CHARGING.map(|robot| {
         let what = format!("phase 5: R{} leaves to charge, and comes back", robot + 1);
-        items.push(claim(what, "once", record.robots[robot].charged == 1));
-    }
+        claim(what, "once", record.robots[robot].charged == 1)
+    }));
     items.push(claim("phase 5: the others wait while a robot charges", "nobody else moves", waiting(record)));
     items.push(claim(
         "every plan: all choose the same joint policy, without a conflict",
         "within three ticks of the call for it",
         in_common(record),
     ));
-    let end = format!("{:?} at tick {}", record.outcome, record.last_arrival());
-    let together = record.outcome == Outcome::Together;
-    items.push(Item::claim(
-        "the end: all three at different goals, at most one tick apart",
-        "Together",
-        end,
-        together,
-    ));
-    let faults = Trace::of(scenario, record).validate();
-    items.push(Item::claim(
-        "the validator",
-        "no collision, no swap",
-        format!("{} found", faults.total()),
-        faults.total() == 0,
-    ));
+    items.extend(end(scenario, record));
     items
+}
+
+/// The phase in which the obstacle with this index, from zero, is passed.
+fn passed(record: &Record, phase: u8, index: usize) -> Item {
+    let obstacle = record.obstacles().nth(index);
+    let around = obstacle.is_some_and(|(tick, cell)| avoided(record, tick, cell));
+    let ours = obstacle.map_or_else(
+        || "no obstacle appeared".to_owned(),
+        |(_, cell)| format!("{} p{}", if around { "around" } else { "through" }, cell.0),
+    );
+    Item::claim(
+        format!("phase {phase}: an obstacle on the way of a robot, and another plan around it"),
+        "agreed, and no path meets it",
+        ours,
+        around,
+    )
+}
+
+fn end(scenario: &Scenario, record: &Record) -> [Item; 2] {
+    let faults = Trace::of(scenario, record).validate().total();
+    [
+        Item::claim(
+            "the end: all three at different goals, at most one tick apart",
+            "Together",
+            format!("{:?} at tick {}", record.outcome, record.last_arrival()),
+            record.outcome == Outcome::Together,
+        ),
+        Item::claim("the validator", "no collision, no swap", format!("{faults} found"), faults == 0),
+    ]
 }
 
 fn claim(what: impl Into<String>, wanted: &str, holds: bool) -> Item {
     Item::claim(what, wanted, if holds { "yes" } else { "no" }, holds)
-}
-
-/// The obstacles that appeared, and when.
-fn obstacles(record: &Record) -> impl Iterator<Item = (u32, Cell)> + '_ {
-    record.events.iter().filter_map(|timed| match timed.event {
-        FlightEvent::Appeared { cell } => Some((timed.tick, cell)),
-        _ => None,
-    })
 }
 
 /// Whether the team agreed on paths past a cell after an obstacle had appeared there.

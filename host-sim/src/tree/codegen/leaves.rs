@@ -33,19 +33,14 @@ impl Variants {
             let scope = if shares_entries { node.scope } else { 0 };
             let at = *known.entry((documentation.clone(), scope)).or_insert(variants.list.len());
             if at == variants.list.len() {
-                let name = variants.free_name(&identifier(&wish(node, hook)));
+                let names = variants.list.iter().map(|variant| &variant.name);
+                let name = free_name(&identifier(&wish(node, hook)), names);
                 let has_ports = matches!(hook.task, HookTask::Leaf);
                 variants.list.push(Variant { name, documentation, node: hook.node, has_ports });
             }
             variants.of_hook.push(at);
         }
         variants
-    }
-
-    fn free_name(&self, wish: &str) -> String {
-        let is_free = |name: &String| self.list.iter().all(|variant| variant.name != *name);
-        let numbered = (2_u32..).map(|number| format!("{wish}{number}"));
-        std::iter::once(wish.to_owned()).chain(numbered).find(is_free).unwrap_or_default()
     }
 
     pub(super) fn name(&self, hook: u16) -> &str {
@@ -109,6 +104,13 @@ fn wish(node: &Node, hook: &Hook) -> String {
         HookTask::Guard { .. } => format!("Before {}", node.name),
         _ => node.name.clone(),
     }
+}
+
+/// The name wished for, with the first number from 2 that makes it differ from all known ones.
+pub(super) fn free_name<'n>(wish: &str, known: impl Iterator<Item = &'n String> + Clone) -> String {
+    let is_free = |name: &String| known.clone().all(|known| known != name);
+    let numbered = (2_u32..).map(|number| format!("{wish}{number}"));
+    std::iter::once(wish.to_owned()).chain(numbered).find(is_free).unwrap_or_default()
 }
 
 /// A name of a Rust type or variant.

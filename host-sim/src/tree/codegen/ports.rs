@@ -1,6 +1,6 @@
 //! The ports of a tree's leaves: constants, and names for the entries that the program keeps.
 
-use super::leaves::{Variants, function, identifier};
+use super::leaves::{Variants, free_name, function, identifier};
 use crate::tree::instance::{Instance, Node};
 use crate::tree::parameter::Given;
 use crate::tree::scope::Entry;
@@ -55,19 +55,13 @@ fn value<'i>(
         Given::Entry(key, _) => {
             let entry = instance.scopes.resolve(node.scope, key);
             let at = entries.iter().position(|(known, _)| *known == entry).unwrap_or_else(|| {
-                let name = free_name(&identifier(&entry.1), entries);
+                let name = free_name(&identifier(&entry.1), entries.iter().map(|(_, name)| name));
                 entries.push((entry, name));
                 entries.len() - 1
             });
             Some(PortExpression::Entry(at))
         }
     }
-}
-
-fn free_name(wish: &str, entries: &[(Entry, String)]) -> String {
-    let is_free = |name: &String| entries.iter().all(|(_, known)| known != name);
-    let numbered = (2_u32..).map(|number| format!("{wish}{number}"));
-    std::iter::once(wish.to_owned()).chain(numbered).find(is_free).unwrap_or_default()
 }
 
 fn entries_source(entries: &[(Entry, String)]) -> String {
