@@ -1,6 +1,6 @@
 //! Random problems of a team, the same on the host and on the target, and the plans for them.
 
-use iibt_core::grid::joint::{Errand, JointPlanner, Problem, Target};
+use iibt_core::grid::joint::{Errand, JointPlan, JointPlanner, Problem, Target};
 use iibt_core::grid::{Cell, CellSet, Map};
 use iibt_core::navigation::Mission;
 
@@ -81,19 +81,19 @@ pub struct Plans {
 pub fn plan_all(
     robots: usize,
     planner: &mut Planner,
-    mut measure: impl FnMut(&Instance, &mut Planner) -> (Option<(u32, u32)>, u32),
+    mut measure: impl FnMut(&Instance, &mut Planner) -> (Option<(JointPlan<8>, u32)>, u32),
 ) -> Plans {
     let mut problems = Problems::new(2026);
     let mut plans = Plans::default();
     let (mut solved, mut sum) = (0, 0_u64);
     while solved < PROBLEMS {
         let Some(problem) = problems.next(robots) else { continue };
-        let (Some((hash, units)), took) = measure(&problem, planner) else { continue };
+        let (Some((plan, units)), took) = measure(&problem, planner) else { continue };
         solved += 1;
         sum += u64::from(took);
         plans.worst = plans.worst.max(took);
         plans.units += units;
-        plans.digest = plans.digest.rotate_left(1) ^ hash;
+        plans.digest = plans.digest.rotate_left(1) ^ problem.hash(&plan);
     }
     plans.mean = (sum / u64::from(PROBLEMS)) as u32;
     plans
@@ -107,19 +107,22 @@ impl Instance {
         Mission::new(self.map, starts.unwrap_or_default(), goals.unwrap_or_default())
     }
 
-    /// Plans, all at once; returns a hash of the plan and the work units that it took, or `None`
-    /// where not all goals can be reached.
-    pub fn plan(&self, planner: &mut Planner) -> Option<(u32, u32)> {
-        let Self { map, errands, goals, robots, .. } = self;
+    /// Plans, all at once; returns the plan and the work units that it took, or `None` where not all
+    /// goals can be reached.
+    pub fn plan(&self, planner: &mut Planner) -> Option<(JointPlan<8>, u32)> {
+        let Self { map, errands, goals, robots } = self;
         let (errands, goals) = (errands.get(..*robots)?, goals.get(..*robots)?);
         let problem = Problem { map, closed: CellSet::EMPTY, errands, goals, need: *robots };
         let mut budget = u32::MAX;
         planner.start();
         let plan = planner.work(&problem, &mut budget)?.ok().filter(|plan| plan.short_by() == 0)?;
-        let cells = plan.paths().iter().flat_map(|path| path.cells(map));
-        let hash = cells.fold(u32::from(plan.is_together()), |hash, cell| {
+        Some((plan, u32::MAX - budget))
+    }
+
+    fn hash(&self, plan: &JointPlan<8>) -> u32 {
+        let cells = plan.paths().iter().flat_map(|path| path.cells(&self.map));
+        cells.fold(u32::from(plan.is_together()), |hash, cell| {
             (hash ^ u32::from(cell.0)).wrapping_mul(0x0100_0193)
-        });
-        Some((hash, u32::MAX - budget))
+        })
     }
 }

@@ -14,6 +14,7 @@ mod image {
     use firmware::adapters::Chassis;
     use firmware::bench::joint_plans::{Instance, Planner, plan_all};
     use firmware::board::{self, Board};
+    use iibt_core::grid::joint::JointPlan;
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
@@ -41,7 +42,7 @@ mod image {
     }
 
     #[inline(never)]
-    fn plan(problem: &Instance, planner: &mut Planner) -> Option<(u32, u32)> {
+    fn plan(problem: &Instance, planner: &mut Planner) -> Option<(JointPlan<8>, u32)> {
         problem.plan(planner)
     }
 }

@@ -19,15 +19,16 @@
 //! colour of their cells; see `flow` and `network` for how. Where one or two robots own their
 //! targets, their paths are fixed and the others flow around them.
 
+mod assignment;
 mod attempt;
 mod distances;
 mod execution;
+mod fixed_paths;
 mod flow;
+mod flow_planner;
 mod lacam;
 mod list;
 mod network;
-mod owned;
-mod owners;
 mod pibt;
 mod plan;
 mod planner;
@@ -42,10 +43,10 @@ mod teams;
 mod trials;
 mod walk;
 
+pub use assignment::own_targets;
 pub use execution::Execution;
 pub use lacam::Lacam;
 pub use list::{PolicyList, VERSION};
-pub use owned::own_targets;
 pub use plan::{Arrival, Failure, JointConflict, JointConflictKind, JointPlan};
 pub use planner::JointPlanner;
 pub use prioritised::Prioritised;

@@ -107,13 +107,37 @@ impl<const W: usize> CellSet<W> {
         self.zip(other, |ours, theirs| ours & !theirs)
     }
 
-    /// Adds every cell of another set moved to the number `by` higher; numbers past the end of the
-    /// set are dropped.
+    /// The cells of this set, and those whose number is one higher or lower, but for the steps out
+    /// of the last column to the one side and out of the first column to the other.
+    #[inline]
+    pub(super) fn beside(&self, first_column: &Self, last_column: &Self) -> Self {
+        let right = self.without(last_column);
+        let left = self.without(first_column);
+        let mut beside = *self;
+        let mut below = 0;
+        for (to, &word) in beside.words.iter_mut().zip(&right.words) {
+            *to |= word << 1 | below >> 31;
+            below = word;
+        }
+        let mut above = 0;
+        for (to, &word) in beside.words.iter_mut().zip(&left.words).rev() {
+            *to |= word >> 1 | above << 31;
+            above = word;
+        }
+        beside
+    }
+
+    /// Adds every cell of another set moved to the number `by` higher; numbers past the end of the set
+    /// are dropped.
     #[inline]
     pub(super) fn add_raised(&mut self, other: &Self, by: usize) {
-        let (words, bits) = (by / 32, by % 32);
+        if by < 32 { self.raise(other, 0, by) } else { self.raise(other, by / 32, by % 32) }
+    }
+
+    #[inline(always)]
+    fn raise(&mut self, other: &Self, words: usize, bits: usize) {
         let mut below = 0;
-        for (to, &word) in self.words.iter_mut().skip(words).zip(&other.words) {
+        for (to, &word) in self.words.get_mut(words..).unwrap_or_default().iter_mut().zip(&other.words) {
             *to |= word << bits | below >> 1 >> (31 - bits);
             below = word;
         }
@@ -123,9 +147,14 @@ impl<const W: usize> CellSet<W> {
     /// dropped.
     #[inline]
     pub(super) fn add_lowered(&mut self, other: &Self, by: usize) {
-        let (words, bits) = (by / 32, by % 32);
+        if by < 32 { self.lower(other, 0, by) } else { self.lower(other, by / 32, by % 32) }
+    }
+
+    #[inline(always)]
+    fn lower(&mut self, other: &Self, words: usize, bits: usize) {
         let mut above = 0;
-        for (to, &word) in self.words.iter_mut().rev().skip(words).zip(other.words.iter().rev()) {
+        let raised = other.words.get(words..).unwrap_or_default();
+        for (to, &word) in self.words.iter_mut().zip(raised).rev() {
             *to |= word >> bits | above << 1 << (31 - bits);
             above = word;
         }

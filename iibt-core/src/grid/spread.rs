@@ -38,11 +38,9 @@ impl<const W: usize> Spread<W> {
     ///
     /// Cost: 4 shifts of `W` words.
     pub(super) fn from(&self, set: &CellSet<W>) -> CellSet<W> {
-        let mut reached = *set;
+        let mut reached = set.beside(&self.first_column, &self.last_column);
         reached.add_raised(set, self.width);
         reached.add_lowered(set, self.width);
-        reached.add_raised(&set.without(&self.last_column), 1);
-        reached.add_lowered(&set.without(&self.first_column), 1);
         reached.intersection(&self.free)
     }
 

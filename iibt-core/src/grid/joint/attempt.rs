@@ -7,7 +7,7 @@ use super::network::Turn;
 pub(super) const LATER_TOGETHER: usize = 4;
 
 /// Which of the plans for a problem is asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Choice {
     /// In these turns only.
     pub(super) turn: Option<Turn>,
@@ -21,6 +21,12 @@ pub(super) struct Choice {
     pub(super) staggered: bool,
 }
 
+impl Choice {
+    /// The best one.
+    pub(super) const BEST: Self =
+        Self { turn: None, without: None, latest: None, most_short: None, staggered: false };
+}
+
 /// One search for a flow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Attempt {
@@ -32,13 +38,12 @@ pub(super) struct Attempt {
 /// Which plans an attempt looks for, in the order of the attempts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// Those that arrive together and are so short that no plan at all is much shorter.
-    #[default]
-    SoonTogether,
     /// Any.
+    #[default]
     Plain,
-    /// Those that arrive together and are not much longer than the plain one.
-    LateTogether,
+    /// Those whose robots come to their goals in the last two steps, and that are not much longer
+    /// than a plain one.
+    Together,
     /// The path of an owner alone, around those that are fixed before.
     Owner(usize),
     /// Those of the others around the fixed paths of the owners.

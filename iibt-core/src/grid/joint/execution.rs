@@ -8,8 +8,8 @@
 //! theirs but the last.
 
 use super::super::{Cell, Map};
-use super::JointPlan;
 use super::flow::{Table, cell, set};
+use super::{Arrival, JointPlan};
 use crate::actions::HORIZON;
 
 /// What comes of a plan that is executed without loss of messages; see [`JointPlan::execution`].
@@ -58,28 +58,60 @@ impl<const N: usize> JointPlan<N> {
     #[must_use]
     pub fn execution<const W: usize>(&self, map: &Map<W>) -> Option<Execution> {
         let mut table = [[Cell(0); N]; HORIZON + 1];
-        run(self, map, &mut table)
+        run(self.timelines(map), self.is_together(), &mut table)
     }
 }
 
-/// Executes a plan of less than `L` steps; the table is overwritten.
-pub(super) fn run<const W: usize, const L: usize, const N: usize>(
-    plan: &JointPlan<N>,
-    map: &Map<W>,
+impl<const N: usize> JointPlan<N> {
+    /// This plan with a barrier before the last moves, if that brings them close together. The table
+    /// is overwritten.
+    pub(super) fn with_useful_barrier<const W: usize, const L: usize>(
+        self,
+        map: &Map<W>,
+        table: &mut Table<L, N>,
+    ) -> Self {
+        let execution = run(self.timelines(map), true, table);
+        let is_of_use = execution.is_some_and(|run| self.is_close(run.spread));
+        if is_of_use { self.arriving(Arrival::Together) } else { self }
+    }
+
+    /// Whether robots that arrive so many ticks apart are as close together as goals in series let
+    /// them be: a tick apart from one robot to the next.
+    pub(super) fn is_close(&self, spread: usize) -> bool {
+        let movers = self.paths().iter().filter(|path| !path.is_empty()).count();
+        spread <= movers.saturating_sub(1).max(1)
+    }
+
+    fn timelines<'a, const W: usize>(
+        &'a self,
+        map: &'a Map<W>,
+    ) -> impl Iterator<Item = impl Iterator<Item = Cell> + 'a> + 'a {
+        let cells = self.steps() + 1;
+        self.paths().iter().map(move |path| path.timeline(map).take(cells))
+    }
+}
+
+/// Executes a plan of less than `L` steps, given the cells of each robot at every step; the table is
+/// overwritten.
+pub(super) fn run<const L: usize, const N: usize>(
+    plan: impl Iterator<Item = impl Iterator<Item = Cell>>,
+    barrier: bool,
     table: &mut Table<L, N>,
 ) -> Option<Execution> {
     let mut robots = [Progress::default(); N];
-    for (index, (robot, path)) in robots.iter_mut().zip(plan.paths()).enumerate() {
-        *robot = decode(table, index, path.timeline(map).take(plan.steps() + 1));
+    let mut count = 0;
+    for (robot, cells) in robots.iter_mut().zip(plan) {
+        *robot = decode(table, count, cells);
+        count += 1;
     }
-    let robots = robots.get_mut(..plan.paths().len())?;
+    let robots = robots.get_mut(..count)?;
     let mut first_end = None;
     for tick in 0.. {
         if robots.iter().all(|robot| robot.next.is_none()) {
             let ends = tick - first_end.unwrap_or(tick);
             return Some(Execution { ticks: tick, spread: ends.saturating_sub(1) });
         }
-        let (moved, ended) = advance(table, robots, plan.is_together());
+        let (moved, ended) = advance(table, robots, barrier);
         if ended {
             first_end = first_end.or(Some(tick));
         }
@@ -115,8 +147,9 @@ fn advance<const L: usize, const N: usize>(
     barrier: bool,
 ) -> (bool, bool) {
     let mut due = 0_u32; // one bit for each robot that moves
+    let heard = robots.iter().map(|robot| robot.heard).min().unwrap_or(0);
     for index in 0..robots.len() {
-        due |= u32::from(may_move(table, robots, index, barrier)) << (index % 32);
+        due |= u32::from(may_move(table, robots, index, barrier, heard)) << (index % 32);
     }
     let (mut moved, mut ended) = (false, false);
     for (index, robot) in robots.iter_mut().enumerate() {
@@ -138,22 +171,34 @@ fn may_move<const L: usize, const N: usize>(
     robots: &[Progress],
     index: usize,
     barrier: bool,
+    all_heard: usize,
 ) -> bool {
     let Some((robot, step)) = robots.get(index).and_then(|robot| Some((robot, robot.next?))) else {
         return false;
     };
+    if barrier && robot.last == step {
+        let is_before_last =
+            |(other, robot): (usize, &Progress)| other == index || robot.heard >= robot.last_but_one;
+        if !robots.iter().enumerate().all(is_before_last) {
+            return false;
+        }
+    }
     let target = cell(table, step, index);
-    let is_last = barrier && robot.last == step;
-    robots.iter().enumerate().filter(|&(other, _)| other != index).all(|(path, other)| {
-        let is_clear = (other.heard..step).all(|earlier| cell(table, earlier, path) != target);
-        is_clear && !(is_last && other.heard < other.last_but_one)
-    })
+    let rows = |heard: usize| table.get(heard..step).unwrap_or_default().iter();
+    // Most often no robot at all is there in the meantime.
+    let is_there = |cells: &[Cell; N]| cells.get(..robots.len()).unwrap_or(cells).contains(&target);
+    let is_empty = !rows(all_heard).any(is_there);
+    is_empty
+        || robots
+            .iter()
+            .enumerate()
+            .filter(|&(other, _)| other != index)
+            .all(|(path, other)| rows(other.heard).all(|cells| cells.get(path) != Some(&target)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::super::pictures::{drawn, moving};
-    use super::super::Arrival;
     use super::*;
     use std::vec::Vec;
 

@@ -10,14 +10,14 @@
 //! reached[t+1] = (cells from which a step leads into reached[t]) - (cells of paths at t+1)
 //! ```
 //! A path of the flow that it comes to at layer `t+1` can be led elsewhere from there, so that its
-//! cells at all layers below can be given to another robot: they are reached too. `T` grows by one
-//! when no start is reached: the flow waits one step more at its starts, and all that is reached
+//! cells at all layers below can be given to another robot: they are reached too. When the search has
+//! come to the top it begins again at the lowest layer that this has changed. `T` grows by one when no start is reached: the flow waits one step more at its starts, and all that is reached
 //! stays so. The first `need` paths end on goals, the others on any cell that is left; a path that
 //! is led elsewhere never gives its goal up, only to the path that takes its place.
 //!
 //! How the new path is found in the sets is in [`walk`](super::walk).
 
-use super::super::{Cell, CellSet, Map};
+use super::super::{Cell, CellSet};
 use super::network::Network;
 use super::walk::Walk;
 
@@ -26,10 +26,10 @@ use super::walk::Walk;
 pub(super) enum Stage {
     /// From the goals to the starts.
     Search,
-    /// Along a new path, from its start.
+    /// Along a new path.
     Walk,
-    /// As before, up to the moment at which the path of a robot was come to above a layer.
-    Replay { path: usize, layer: usize },
+    /// As the first search was at the moment at which it came to a path at the layer `above`.
+    TakeBack { path: usize, layer: usize, above: usize },
     /// All robots have paths.
     Found,
     /// There are none of at most `latest` steps, or the search outgrew its arena.
@@ -52,6 +52,13 @@ pub(super) struct Query<const W: usize> {
 /// The cells of all robots at every layer or step.
 pub(super) type Table<const L: usize, const N: usize> = [[Cell; N]; L];
 
+/// A search came to a path, whose cells it had reached below the layer `from` before.
+#[derive(Clone, Copy, Debug)]
+struct Touch {
+    path: u8,
+    from: u8,
+}
+
 /// No cell: larger than the number of any cell of a map.
 const NOWHERE: Cell = Cell(u16::MAX);
 
@@ -59,21 +66,26 @@ const NOWHERE: Cell = Cell(u16::MAX);
 #[derive(Clone, Debug)]
 pub(super) struct Flow<const W: usize, const L: usize, const N: usize> {
     pub(super) network: Network<W>,
-    query: Query<W>,
+    pub(super) query: Query<W>,
     starts: [Cell; N],
     robots: usize,
     /// The paths of the flow, and from the end of each layer on those that are fixed.
     pub(super) paths: Table<L, N>,
     /// How many paths there are in the flow, and how many fixed ones.
     pub(super) matched: usize,
-    fixed: usize,
+    pub(super) fixed: usize,
     /// The number of steps now.
     pub(super) steps: usize,
     reached: [CellSet<W>; L],
-    /// The layers below which the cells of each path are reached.
+    /// The cells of the paths of the flow.
+    pub(super) occupied: [CellSet<W>; L],
+    /// The layers below which the cells of each path are reached, and how that came about.
     touched: [usize; N],
-    /// The highest layer whose reached cells are known.
+    touches: [[Touch; N]; L],
+    touch_count: usize,
+    /// The layer that the search has come to, and the lowest one that has changed since.
     level: usize,
+    changed: usize,
     pub(super) walk: Walk<L, N>,
     stage: Stage,
 }
@@ -94,8 +106,12 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
             fixed: 0,
             steps: 0,
             reached: [CellSet::EMPTY; L],
+            occupied: [CellSet::EMPTY; L],
             touched: [0; N],
+            touches: [[Touch { path: 0, from: 0 }; N]; L],
+            touch_count: 0,
             level: 0,
+            changed: 0,
             walk: Walk::new(),
             stage: Stage::Failed,
         }
@@ -112,7 +128,11 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         self.query.latest = query.latest.min(Self::LATEST);
         self.steps = query.first;
         self.matched = 0;
-        self.stage = if self.steps > self.query.latest { Stage::Failed } else { self.next_search() };
+        self.stage = Stage::Failed;
+        if self.steps <= self.query.latest {
+            self.occupied.iter_mut().take(self.steps + 1).for_each(|layer| *layer = CellSet::EMPTY);
+            self.stage = self.next_search();
+        }
     }
 
     /// Fixes the path that was found for a robot alone, which ends `rest` steps before the others.
@@ -132,18 +152,18 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
 
     /// Goes on with the search: `Some(true)` when all robots have paths, `Some(false)` when there
     /// are none, `None` when the budget is used up. Takes one unit for each layer and each walk.
-    pub(super) fn work(&mut self, map: &Map<W>, budget: &mut u32) -> Option<bool> {
+    pub(super) fn work(&mut self, budget: &mut u32) -> Option<bool> {
         loop {
             match self.stage {
                 Stage::Found => return Some(true),
                 Stage::Failed => return Some(false),
-                Stage::Search | Stage::Walk | Stage::Replay { .. } => {}
+                Stage::Search | Stage::Walk | Stage::TakeBack { .. } => {}
             }
             *budget = budget.checked_sub(1)?;
             self.stage = match self.stage {
                 Stage::Search => self.search(),
-                Stage::Walk => self.follow(map),
-                Stage::Replay { path, layer } => self.replay(path, layer),
+                Stage::Walk => self.follow(),
+                Stage::TakeBack { path, layer, above } => self.rebuild(path, layer, above),
                 done => done,
             };
         }
@@ -154,17 +174,13 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         self.matched.min(self.query.need)
     }
 
-    /// The cells of a robot of the flow at every step from the start on, when it has a path.
-    pub(super) fn path_from(&self, start: Cell) -> Option<impl Iterator<Item = Cell> + '_> {
-        Some(self.cells_of(self.path_on(start, self.steps)?))
+    /// The path of the table that is the fixed one with this number.
+    pub(super) fn row_of_fixed(&self, number: usize) -> usize {
+        N.saturating_sub(number + 1)
     }
 
-    /// The cells of a fixed path at every step.
-    pub(super) fn fixed_path(&self, number: usize) -> impl Iterator<Item = Cell> + '_ {
-        self.cells_of(N.saturating_sub(number + 1))
-    }
-
-    fn cells_of(&self, path: usize) -> impl Iterator<Item = Cell> + '_ {
+    /// The cells of a path at every step from the start on.
+    pub(super) fn cells_of(&self, path: usize) -> impl Iterator<Item = Cell> + '_ {
         (0..=self.steps).rev().map(move |layer| cell(&self.paths, layer, path))
     }
 
@@ -172,11 +188,6 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     pub(super) fn is_exhausted(&self) -> bool {
         let before = self.steps.checked_sub(1).map(|before| self.reached(before));
         before == Some(self.reached(self.steps))
-    }
-
-    /// A table that no search needs once it has ended.
-    pub(super) fn scratch(&mut self) -> &mut Table<L, N> {
-        self.walk.scratch()
     }
 
     /// Looks for one more path.
@@ -193,16 +204,20 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         for layer in self.reached.iter_mut().take(self.steps + 1) {
             *layer = CellSet::EMPTY;
         }
+        self.touch_count = 0;
         let ends = self.open_ends().without(&self.fixed_cells(0));
         if let Some(arrival) = self.reached.first_mut() {
             *arrival = ends;
         }
         self.touched = [0; N];
-        self.level = 0;
+        (self.level, self.changed) = (0, usize::MAX);
     }
 
     /// The path of the flow that is on a cell at a layer.
     pub(super) fn path_on(&self, at: Cell, layer: usize) -> Option<usize> {
+        if !self.occupied(layer).contains(at) {
+            return None;
+        }
         self.flow_at(layer).iter().position(|&other| other == at)
     }
 
@@ -212,6 +227,19 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     }
 
     /// The cells of the flow at a layer.
+    pub(super) fn occupied(&self, layer: usize) -> CellSet<W> {
+        self.occupied.get(layer).copied().unwrap_or(CellSet::EMPTY)
+    }
+
+    /// Finds the cells of the flow at a layer again.
+    pub(super) fn occupy(&mut self, layer: usize) {
+        let cells = self.flow_at(layer).iter().copied().collect();
+        if let Some(occupied) = self.occupied.get_mut(layer) {
+            *occupied = cells;
+        }
+    }
+
+    /// The cells of the paths of the flow at a layer, in their order.
     fn flow_at(&self, layer: usize) -> &[Cell] {
         self.paths.get(layer).and_then(|cells| cells.get(..self.matched)).unwrap_or_default()
     }
@@ -219,7 +247,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     /// Where one more path may end.
     fn open_ends(&self) -> CellSet<W> {
         let ends = if self.matched < self.query.need { &self.query.goals } else { self.network.passable() };
-        ends.without(&self.flow_at(0).iter().copied().collect())
+        ends.without(&self.occupied(0))
     }
 
     /// The cells that the fixed paths leave to no other robot at a layer: where they are one step
@@ -238,37 +266,73 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     }
 
     fn search(&mut self) -> Stage {
-        if self.level < self.steps {
-            self.sweep(None);
+        if self.level < self.steps && !self.sweep() {
+            return Stage::Failed; // never: there is room for all touches
         }
         if self.level < self.steps {
             return Stage::Search;
         }
-        match self.start_reached() {
-            Some(start) => {
-                self.set_out(start);
+        match self.start_reached(0) {
+            Some((robot, start)) => {
+                self.set_out(robot, start);
+                (self.walk.is_extra, self.walk.is_partial) = (false, false);
                 Stage::Walk
+            }
+            None if self.changed < self.steps => {
+                (self.level, self.changed) = (self.changed, usize::MAX);
+                Stage::Search
             }
             None if self.steps >= self.query.latest => Stage::Failed,
             None => self.lengthen(),
         }
     }
 
-    fn replay(&mut self, path: usize, layer: usize) -> Stage {
-        if self.level >= self.steps {
-            return Stage::Failed; // never: the same search came to the path before
+    /// Forgets all that was reached since the search came to a path for the first time above a
+    /// layer, that included.
+    pub(super) fn take_back(&mut self, path: usize, layer: usize) -> Stage {
+        self.walk.is_partial = true;
+        self.level = self.steps;
+        while let Some(last) = self.touch_count.checked_sub(1) {
+            let Some(&touch) = self.touches.as_flattened().get(last) else { break };
+            let (touched, from) = (usize::from(touch.path), usize::from(touch.from));
+            let Some(slot) = self.touched.get_mut(touched) else { break };
+            let above = core::mem::replace(slot, from);
+            let at = cell(&self.paths, from, touched);
+            if let Some(reached) = self.reached.get_mut(from) {
+                reached.remove(at);
+            }
+            self.touch_count = last;
+            self.level = self.level.min(from);
+            if touched == path && from <= layer {
+                return self.rebuild(path, layer, above);
+            }
         }
-        match self.sweep(Some((path, layer))) {
-            Some(at) => self.lead_elsewhere(path, layer, at),
-            None => Stage::Replay { path, layer },
-        }
+        Stage::Failed // never: the search came to the path before
     }
 
-    /// The first robot without a path whose start is reached.
-    fn start_reached(&self) -> Option<Cell> {
-        let reached = self.reached(self.steps);
-        let mut starts = self.starts.iter().take(self.robots).copied();
-        starts.find(|&start| reached.contains(start) && self.path_on(start, self.steps).is_none())
+    /// Reaches the cells of the next layer again, with what is left of the touches.
+    fn rebuild(&mut self, path: usize, layer: usize, above: usize) -> Stage {
+        let next = self.level + 1;
+        if next >= above {
+            return self.lead_elsewhere(path, layer, above);
+        }
+        let from = self.network.before(&self.reached(self.level), self.level);
+        let mut reached = from.without(&self.occupied(next)).without(&self.fixed_cells(next));
+        for (&at, _) in self.flow_at(next).iter().zip(&self.touched).filter(|&(_, &below)| next < below) {
+            reached.insert(at);
+        }
+        if let Some(slot) = self.reached.get_mut(next) {
+            *slot = reached;
+        }
+        self.level = next;
+        Stage::TakeBack { path, layer, above }
+    }
+
+    /// The first robot from a place on that has no path and whose start is reached.
+    pub(super) fn start_reached(&self, first: usize) -> Option<(usize, Cell)> {
+        let open = self.reached(self.steps).without(&self.occupied(self.steps));
+        let mut starts = self.starts.iter().copied().enumerate().take(self.robots).skip(first);
+        starts.find(|&(_, start)| open.contains(start))
     }
 
     /// One step more, in which all robots wait at their starts.
@@ -282,46 +346,54 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         if let Some(layer) = self.reached.get_mut(last + 1) {
             *layer = CellSet::EMPTY;
         }
+        let waiting = self.occupied(last);
+        if let Some(layer) = self.occupied.get_mut(last + 1) {
+            *layer = waiting;
+        }
         Stage::Search
     }
 
-    /// Reaches from the highest known layer to the next one. Returns that one when a path is come
-    /// to there which is to stop the search above a layer.
-    fn sweep(&mut self, stop: Option<(usize, usize)>) -> Option<usize> {
+    /// Reaches from the highest known layer to the next one; returns whether there was room to note
+    /// the paths that it came to.
+    fn sweep(&mut self) -> bool {
         let next = self.level + 1;
         let from = self.network.before(&self.reached(self.level), self.level);
-        let mut taken = self.fixed_cells(next);
-        let mut lowest = next;
-        let paths = self.paths.get(next).copied().unwrap_or([NOWHERE; N]);
-        for (path, &at) in paths.iter().enumerate().take(self.matched) {
-            if !from.contains(at) {
-                continue;
-            }
-            taken.insert(at);
-            let above = self.touched.get(path).copied().unwrap_or(next);
-            if above < next {
-                if stop.is_some_and(|(stop, layer)| stop == path && next > layer) {
-                    return Some(next);
-                }
-                self.touch(path, above, next);
-                lowest = lowest.min(above);
-            }
-        }
+        let taken = from.intersection(&self.occupied(next));
+        self.level = next;
+        let has_room = taken.is_empty() || self.touch_all(&taken, next);
+        let open = from.without(&taken).without(&self.fixed_cells(next));
         if let Some(layer) = self.reached.get_mut(next) {
-            *layer = layer.union(&from.without(&taken));
+            *layer = layer.union(&open);
         }
-        self.level = lowest;
-        None
+        has_room
     }
 
-    /// Reaches the cells of a path from one layer to below another.
-    fn touch(&mut self, path: usize, from: usize, layer: usize) {
+    /// Reaches the cells that the paths on some cells of a layer have below it.
+    fn touch_all(&mut self, taken: &CellSet<W>, layer: usize) -> bool {
+        let paths = self.paths.get(layer).copied().unwrap_or([NOWHERE; N]);
+        let mut has_room = true;
+        for (path, _) in paths.iter().enumerate().take(self.matched).filter(|&(_, &at)| taken.contains(at)) {
+            let from = self.touched.get(path).copied().unwrap_or(layer);
+            if from < layer {
+                has_room &= self.touch(path, from, layer);
+                self.changed = self.changed.min(from);
+            }
+        }
+        has_room
+    }
+
+    /// Reaches the cells of a path from one layer to below another; returns whether there was room
+    /// to note it.
+    fn touch(&mut self, path: usize, from: usize, layer: usize) -> bool {
         if let Some(touched) = self.touched.get_mut(path) {
             *touched = layer;
         }
         for (cells, reached) in self.paths.iter().zip(&mut self.reached).take(layer).skip(from) {
             reached.insert(cells.get(path).copied().unwrap_or(NOWHERE));
         }
+        let slot = self.touches.as_flattened_mut().get_mut(self.touch_count);
+        self.touch_count += 1;
+        slot.map(|slot| *slot = Touch { path: path as u8, from: from as u8 }).is_some()
     }
 }
 

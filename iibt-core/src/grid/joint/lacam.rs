@@ -8,8 +8,8 @@
 //! A search that runs out of states has seen all that can be reached: there is no plan. One that
 //! runs out of memory begins again with other ties, until it has made the calls it may make.
 
+use super::assignment::{self, Answer, Assignment, NOWHERE, State};
 use super::distances::{Distances, UNREACHED};
-use super::owned::{NOWHERE, Owned, State};
 use super::pibt::{Step, scramble};
 use super::shorten::Shortening;
 use super::states::{NONE, Node, States};
@@ -85,8 +85,6 @@ enum Binding {
     Exhausted,
 }
 
-type Answer<const N: usize> = Result<JointPlan<N>, Failure>;
-
 impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
     /// An arena for searches that try at most so many successors.
     #[must_use]
@@ -129,20 +127,12 @@ impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
         targets: &[Cell; N],
         budget: &mut u32,
     ) -> Option<Result<JointPlan<N>, Failure>> {
-        let answer = match Owned::new(problem, targets) {
-            Err(invalid) => Err(invalid),
-            Ok(team) => loop {
-                *budget = budget.checked_sub(1)?;
-                if let Some(answer) = self.unit(&team) {
-                    break answer;
-                }
-            },
-        };
+        let answer = assignment::search(problem, targets, budget, |team| self.unit(team))?;
         self.start();
         Some(answer)
     }
 
-    fn unit(&mut self, team: &Owned<W, N>) -> Option<Answer<N>> {
+    fn unit(&mut self, team: &Assignment<W, N>) -> Option<Answer<N>> {
         match &mut self.stage {
             Stage::Measure { robot } => {
                 let robot = *robot;
@@ -160,7 +150,7 @@ impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
     }
 
     /// Measures the distances to the target of one robot, or begins the search after the last.
-    fn measure(&mut self, team: &Owned<W, N>, robot: usize) -> Option<Failure> {
+    fn measure(&mut self, team: &Assignment<W, N>, robot: usize) -> Option<Failure> {
         let places = team.from.get(robot).zip(team.to.get(robot)).filter(|_| robot < team.robots);
         let Some(((&from, &to), distances)) = places.zip(self.distances.get_mut(robot)) else {
             (self.calls, self.run) = (0, 0);
@@ -174,14 +164,14 @@ impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
     }
 
     /// Begins a search with nothing but the first state.
-    fn begin(&mut self, team: &Owned<W, N>) {
+    fn begin(&mut self, team: &Assignment<W, N>) {
         self.states.clear();
         self.top = self.states.add(team.from, [0; N], NONE).unwrap_or(NONE);
         self.stage = Stage::Search;
     }
 
     /// Tries the next successor of the state on top.
-    fn search(&mut self, team: &Owned<W, N>) -> Option<Failure> {
+    fn search(&mut self, team: &Assignment<W, N>) -> Option<Failure> {
         let Some(node) = self.states.node_mut(self.top) else { return Some(Failure::Impossible) };
         if node.cells == team.to {
             self.stage = Stage::Shorten(Shortening::new(self.states.turn_back(self.top)));
@@ -210,7 +200,7 @@ impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
     }
 
     /// Goes on with a successor that is new; without room for it, begins another search.
-    fn descend(&mut self, team: &Owned<W, N>, before: &Node<N>, cells: State<N>) {
+    fn descend(&mut self, team: &Assignment<W, N>, before: &Node<N>, cells: State<N>) {
         if self.states.contains(&cells) {
             return;
         }
@@ -274,7 +264,7 @@ fn bind<const W: usize, const N: usize>(step: &mut Step<'_, W, N>, number: u32, 
 
 impl<const N: usize, const M: usize> States<N, M> {
     /// The plan through the states that are linked from the first one on.
-    fn plan<const W: usize>(&self, first: u16, team: &Owned<W, N>) -> Answer<N> {
+    fn plan<const W: usize>(&self, first: u16, team: &Assignment<W, N>) -> Answer<N> {
         let mut paths = team.from.map(Path::at);
         let mut before = team.from;
         let states = core::iter::successors(self.node(first), |node| self.node(node.link));

@@ -5,12 +5,12 @@ use super::attempt::{Choice, LATER_TOGETHER};
 use super::network::Turn;
 use super::planner::JointPlanner;
 use super::walk::MOST_CHANGES;
-use super::{Errand, Failure, JointPlan, Problem, Target, owners};
+use super::{Errand, Failure, JointPlan, Problem, Target, fixed_paths, flow_planner};
 use crate::actions::HORIZON;
 
 /// The version of the generator. Robots that run different ones do not have equal plans, and must
 /// not agree on any.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 
 /// How many steps longer than the best plan another one may be.
 const MOST_DETOUR: usize = 16;
@@ -105,8 +105,9 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
             LATER_TOGETHER,
             MOST_DETOUR,
             MOST_CHANGES,
-            owners::LONGEST_REST,
-            owners::MOST_UNITS as usize,
+            fixed_paths::LONGEST_REST,
+            fixed_paths::MOST_UNITS as usize,
+            flow_planner::MOST_UNITS as usize,
             JointPlanner::<W, L, N, M>::MOST_CALLS as usize,
         ];
         fnv(&bounds, fnv(&sizes, FNV_OFFSET))
@@ -259,12 +260,12 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
 
     fn choice(&self, problem: &Problem<'_, W>) -> Choice {
         let Some(best) = self.policies.first().filter(|_| self.failure.is_none()) else {
-            return Choice::default();
+            return Choice::BEST;
         };
         let other = Choice {
             latest: Some(best.steps() + MOST_DETOUR),
             most_short: Some(best.short_by()),
-            ..Choice::default()
+            ..Choice::BEST
         };
         match self.source {
             Source::Soonest => Choice { latest: best.steps().checked_sub(1), staggered: true, ..other },

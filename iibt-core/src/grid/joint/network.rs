@@ -107,6 +107,11 @@ impl<const W: usize> Network<W> {
         self.not_before.get(layer).is_none_or(|closed| !closed.contains(cell))
     }
 
+    /// The cells that one move from a cell leads to, and the cell itself.
+    pub(super) fn beside(&self, cell: Cell) -> CellSet<W> {
+        self.spread.from(&[cell].into_iter().collect())
+    }
+
     /// The cells from which one move at any time leads into some of these, and these.
     pub(super) fn around(&self, cells: &CellSet<W>) -> CellSet<W> {
         self.spread.from(&cells.intersection(&self.enterable)).union(cells)
@@ -120,14 +125,19 @@ impl<const W: usize> Network<W> {
     }
 }
 
+/// The cells whose row and column are both even or both odd.
 fn black_cells<const W: usize>(map: &Map<W>) -> CellSet<W> {
-    let rows = (0..map.height()).map(|row| (row, row * map.width()));
-    let cells = rows.flat_map(|(row, first)| {
-        (0..map.width())
-            .filter(move |column| (row + column).is_multiple_of(2))
-            .map(move |column| first + column)
-    });
-    cells.map(Cell).collect()
+    let mut black = CellSet::EMPTY;
+    let mut cell = 0;
+    for row in 0..map.height() {
+        for column in 0..map.width() {
+            if (row + column) % 2 == 0 {
+                black.insert(Cell(cell));
+            }
+            cell += 1;
+        }
+    }
+    black
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@
 //! the first. A ring of two is a swap, a longer one a rotation. No robot of a ring can begin.
 
 use super::super::{Cell, Map};
+use super::assignment::{NOWHERE, State};
 use super::distances::{Distances, UNREACHED};
-use super::owned::{NOWHERE, State};
 
 /// A joint step while it is being decided.
 pub(super) struct Step<'a, const W: usize, const N: usize> {

@@ -39,10 +39,10 @@ pub enum Arrival {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct JointPlan<const N: usize> {
-    paths: [Path; N],
-    robots: u8,
-    short_by: u8,
-    arrival: Arrival,
+    pub(super) paths: [Path; N],
+    pub(super) robots: u8,
+    pub(super) short_by: u8,
+    pub(super) arrival: Arrival,
 }
 
 /// Why there is no joint plan.
@@ -107,13 +107,19 @@ impl<const N: usize> JointPlan<N> {
     /// Returns `None` for more than `N` robots.
     #[must_use]
     pub fn standing(starts: impl IntoIterator<Item = Cell>) -> Option<Self> {
-        let mut paths = [Path::default(); N];
-        let mut robots = 0;
+        let mut plan = Self::NOBODY;
+        plan.stand(starts).then_some(plan)
+    }
+
+    /// Lets every robot stay where it stands; returns whether there is room for all.
+    pub(super) fn stand(&mut self, starts: impl IntoIterator<Item = Cell>) -> bool {
+        (self.robots, self.arrival) = (0, Arrival::Staggered);
         for start in starts {
-            *paths.get_mut(robots)? = Path::at(start);
-            robots += 1;
+            let Some(path) = self.paths.get_mut(usize::from(self.robots)) else { return false };
+            *path = Path::at(start);
+            self.robots += 1;
         }
-        Self::new(paths.get(..robots)?)
+        true
     }
 
     /// This plan, short of so many of the goals that the problem needs.

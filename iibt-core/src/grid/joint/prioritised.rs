@@ -16,8 +16,8 @@
 //! path it plans first in the next try.
 
 use super::super::{Cell, CellSet, Map, Move, Path};
+use super::assignment::{self, Answer, Assignment};
 use super::network::{Network, Turn};
-use super::owned::Owned;
 use super::pibt::scramble;
 use super::{Failure, JointPlan, Problem};
 use crate::actions::HORIZON;
@@ -103,8 +103,6 @@ enum Stage {
     Trace { place: usize },
 }
 
-type Answer<const N: usize> = Result<JointPlan<N>, Failure>;
-
 impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     /// An arena.
     #[must_use]
@@ -147,20 +145,12 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
         targets: &[Cell; N],
         budget: &mut u32,
     ) -> Option<Result<JointPlan<N>, Failure>> {
-        let answer = match Owned::new(problem, targets) {
-            Err(invalid) => Err(invalid),
-            Ok(team) => loop {
-                *budget = budget.checked_sub(1)?;
-                if let Some(answer) = self.unit(problem, &team) {
-                    break answer;
-                }
-            },
-        };
+        let answer = assignment::search(problem, targets, budget, |team| self.unit(problem, team))?;
         self.start();
         Some(answer)
     }
 
-    fn unit(&mut self, problem: &Problem<'_, W>, team: &Owned<W, N>) -> Option<Answer<N>> {
+    fn unit(&mut self, problem: &Problem<'_, W>, team: &Assignment<W, N>) -> Option<Answer<N>> {
         match self.stage {
             Stage::Begin => {
                 self.begin(problem, team);
@@ -172,7 +162,7 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
         }
     }
 
-    fn begin(&mut self, problem: &Problem<'_, W>, team: &Owned<W, N>) {
+    fn begin(&mut self, problem: &Problem<'_, W>, team: &Assignment<W, N>) {
         for (robot, slot) in self.order.iter_mut().enumerate() {
             *slot = robot as u8;
         }
@@ -184,7 +174,7 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     }
 
     /// Takes one robot that is alone one step further; after the last robot, begins to plan.
-    fn approach(&mut self, team: &Owned<W, N>, robot: usize, steps: u16) -> Option<Failure> {
+    fn approach(&mut self, team: &Assignment<W, N>, robot: usize, steps: u16) -> Option<Failure> {
         let places = team.from.get(robot).zip(team.to.get(robot));
         let Some((&from, &to)) = places.filter(|_| robot < team.robots) else {
             self.attempt = Attempt::first(self.fewest);
@@ -215,7 +205,7 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     }
 
     /// Begins the next attempt whose plans are long enough for every robot.
-    fn attempt(&mut self, team: &Owned<W, N>) -> Option<Failure> {
+    fn attempt(&mut self, team: &Assignment<W, N>) -> Option<Failure> {
         while !self.attempt.is_long_enough(self.fewest) {
             self.attempt.lengthen(self.fewest);
         }
@@ -227,7 +217,7 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     }
 
     /// Begins the path of the robot at a place of the order.
-    fn plan_path(&mut self, team: &Owned<W, N>, place: usize) -> Option<Failure> {
+    fn plan_path(&mut self, team: &Assignment<W, N>, place: usize) -> Option<Failure> {
         self.paths += 1;
         self.arrive(team, self.robot(place));
         let moves = self.attempt.steps > 0;
@@ -236,7 +226,7 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     }
 
     /// Finds the cells of the next layer from which a robot can come to its target.
-    fn sweep(&mut self, team: &Owned<W, N>, place: usize, layer: usize) -> Option<Failure> {
+    fn sweep(&mut self, team: &Assignment<W, N>, place: usize, layer: usize) -> Option<Failure> {
         let earlier = self.order.iter().take(place).filter_map(|&robot| self.planned.get(usize::from(robot)));
         let taken = earlier.filter_map(|cells| cells.get(layer + 1).copied()).collect();
         let reached = self.network.before(&self.layer(layer), layer).without(&taken);
@@ -255,7 +245,7 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     }
 
     /// Has the robot that has no path plan first in the next attempt.
-    fn reorder(&mut self, team: &Owned<W, N>, place: usize) -> Option<Failure> {
+    fn reorder(&mut self, team: &Assignment<W, N>, place: usize) -> Option<Failure> {
         let mut displaced = self.robot(place) as u8;
         for slot in self.order.iter_mut().take(place + 1) {
             displaced = core::mem::replace(slot, displaced);
@@ -274,7 +264,7 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     /// which of the two looks like chance.
     ///
     /// Cost: at most `5 T²` lookups of a bit for `T` steps.
-    fn trace(&mut self, team: &Owned<W, N>, place: usize) -> Option<Answer<N>> {
+    fn trace(&mut self, team: &Assignment<W, N>, place: usize) -> Option<Answer<N>> {
         let robot = self.robot(place);
         let late = scramble(u32::from(self.attempt.number) << 8 ^ robot as u32) & 1 == 1;
         let mut at = *team.from.get(robot)?;
@@ -310,7 +300,7 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     }
 
     /// The plan of the paths that are planned.
-    fn plan(&self, team: &Owned<W, N>) -> Answer<N> {
+    fn plan(&self, team: &Assignment<W, N>) -> Answer<N> {
         let mut paths = team.from.map(Path::at);
         for (path, cells) in paths.iter_mut().zip(&self.planned).take(team.robots) {
             let mut before = path.start;
@@ -324,7 +314,7 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     }
 
     /// Puts a robot on its target, where its search begins.
-    fn arrive(&mut self, team: &Owned<W, N>, robot: usize) {
+    fn arrive(&mut self, team: &Assignment<W, N>, robot: usize) {
         self.set_layer(0, team.to.get(robot).copied().into_iter().collect());
     }
 

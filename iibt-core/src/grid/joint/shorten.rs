@@ -9,7 +9,7 @@
 //! enters the cell on which one that advances would have waited.
 
 use super::super::{Cell, Map};
-use super::owned::{NOWHERE, State};
+use super::assignment::{NOWHERE, State};
 use super::pibt::leads_back;
 use super::states::{NONE, Node};
 

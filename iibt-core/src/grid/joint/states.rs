@@ -1,6 +1,6 @@
 //! An arena of joint states in which none is twice.
 
-use super::owned::{NOWHERE, State};
+use super::assignment::{NOWHERE, State};
 use super::pibt::scramble;
 
 /// The number of no state.

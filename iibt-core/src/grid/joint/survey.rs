@@ -56,7 +56,7 @@ impl<const W: usize> Survey<W> {
             self.edge = network.around(&self.edge).without(&self.part);
             self.part = self.part.union(&self.edge);
             match self.stage {
-                Stage::Parts if self.edge.is_empty() => self.next_part(network),
+                Stage::Parts if self.edge.is_empty() || self.holds_all() => self.next_part(network),
                 Stage::Distances => self.measure(),
                 Stage::Parts | Stage::Done => {}
             }
@@ -77,6 +77,11 @@ impl<const W: usize> Survey<W> {
     /// The first robot that needs so many steps.
     pub(super) fn farthest(&self) -> Option<Cell> {
         self.farthest
+    }
+
+    /// Whether no robot and no goal is left outside of the part of the ground.
+    fn holds_all(&self) -> bool {
+        self.left.union(&self.goals).without(&self.part).is_empty()
     }
 
     /// Counts what is in the part of the ground that is done, and goes to the next robot.

@@ -3,13 +3,17 @@
 //! From the start, each step leads to a reached cell of the next lower layer. Where that is on a
 //! path of the flow, the new path takes the rest of it, and the one that it is taken from goes on
 //! from the layer at which the search came to it: the two change their upper parts, and the walk
-//! goes on there with the sets as they were at that moment. They are not stored; the search is
-//! replayed up to there.
+//! goes on there with the sets as they were at that moment. They are not stored: what the search has
+//! touched since is taken back, and the layers that it changed are made again.
 //!
 //! As a walk does not know which cell made which other one reached, it can come to a cell for the
 //! second time. All that it did since the first time is then undone.
+//!
+//! As long as a walk changes no other path, the sets are good for the next robot too, but for the cells
+//! of the new path: it walks beside that one if it can.
 
-use super::super::{Cell, Map};
+use super::super::Cell;
+use super::execution::{self, Execution};
 use super::flow::{Flow, Stage, Table, cell, set};
 
 /// How often a new path may take the rest of another one.
@@ -38,6 +42,13 @@ pub(super) struct Walk<const L: usize, const N: usize> {
     top: usize,
     at: Cell,
     layer: usize,
+    /// The place of the robot among those of the flow.
+    robot: usize,
+    /// Whether the sets of cells are from before the newest path, so that only cells on which no
+    /// path is are of use.
+    pub(super) is_extra: bool,
+    /// Whether a part of what was reached is forgotten.
+    pub(super) is_partial: bool,
 }
 
 impl<const L: usize, const N: usize> Walk<L, N> {
@@ -51,11 +62,10 @@ impl<const L: usize, const N: usize> Walk<L, N> {
             top: 0,
             at: Cell(0),
             layer: 0,
+            robot: 0,
+            is_extra: false,
+            is_partial: false,
         }
-    }
-
-    pub(super) fn scratch(&mut self) -> &mut Table<L, N> {
-        &mut self.paths
     }
 
     /// Keeps the steps of the segment below `end`.
@@ -100,11 +110,9 @@ impl<const L: usize, const N: usize> Walk<L, N> {
 }
 
 impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
-    /// Begins the path of the robot at `start`.
-    pub(super) fn set_out(&mut self, start: Cell) {
-        for (copy, cells) in self.walk.paths.iter_mut().zip(&self.paths).take(self.steps + 1) {
-            *copy = *cells;
-        }
+    /// Begins the path of a robot of the flow, which is at `start`.
+    pub(super) fn set_out(&mut self, robot: usize, start: Cell) {
+        self.walk.robot = robot;
         self.walk.top = self.steps;
         if let Some(first) = self.walk.tail.get_mut(self.steps) {
             *first = start;
@@ -113,22 +121,28 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         (self.walk.at, self.walk.layer) = (start, self.steps);
     }
 
+    /// Executes the flow and the fixed paths with a barrier before the last moves.
+    pub(super) fn execution(&mut self) -> Option<Execution> {
+        let (paths, steps) = (&self.paths, self.steps);
+        let cells = |path| (0..=steps).rev().map(move |layer| cell(paths, layer, path));
+        let all = (0..self.matched).chain(N.saturating_sub(self.fixed)..N);
+        execution::run(all.map(cells), true, &mut self.walk.paths)
+    }
+
     /// Walks to an open end or to a path of the flow.
-    pub(super) fn follow(&mut self, map: &Map<W>) -> Stage {
+    pub(super) fn follow(&mut self) -> Stage {
         let mut end = self.walk.layer;
         while let Some(below) = self.walk.layer.checked_sub(1) {
-            let Some(next) = self.step_to(map, below) else { return Stage::Failed };
+            let Some(next) = self.step_to(below) else { return self.no_step() };
             (self.walk.at, self.walk.layer) = (next, below);
             if let Some(slot) = self.walk.segment.get_mut(below) {
                 *slot = next;
             }
             if let Some(path) = self.path_on(next, below) {
                 self.walk.keep_segment(end);
-                self.restart();
-                return Stage::Replay { path, layer: below };
+                return self.take_back(path, below);
             }
-            let others = self.walk.paths.get(below).and_then(|cells| cells.get(..self.matched));
-            if others.is_some_and(|others| others.contains(&next)) {
+            if self.walk.changed > 0 && self.is_crossed(next, below) {
                 if self.walk.cut_loop(&self.paths).is_none() {
                     return Stage::Failed; // never: it was there before
                 }
@@ -139,8 +153,17 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         self.add_path()
     }
 
+    /// Whether one of the other paths, as they will be, is on a cell at a layer.
+    fn is_crossed(&self, at: Cell, layer: usize) -> bool {
+        let others = self.walk.paths.get(layer).and_then(|cells| cells.get(..self.matched));
+        others.is_some_and(|others| others.contains(&at))
+    }
+
     /// Takes the rest of a path; the walk goes on for that one.
     pub(super) fn lead_elsewhere(&mut self, path: usize, layer: usize, above: usize) -> Stage {
+        if self.walk.changed == 0 {
+            self.walk.paths = self.paths;
+        }
         let change = Change { path: path as u8, layer: layer as u8, above: above as u8 };
         let Some(slot) = self.walk.changes.get_mut(self.walk.changed) else { return Stage::Failed };
         *slot = change;
@@ -152,25 +175,50 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
 
     /// The cell of the next lower layer: the same if possible, else the first neighbour that is on
     /// no path, else the first one.
-    fn step_to(&self, map: &Map<W>, below: usize) -> Option<Cell> {
-        let (at, reached) = (self.walk.at, self.reached(below));
-        if reached.contains(at) && self.network.may_wait(at, below) {
+    fn step_to(&self, below: usize) -> Option<Cell> {
+        let (at, reached, occupied) = (self.walk.at, self.reached(below), self.occupied(below));
+        let may_be_on_path = !self.walk.is_extra;
+        if reached.contains(at)
+            && self.network.may_wait(at, below)
+            && (may_be_on_path || !occupied.contains(at))
+        {
             return Some(at);
         }
-        let entered = self.network.entered(&reached, below);
-        let open = || map.free_neighbours(at).map(|(_, next)| next).filter(|&next| entered.contains(next));
-        open().find(|&next| self.path_on(next, below).is_none()).or_else(|| open().next())
+        let mut entered = self.network.entered(&reached, below).intersection(&self.network.beside(at));
+        entered.remove(at);
+        let free = entered.without(&occupied).iter().next();
+        free.or_else(|| entered.iter().next().filter(|_| may_be_on_path))
+    }
+
+    /// A walk beside the newest path may come to an end: the robot then needs a search of its own.
+    fn no_step(&mut self) -> Stage {
+        if self.walk.is_extra { self.next_walk() } else { Stage::Failed }
+    }
+
+    /// Goes on with another robot whose start is reached, beside the newest path.
+    fn next_walk(&mut self) -> Stage {
+        let Some((robot, start)) = self.start_reached(self.walk.robot + 1) else { return self.next_search() };
+        self.set_out(robot, start);
+        self.walk.is_extra = true;
+        Stage::Walk
     }
 
     fn add_path(&mut self) -> Stage {
-        let new = self.walk.paths.iter().zip(&self.walk.tail);
-        for (cells, (new, &last)) in self.paths.iter_mut().zip(new).take(self.steps + 1) {
-            *cells = *new;
+        if self.walk.changed > 0 {
+            self.paths = self.walk.paths;
+        }
+        let new = self.paths.iter_mut().zip(&self.walk.tail).zip(&mut self.occupied);
+        for ((cells, &at), occupied) in new.take(self.steps + 1) {
             if let Some(cell) = cells.get_mut(self.matched) {
-                *cell = last;
+                *cell = at;
             }
+            occupied.insert(at);
         }
         self.matched += 1;
-        self.next_search()
+        if self.walk.changed > 0 {
+            (0..=self.steps).for_each(|layer| self.occupy(layer));
+        }
+        let ends_change = self.matched == self.query.need;
+        if ends_change || self.walk.is_partial { self.next_search() } else { self.next_walk() }
     }
 }

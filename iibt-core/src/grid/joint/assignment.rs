@@ -1,7 +1,7 @@
 //! Teams in which every robot has a target of its own.
 
 use super::super::{Cell, CellSet, Map};
-use super::{Failure, Problem, ProblemError, Target};
+use super::{Failure, JointPlan, Problem, ProblemError, Target};
 
 /// The cell of a robot that there is not, and of a move that is not decided.
 pub(super) const NOWHERE: Cell = Cell(u16::MAX);
@@ -9,8 +9,11 @@ pub(super) const NOWHERE: Cell = Cell(u16::MAX);
 /// One cell for each robot; [`NOWHERE`] past the last one.
 pub(super) type State<const N: usize> = [Cell; N];
 
+/// What a search says.
+pub(super) type Answer<const N: usize> = Result<JointPlan<N>, Failure>;
+
 /// Where each robot of a checked problem begins and ends.
-pub(super) struct Owned<const W: usize, const N: usize> {
+pub(super) struct Assignment<const W: usize, const N: usize> {
     /// The map on which only cells that a robot may enter are free.
     pub(super) map: Map<W>,
     pub(super) from: State<N>,
@@ -83,7 +86,27 @@ pub(super) fn assigned<const W: usize, const N: usize>(problem: &Problem<'_, W>)
     targets
 }
 
-impl<const W: usize, const N: usize> Owned<W, N> {
+/// Does one work unit of a search after another for robots that have these targets, until there is
+/// an answer.
+pub(super) fn search<const W: usize, const N: usize>(
+    problem: &Problem<'_, W>,
+    targets: &[Cell; N],
+    budget: &mut u32,
+    mut unit: impl FnMut(&Assignment<W, N>) -> Option<Answer<N>>,
+) -> Option<Answer<N>> {
+    let team = match Assignment::new(problem, targets) {
+        Err(invalid) => return Some(Err(invalid)),
+        Ok(team) => team,
+    };
+    loop {
+        *budget = budget.checked_sub(1)?;
+        if let Some(answer) = unit(&team) {
+            return Some(answer);
+        }
+    }
+}
+
+impl<const W: usize, const N: usize> Assignment<W, N> {
     /// Checks a problem and the targets that its robots are given.
     pub(super) fn new(problem: &Problem<'_, W>, targets: &[Cell; N]) -> Result<Self, Failure> {
         problem.check(N).map_err(Failure::Invalid)?;

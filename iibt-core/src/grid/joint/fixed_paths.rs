@@ -10,8 +10,8 @@
 use super::super::{Cell, CellSet};
 use super::attempt::{Attempt, Choice, Kind};
 use super::flow::Query;
+use super::flow_planner::{FlowPlanner, Outcome, Stage};
 use super::network::Turn;
-use super::planner::{JointPlanner, Stage};
 use super::{Failure, Problem, Target};
 use crate::actions::HORIZON;
 
@@ -33,7 +33,7 @@ pub(super) struct Precedence {
     pub(super) steps: usize,
 }
 
-impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanner<W, L, N, M> {
+impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     /// Begins with the path of the first owner.
     pub(super) fn with_owners(&mut self, problem: &Problem<'_, W>) -> Stage {
         if problem.owned().count() > MOST_OWNERS {
@@ -51,21 +51,21 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         self.flow.network.set_rules(Turn::Both, CellSet::EMPTY);
         let goals = [target].into_iter().collect();
         let first = if row == 0 { 0 } else { self.precedence.steps };
-        self.flow.begin([from], Query { goals, need: 1, first, latest: self.below_plain() });
+        self.flow.begin([from], Query { goals, need: 1, first, latest: self.below_found() });
         Stage::Flow
     }
 
     /// Fixes the path that was found, and goes on with the next owner or with the others.
     pub(super) fn owner_searched(&mut self, problem: &Problem<'_, W>, row: usize, found: bool) -> Stage {
-        if !found && row == 0 && self.plain.is_none() && self.flow.is_exhausted() {
-            return Stage::Done(Some(Failure::NoWay));
+        if !found && row == 0 && self.found.is_none() && self.flow.is_exhausted() {
+            return Stage::Done(Outcome::None(Failure::NoWay));
         }
         if !found {
             return if row == 0 { self.end_of_rests(problem) } else { self.next_rest(problem) };
         }
         let rest = if row == 0 { self.precedence.rest } else { 0 };
         self.precedence.steps = self.flow.steps + rest;
-        if self.precedence.steps > self.below_plain() {
+        if self.precedence.steps > self.below_found() {
             return self.end_of_rests(problem);
         }
         self.flow.fix(rest);
@@ -79,7 +79,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         self.attempt = Attempt { kind: Kind::Around, turn, is_second };
         self.flow.network.set_rules(turn, CellSet::EMPTY);
         let first = self.precedence.steps.max(self.fewest_steps);
-        let query = Query { goals: self.goals, need: self.need, first, latest: self.below_plain() };
+        let query = Query { goals: self.goals, need: self.need, first, latest: self.below_found() };
         self.flow.begin(problem.free_starts(), query);
         Stage::Flow
     }
@@ -111,11 +111,11 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
     }
 
     fn end_of_owners(&mut self, problem: &Problem<'_, W>) -> Stage {
-        if self.plain.is_some() {
+        if self.found.is_some() {
             return Stage::Choose;
         }
-        if self.choice != Choice::default() {
-            return Stage::Done(Some(Failure::NotFound));
+        if self.choice != Choice::BEST {
+            return Stage::Done(Outcome::None(Failure::NotFound));
         }
         if self.need == 0 || self.spent > MOST_UNITS {
             return self.beyond_flow();
@@ -127,16 +127,16 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
     /// What follows when no fixed path of the owners leaves the others a way: the searches for all
     /// robots at once. They are for the best plan only, not for others beside it.
     fn beyond_flow(&self) -> Stage {
-        if self.choice == Choice::default() {
-            Stage::Prioritise
+        if self.choice == Choice::BEST {
+            Stage::Done(Outcome::Beyond)
         } else {
-            Stage::Done(Some(Failure::NotFound))
+            Stage::Done(Outcome::None(Failure::NotFound))
         }
     }
 
     /// The most steps with which a plan is better than the one that was found.
-    fn below_plain(&self) -> usize {
-        let found = self.plain.map_or(HORIZON, |(plan, _)| plan.steps().saturating_sub(1));
+    fn below_found(&self) -> usize {
+        let found = self.found.map_or(HORIZON, |found| found.steps.saturating_sub(1));
         found.min(self.choice.latest.unwrap_or(HORIZON))
     }
 

@@ -1,0 +1,367 @@
+//! The joint plan of fewest steps that a flow has for a problem, around the fixed paths of one or two
+//! owners.
+
+use super::super::{Cell, CellSet, Map, Move, Path};
+use super::attempt::{Attempt, Choice, Kind, LATER_TOGETHER};
+use super::fixed_paths::Precedence;
+use super::flow::{Flow, Query};
+use super::network::{Network, Turn};
+use super::survey::Survey;
+use super::{Arrival, Failure, JointPlan, Problem, Target};
+
+/// No plan whose robots arrive together is searched for any longer when the searches have taken so
+/// many work units.
+pub(super) const MOST_UNITS: u32 = 400;
+
+/// What became of a problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// A plan was found.
+    Found,
+    /// There is none, or none was found.
+    None(Failure),
+    /// No flow leaves owners their ways: a search follows in which every robot has a target of its
+    /// own.
+    Beyond,
+}
+
+/// The search for the best flow, one attempt after another.
+#[derive(Clone, Debug)]
+pub(super) struct FlowPlanner<const W: usize, const L: usize, const N: usize> {
+    pub(super) flow: Flow<W, L, N>,
+    survey: Survey<W>,
+    stage: Stage,
+    pub(super) choice: Choice,
+    /// Where the robots of the flow end, how many of them on goals, and how many goals fewer than
+    /// needed that is.
+    pub(super) goals: CellSet<W>,
+    pub(super) need: usize,
+    short_by: usize,
+    /// The fewest steps to try, and the most goals that a failed attempt came to.
+    pub(super) fewest_steps: usize,
+    most_reached: usize,
+    /// The units that the searches have taken since the start.
+    pub(super) spent: u32,
+    pub(super) attempt: Attempt,
+    pub(super) precedence: Precedence,
+    /// The best plan so far, if there is one.
+    plan: JointPlan<N>,
+    pub(super) found: Option<Found>,
+    /// The fewest steps of a plan, whether or not its robots arrive together.
+    soonest: usize,
+}
+
+/// What is known of a plan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    pub(super) steps: usize,
+    turn: Turn,
+    /// How many ticks the robots arrive apart with a barrier before their last moves; `None` where
+    /// that is a standstill.
+    spread: Option<usize>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Stage {
+    Begin,
+    Survey,
+    Flow,
+    /// How the robots of the plan that was found arrive.
+    Execute,
+    Choose,
+    Done(Outcome),
+}
+
+impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
+    pub(super) const LATEST: usize = Flow::<W, L, N>::LATEST;
+
+    pub(super) const fn new(choice: Choice) -> Self {
+        Self {
+            flow: Flow::new(),
+            survey: Survey::begin(CellSet::EMPTY, CellSet::EMPTY, 0),
+            stage: Stage::Begin,
+            choice,
+            goals: CellSet::EMPTY,
+            need: 0,
+            short_by: 0,
+            fewest_steps: 0,
+            most_reached: 0,
+            spent: 0,
+            attempt: Attempt { kind: Kind::Plain, turn: Turn::BlackLast, is_second: false },
+            precedence: Precedence { second_first: false, rest: 0, steps: 0 },
+            plan: JointPlan::NOBODY,
+            found: None,
+            soonest: 0,
+        }
+    }
+
+    /// Begins anew with one of the plans for a problem.
+    pub(super) fn start(&mut self, choice: Choice) {
+        self.choice = choice;
+        self.stage = Stage::Begin;
+        (self.found, self.most_reached, self.spent) = (None, 0, 0);
+    }
+
+    /// Goes on; `None` when the budget is used up.
+    pub(super) fn work(&mut self, problem: &Problem<'_, W>, budget: &mut u32) -> Option<Outcome> {
+        loop {
+            match self.stage {
+                Stage::Done(outcome) => return Some(outcome),
+                Stage::Survey => {
+                    self.survey.work(&self.flow.network, budget)?;
+                    self.stage = self.surveyed(problem);
+                }
+                Stage::Flow => {
+                    let found = self.search(budget)?;
+                    self.stage = self.searched(problem, found);
+                }
+                Stage::Begin | Stage::Execute | Stage::Choose => {
+                    *budget = budget.checked_sub(1)?;
+                    self.stage = self.unit(problem);
+                }
+            }
+        }
+    }
+
+    /// Goes on with the flow of an attempt. One whose robots arrive together is given up when the
+    /// searches have become too long for it: there is a plan already.
+    fn search(&mut self, budget: &mut u32) -> Option<bool> {
+        let most = match self.attempt.kind {
+            Kind::Together => MOST_UNITS.saturating_sub(self.spent),
+            Kind::Plain | Kind::Owner(_) | Kind::Around => u32::MAX,
+        };
+        let allowed = most.min(*budget);
+        let mut left = allowed;
+        let found = self.flow.work(&mut left);
+        *budget -= allowed - left;
+        self.spent += allowed - left;
+        if found.is_none() && self.attempt.kind == Kind::Together && self.spent >= MOST_UNITS {
+            return Some(false);
+        }
+        found
+    }
+
+    /// The plan that was found.
+    pub(super) fn plan(&self) -> &JointPlan<N> {
+        &self.plan
+    }
+
+    /// How many goals fewer than needed can be reached.
+    pub(super) fn short_by(&self) -> usize {
+        self.short_by
+    }
+
+    /// Whether a plan has fewer steps than the one that was found if the robots do not arrive
+    /// together.
+    pub(super) fn may_be_shorter(&self) -> bool {
+        self.found.is_some_and(|found| found.steps > self.soonest)
+    }
+
+    /// The turns of the plan that was found.
+    pub(super) fn turn(&self) -> Turn {
+        self.found.map_or(Turn::default(), |found| found.turn)
+    }
+
+    fn unit(&mut self, problem: &Problem<'_, W>) -> Stage {
+        match self.stage {
+            Stage::Begin => self.begin(problem),
+            Stage::Execute => self.execute(problem),
+            Stage::Choose => self.choose(),
+            stage => stage,
+        }
+    }
+
+    fn begin(&mut self, problem: &Problem<'_, W>) -> Stage {
+        if let Err(error) = problem.check(N) {
+            return Stage::Done(Outcome::None(Failure::Invalid(error)));
+        }
+        self.flow.network = Network::of(problem);
+        self.flow.unfix(0);
+        let goals: CellSet<W> = problem.goals.iter().copied().collect();
+        let held = problem.held();
+        let closed = held.union(&self.choice.without.into_iter().collect());
+        self.goals = goals.without(&closed).intersection(self.flow.network.enterable());
+        self.need = problem.need.saturating_sub(goals.intersection(&held).len());
+        self.survey = Survey::begin(problem.free_starts().collect(), self.goals, self.need);
+        Stage::Survey
+    }
+
+    fn surveyed(&mut self, problem: &Problem<'_, W>) -> Stage {
+        let most = self.survey.reachable();
+        self.short_by = self.need.saturating_sub(most);
+        self.need = most;
+        self.fewest_steps = self.survey.fewest_steps();
+        if self.choice.most_short.is_some_and(|most| self.short_by > most) {
+            return Stage::Done(Outcome::None(Failure::NotFound));
+        }
+        if problem.owned().next().is_some() {
+            return self.with_owners(problem);
+        }
+        if most == 0 {
+            return self.nothing_to_reach(problem);
+        }
+        let farthest = self.survey.farthest().unwrap_or_default();
+        let turn = self.flow.network.turn_of(farthest, self.fewest_steps);
+        self.first_attempt(problem, Kind::Plain, turn)
+    }
+
+    /// All stand: because no goal is needed, or because none can be reached.
+    fn nothing_to_reach(&mut self, problem: &Problem<'_, W>) -> Stage {
+        if self.short_by > 0 && problem.free_starts().next().is_some() {
+            return Stage::Done(Outcome::None(Failure::NoWay));
+        }
+        self.plan.stand(problem.starts());
+        self.plan.short_by = self.short_by as u8;
+        Stage::Done(Outcome::Found)
+    }
+
+    fn first_attempt(&mut self, problem: &Problem<'_, W>, kind: Kind, turn: Turn) -> Stage {
+        let turn = self.choice.turn.unwrap_or(turn);
+        self.attempt(problem, Attempt { kind, turn, is_second: false })
+    }
+
+    fn attempt(&mut self, problem: &Problem<'_, W>, attempt: Attempt) -> Stage {
+        self.attempt = attempt;
+        let starts: CellSet<W> = problem.free_starts().collect();
+        let is_together = attempt.kind == Kind::Together;
+        let entered_last = if is_together { self.goals.without(&starts) } else { CellSet::EMPTY };
+        self.flow.network.set_rules(attempt.turn, entered_last);
+        let (first, latest) = self.steps_to_try();
+        let query = Query { goals: self.goals, need: self.need, first, latest };
+        self.flow.begin(problem.free_starts(), query);
+        Stage::Flow
+    }
+
+    /// The fewest and the most steps of an attempt, which must have fewer than what was found
+    /// before.
+    ///
+    /// A plan in the one turn has at most one step more than the best one in the other.
+    fn steps_to_try(&self) -> (usize, usize) {
+        let below = self.found.map(|found| found.steps.saturating_sub(1));
+        let fewest = self.fewest_steps;
+        let (first, most) = match (self.attempt.kind, below) {
+            (Kind::Together, below) => {
+                let latest = self.soonest + LATER_TOGETHER;
+                let is_better = self.found.is_some_and(|found| found.arrives_together());
+                (self.soonest, if is_better { below.unwrap_or(latest).min(latest) } else { latest })
+            }
+            (_, Some(below)) => (fewest.max(below), below),
+            (_, None) => (fewest.min(Self::LATEST), usize::MAX),
+        };
+        (first, most.min(self.choice.latest.unwrap_or(usize::MAX)))
+    }
+
+    fn searched(&mut self, problem: &Problem<'_, W>, found: bool) -> Stage {
+        if let Kind::Owner(row) = self.attempt.kind {
+            return self.owner_searched(problem, row, found);
+        }
+        if found {
+            return Stage::Execute;
+        }
+        self.most_reached = self.most_reached.max(self.flow.reached_goals());
+        self.next_attempt(problem)
+    }
+
+    fn execute(&mut self, problem: &Problem<'_, W>) -> Stage {
+        let spread = self.flow.execution().map(|execution| execution.spread);
+        let mut found = Found { steps: 0, turn: self.attempt.turn, spread };
+        if (self.attempt.kind != Kind::Together || found.arrives_together())
+            && self.read_plan(problem).is_some()
+        {
+            found.steps = self.plan.steps();
+            self.found = Some(found);
+        }
+        self.next_attempt(problem)
+    }
+
+    fn next_attempt(&mut self, problem: &Problem<'_, W>) -> Stage {
+        let Attempt { kind, turn, is_second } = self.attempt;
+        if kind == Kind::Around {
+            return self.searched_around(problem);
+        }
+        if !is_second && self.choice.turn.is_none() {
+            return self.attempt(problem, Attempt { kind, turn: turn.other(), is_second: true });
+        }
+        let Some(found) = self.found else { return self.fewer_goals(problem) };
+        if kind == Kind::Plain {
+            self.soonest = found.steps;
+            if !self.choice.staggered && !found.arrives_together() {
+                return self.first_attempt(problem, Kind::Together, found.turn);
+            }
+        }
+        Stage::Choose
+    }
+
+    /// Goes on with as many goals as the failed attempts came to.
+    fn fewer_goals(&mut self, problem: &Problem<'_, W>) -> Stage {
+        self.lower_need();
+        if self.need == 0 || self.choice != Choice::BEST {
+            return Stage::Done(Outcome::None(Failure::NotFound));
+        }
+        self.first_attempt(problem, Kind::Plain, self.attempt.turn)
+    }
+
+    pub(super) fn lower_need(&mut self) {
+        let need = self.most_reached.min(self.need.saturating_sub(1));
+        self.short_by += self.need - need;
+        (self.need, self.most_reached, self.fewest_steps) = (need, 0, 0);
+    }
+
+    /// Has the robots of the plan wait for each other before their last moves, if that is of use.
+    fn choose(&mut self) -> Stage {
+        let Some(found) = self.found else { return Stage::Done(Outcome::None(Failure::NotFound)) };
+        self.plan.arrival = match found.spread {
+            Some(spread) if !self.choice.staggered && self.plan.is_close(spread) => Arrival::Together,
+            _ => Arrival::Staggered,
+        };
+        self.plan.short_by = self.short_by as u8;
+        Stage::Done(Outcome::Found)
+    }
+
+    /// Reads the plan off that the flow has found.
+    fn read_plan(&mut self, problem: &Problem<'_, W>) -> Option<()> {
+        self.plan.robots = problem.errands.len() as u8;
+        let mut owners = 0..;
+        for (robot, errand) in problem.errands.iter().enumerate() {
+            let row = match errand.target {
+                Target::Any => Some(self.flow.path_on(errand.from, self.flow.steps)?),
+                Target::Own(_) => Some(self.flow.row_of_fixed(self.row_of_owner(problem, owners.next()?))),
+                Target::Stand => None,
+            };
+            let path = self.plan.paths.get_mut(robot)?;
+            *path = Path::at(errand.from);
+            if let Some(row) = row {
+                extend_through(path, problem.map, self.flow.cells_of(row))?;
+            }
+        }
+        Some(())
+    }
+}
+
+impl Found {
+    fn arrives_together(self) -> bool {
+        self.spread.is_some_and(|spread| spread <= 1)
+    }
+}
+
+/// Extends a path through some cells, but for the waits at their end.
+fn extend_through<const W: usize>(
+    path: &mut Path,
+    map: &Map<W>,
+    cells: impl Iterator<Item = Cell>,
+) -> Option<()> {
+    let (mut here, mut waits) = (path.start, 0);
+    for next in cells.skip(1) {
+        match map.move_between(here, next)? {
+            Move::Wait => waits += 1,
+            step => {
+                for _ in 0..waits {
+                    path.push(Move::Wait).ok()?;
+                }
+                path.push(step).ok()?;
+                (here, waits) = (next, 0);
+            }
+        }
+    }
+    Some(())
+}
