@@ -16,6 +16,9 @@ pub(crate) struct RadioChannel {
     terms: scenario::Radio,
     team: usize,
     loss: Random,
+    /// Whether each link, from a sender to a receiver, is in its bad state; `None` before its first
+    /// frame.
+    bad: Vec<Option<bool>>,
     duplicate: Random,
     jitter: Random,
     noise: Random,
@@ -59,6 +62,7 @@ impl RadioChannel {
             terms,
             team,
             loss: Random::of(seed, Stream::Loss),
+            bad: vec![None; team * team],
             duplicate: Random::of(seed, Stream::Duplicate),
             jitter: Random::of(seed, Stream::Jitter),
             noise: Random::of(seed, Stream::Noise),
@@ -80,7 +84,7 @@ impl RadioChannel {
         }
         self.traffic[sender].sent += 1;
         for receiver in (0..self.team).filter(|&receiver| receiver != sender) {
-            if self.loss.bernoulli(self.terms.loss) {
+            if self.loses(sender, receiver) {
                 self.traffic[sender].lost += 1;
                 continue;
             }
@@ -90,6 +94,26 @@ impl RadioChannel {
                 self.flying.push(Copy { due, sender, receiver, bytes: frame.to_vec() });
             }
         }
+    }
+
+    /// Draws whether a link loses its next frame.
+    ///
+    /// With bursts, a Markov chain with two states (Gilbert 1960): it leaves the bad one with a
+    /// probability of one over the mean length, and enters it so often that the share is right.
+    fn loses(&mut self, sender: usize, receiver: usize) -> bool {
+        let share = self.terms.loss;
+        if self.terms.burst == 0 {
+            return self.loss.bernoulli(share);
+        }
+        let link = &mut self.bad[sender * self.team + receiver];
+        let length = f64::from(self.terms.burst).max(share / (1.0 - share));
+        let is_bad = match *link {
+            None => self.loss.bernoulli(share),
+            Some(true) => !self.loss.bernoulli(1.0 / length),
+            Some(false) => self.loss.bernoulli(share / (1.0 - share) / length),
+        };
+        *link = Some(is_bad);
+        is_bad
     }
 
     /// Returns what arrives in tick `now`, in the order it was sent, then the noise: receiver and
@@ -145,6 +169,25 @@ mod tests {
             (1000, delivered, 2000)
         );
         assert!((540..660).contains(&traffic.lost), "{traffic:?}");
+    }
+
+    #[test]
+    fn bursts_lose_their_share_in_runs_of_their_length_and_each_link_by_itself() {
+        for (loss, burst) in [(0.3, 10), (0.4, 2), (0.1, 3)] {
+            let terms = scenario::Radio { loss, burst, ..scenario::Radio::default() };
+            let mut radio = RadioChannel::new(terms, 3, 1);
+            let lost: Vec<[bool; 2]> = (0..40_000).map(|_| [1, 2].map(|to| radio.loses(0, to))).collect();
+            let runs = lost.windows(2).filter(|pair| !pair[0][0] && pair[1][0]).count() as f64;
+            let of = |is_lost: fn(&&[bool; 2]) -> bool| lost.iter().filter(is_lost).count() as f64;
+            let (one, both) = (of(|lost| lost[0]), of(|lost| lost[0] && lost[1]));
+            let share = one / 40_000.0;
+            assert!((share - loss).abs() < 0.03, "{share} of {loss}");
+            assert!((one / runs / f64::from(burst) - 1.0).abs() < 0.1, "{} of {burst}", one / runs);
+            assert!((both / 40_000.0 - loss * loss).abs() < 0.03, "{both}");
+        }
+        let all = scenario::Radio { loss: 1.0, burst: 5, ..scenario::Radio::default() };
+        let mut radio = RadioChannel::new(all, 2, 1);
+        assert!((0..100).all(|_| radio.loses(0, 1)));
     }
 
     #[test]

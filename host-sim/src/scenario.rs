@@ -177,6 +177,13 @@ pub struct DriveFault {
 pub struct Radio {
     /// The probability that a frame does not reach a teammate, independently for each of them.
     pub loss: f64,
+    /// The mean number of frames in a row that a link from a robot to a teammate loses: the burst
+    /// length of the model of Gilbert and Elliott. Zero for losses that do not depend on each other.
+    ///
+    /// A link loses all frames in its bad state and none in its good one; `loss` is the share of
+    /// the bad state. A length below `loss / (1 - loss)` is not possible and counts as that.
+    #[doc(alias = "Gilbert-Elliott")]
+    pub burst: u32,
     /// The delay of a frame in ticks, at least one.
     pub delay: u32,
     /// The most ticks that a copy travels beyond them, drawn for each copy.
@@ -216,7 +223,7 @@ impl RobotSpec {
 
 impl Default for Radio {
     fn default() -> Self {
-        Self { loss: 0.0, delay: 1, jitter: 0, duplicate: 0.0, stray: 0, garbage: 0 }
+        Self { loss: 0.0, burst: 0, delay: 1, jitter: 0, duplicate: 0.0, stray: 0, garbage: 0 }
     }
 }
 

@@ -20,6 +20,8 @@ pub enum Disturbance {
     Slips,
     /// The radio loses 30 % of all frames.
     Loss,
+    /// The radio loses 30 % of all frames in bursts, ten on average.
+    Bursts,
     /// Three obstacles appear where ways around them are left. Robots that have lists of paths plan
     /// by themselves: an obstacle may block all that are listed.
     Obstacles,
@@ -30,8 +32,8 @@ pub enum Disturbance {
     Pause,
     /// One robot stops for good; the others must not collide.
     Stop,
-    /// All of them together but the last, with three times the limit: to charge and to stop takes
-    /// time.
+    /// All of them together but bursts and the last, with three times the limit: to charge and to
+    /// stop takes time.
     All,
 }
 
@@ -44,6 +46,10 @@ const SLIP: f64 = 0.1;
 /// The probability that a frame is lost under [`Disturbance::Loss`].
 const LOSS: f64 = 0.3;
 
+/// The mean number of frames in a row that a link loses under [`Disturbance::Bursts`]: a second at
+/// ten ticks a second.
+const BURST: u32 = 10;
+
 /// The number of obstacles that appear under [`Disturbance::Obstacles`].
 const OBSTACLES: usize = 3;
 
@@ -53,11 +59,12 @@ const LOW: u8 = 15;
 
 impl Disturbance {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::None,
         Self::Noise,
         Self::Slips,
         Self::Loss,
+        Self::Bursts,
         Self::Obstacles,
         Self::Battery,
         Self::Pause,
@@ -73,6 +80,7 @@ impl Disturbance {
             Self::Noise => "noise",
             Self::Slips => "slips",
             Self::Loss => "loss",
+            Self::Bursts => "bursts",
             Self::Obstacles => "obstacles",
             Self::Battery => "battery",
             Self::Pause => "pause",
@@ -114,6 +122,9 @@ impl Disturbance {
             }
             Self::Slips => scenario.robots.iter_mut().for_each(|robot| robot.slip = robot.slip.max(SLIP)),
             Self::Loss => scenario.radio.loss = scenario.radio.loss.max(LOSS),
+            Self::Bursts => {
+                (scenario.radio.loss, scenario.radio.burst) = (scenario.radio.loss.max(LOSS), BURST);
+            }
             Self::Obstacles => block(scenario, random),
             Self::Battery => {
                 for robot in &mut scenario.robots {

@@ -21,6 +21,7 @@ pub(crate) type RealNumber = Spanned<f64>;
 #[serde(deny_unknown_fields)]
 pub(crate) struct RadioEntry {
     loss: Option<RealNumber>,
+    burst: Option<WholeNumber>,
     delay: Option<WholeNumber>,
     duplicate: Option<RealNumber>,
 }
@@ -31,6 +32,7 @@ impl RadioEntry {
         let usual = Radio::default();
         Ok(Radio {
             loss: share("loss", self.loss.as_ref(), usual.loss)?,
+            burst: whole("burst", self.burst.as_ref(), 1..=1000, usual.burst)?,
             delay: whole("delay", self.delay.as_ref(), 1..=1000, usual.delay)?,
             duplicate: share("duplicate", self.duplicate.as_ref(), usual.duplicate)?,
             ..usual
