@@ -4,6 +4,7 @@
 use host_sim::campaign::{Campaign, Disturbance, Score, Trace, Violations};
 use host_sim::{Conditions, Outcome, Pilot, Record, Scenario, fly, library};
 use std::num::NonZeroUsize;
+use std::slice::from_ref;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn scenario(name: &str) -> Scenario {
@@ -101,7 +102,7 @@ mod inference {
         for name in MISSIONS {
             let mission = scenario(name);
             let campaign = Campaign {
-                scenario: &mission,
+                scenarios: from_ref(&mission),
                 disturbances: &Disturbance::ALL,
                 pilots: &[Pilot::Inference],
                 seeds: 24,
@@ -121,8 +122,12 @@ mod inference {
     #[test]
     fn every_mission_is_accomplished_that_no_robot_leaves_for_good() {
         let mission = scenario("factory");
-        let campaign =
-            Campaign { scenario: &mission, disturbances: &passing(), pilots: &[Pilot::Inference], seeds: 24 };
+        let campaign = Campaign {
+            scenarios: from_ref(&mission),
+            disturbances: &passing(),
+            pilots: &[Pilot::Inference],
+            seeds: 24,
+        };
         let report = campaign.fly(None, &|_, _| ()).expect("the mission fits");
         for row in &report.rows {
             let least = 24 - u32::from(row.disturbance == Disturbance::All);
@@ -138,7 +143,8 @@ mod report {
     fn it_does_not_depend_on_the_number_of_threads() {
         let mission = scenario("factory");
         let disturbances = [Disturbance::All, Disturbance::Loss];
-        let campaign = Campaign { scenario: &mission, disturbances: &disturbances, pilots: &BOTH, seeds: 7 };
+        let campaign =
+            Campaign { scenarios: from_ref(&mission), disturbances: &disturbances, pilots: &BOTH, seeds: 7 };
         let told = AtomicUsize::new(0);
         let progress = |_, flights| {
             assert_eq!(flights, 28);
@@ -155,8 +161,12 @@ mod report {
     #[test]
     fn a_row_compares_the_same_seeds() {
         let mission = scenario("two-goals");
-        let campaign =
-            Campaign { scenario: &mission, disturbances: &[Disturbance::None], pilots: &BOTH, seeds: 3 };
+        let campaign = Campaign {
+            scenarios: from_ref(&mission),
+            disturbances: &[Disturbance::None],
+            pilots: &BOTH,
+            seeds: 3,
+        };
         let report = campaign.fly(None, &|_, _| ()).expect("the mission fits");
         let [inference, conventional] = &report.rows[0].summaries[..] else { panic!("two pilots") };
         let comparison = report.rows[0].comparison.expect("two pilots");
@@ -174,7 +184,7 @@ mod comparison {
 
     fn rows(name: &str, disturbances: &[Disturbance], seeds: u32) -> Vec<CampaignRow> {
         let mission = scenario(name);
-        let campaign = Campaign { scenario: &mission, disturbances, pilots: &BOTH, seeds };
+        let campaign = Campaign { scenarios: from_ref(&mission), disturbances, pilots: &BOTH, seeds };
         campaign.fly(None, &|_, _| ()).expect("the mission fits").rows
     }
 

@@ -1,5 +1,5 @@
-//! Campaigns: a mission flown many times under each disturbance, by several pilots on the same
-//! seeds.
+//! Campaigns: a mission flown many times, or many missions, under each disturbance, by several
+//! pilots on the same seeds.
 //!
 //! ```text
 //! Campaign ─► Disturbance: the scenario as a seed draws it ─► fly ─► Score: validated
@@ -15,8 +15,9 @@
 //! let scenario = library::find("two-goals").expect("it is built in")?;
 //! let pilots = [Pilot::Inference, Pilot::Conventional];
 //! let disturbances = [Disturbance::Loss];
+//! let scenarios = [scenario];
 //! let campaign =
-//!     Campaign { scenario: &scenario, disturbances: &disturbances, pilots: &pilots, seeds: 5 };
+//!     Campaign { scenarios: &scenarios, disturbances: &disturbances, pilots: &pilots, seeds: 5 };
 //! let report = campaign.fly(None, &|_, _| ())?;
 //! assert_eq!(report.rows[0].summaries[0].accomplished.count, 5);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -47,8 +48,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 #[doc(alias = "experiment")]
 #[derive(Clone, Copy, Debug)]
 pub struct Campaign<'c> {
-    /// The mission.
-    pub scenario: &'c Scenario,
+    /// The missions: seed N flies the N-th from zero, and after the last the first again.
+    pub scenarios: &'c [Scenario],
     /// The disturbances, in the order of the report.
     pub disturbances: &'c [Disturbance],
     /// The pilots; the first two are compared.
@@ -60,7 +61,7 @@ pub struct Campaign<'c> {
 /// The result of a campaign.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CampaignReport {
-    /// The scenario's name.
+    /// The name of the first scenario.
     pub scenario: String,
     /// The number of seeds.
     pub seeds: u32,
@@ -89,9 +90,12 @@ impl CampaignReport {
 }
 
 impl Campaign<'_> {
-    /// Returns the number of flights.
+    /// Returns the number of flights; zero without a scenario.
     #[must_use]
     pub const fn flights(&self) -> usize {
+        if self.scenarios.is_empty() {
+            return 0;
+        }
         self.disturbances.len() * self.pilots.len() * self.seeds as usize
     }
 
@@ -113,7 +117,8 @@ impl Campaign<'_> {
             self.row(disturbance, &batches)
         });
         let rows = rows.collect();
-        Ok(CampaignReport { scenario: self.scenario.name.clone(), seeds: self.seeds, rows })
+        let scenario = self.scenarios.first().map_or_else(String::new, |first| first.name.clone());
+        Ok(CampaignReport { scenario, seeds: self.seeds, rows })
     }
 
     fn row(&self, disturbance: Disturbance, batches: &[&[Score]]) -> CampaignRow {
@@ -148,7 +153,7 @@ impl Campaign<'_> {
     fn score(&self, flight: usize) -> Result<Score, TeamError> {
         let (batch, seed) = (flight / self.seeds as usize, (flight % self.seeds as usize) as u64);
         let disturbance = self.disturbances[batch / self.pilots.len()];
-        let scenario = disturbance.applied(self.scenario, seed);
+        let scenario = disturbance.applied(&self.scenarios[seed as usize % self.scenarios.len()], seed);
         let tree = self.pilots[batch % self.pilots.len()];
         let record = fly(&scenario, Conditions { seed, loss: None, tree }, &mut ())?;
         Ok(Score::of(&scenario, &record))

@@ -4,6 +4,7 @@ mod campaign;
 mod frames;
 mod learn;
 mod manipulate;
+mod missions;
 mod notebook;
 mod reproduce;
 mod task;
@@ -14,6 +15,7 @@ use self::manipulate::Manipulate;
 use self::reproduce::Reproduce;
 use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand};
+use host_sim::campaign::Disturbance;
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, series_lines, summary};
 use host_sim::{
     Conditions, FrameRecording, Logbook, Observer, Pilot, Record, Scenario, fly, fly_series, library,
@@ -104,6 +106,9 @@ enum Verb {
     /// Fly a scenario many times under disturbances, and compare inference with a conventional tree
     #[command(after_help = campaign::EXAMPLES)]
     Campaign(campaign::FlyMany),
+    /// Draw random missions, and write them as scenario files
+    #[command(after_help = missions::EXAMPLES)]
+    Missions(missions::Missions),
     /// Run a model from a notebook: beliefs, expected free energies and a decision, as JSON
     #[command(after_help = notebook::INFER_EXAMPLES)]
     Infer(notebook::Infer),
@@ -134,6 +139,9 @@ struct RunArgs {
     /// The probability that a frame does not reach a teammate, 0 to 1, in place of the scenario's
     #[arg(long, value_name = "P", value_parser = probability)]
     loss: Option<f64>,
+    /// A disturbance that is drawn from the seed, as `campaign` does
+    #[arg(long, value_name = "NAME", default_value = "none", value_parser = campaign::disturbance)]
+    disturbance: Disturbance,
     /// The tree that flies the robots: the inference node, or a conventional tree of the paper
     #[arg(long, value_name = "TREE", value_enum, default_value_t)]
     tree: Pilot,
@@ -171,6 +179,7 @@ impl Cli {
             Some(Verb::Run(run)) => run.run(),
             Some(Verb::Reproduce(reproduce)) => reproduce.run(),
             Some(Verb::Campaign(campaign)) => campaign.run(),
+            Some(Verb::Missions(missions)) => missions.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Infer(infer)) => infer.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Export(export)) => export.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Frames(frames)) => frames.run(),
@@ -202,7 +211,7 @@ impl RunArgs {
         if let Some(text) = task::text_of(&self.scenario)? {
             return task::run(self, &text);
         }
-        let scenario = scenario(&self.scenario)?;
+        let scenario = self.disturbance.applied(&scenario(&self.scenario)?, self.seed);
         if self.tree == Pilot::Figure5 && scenario.goals.len() != 2 {
             let goals = scenario.goals.len();
             return Err(

@@ -40,6 +40,7 @@ mod learn;
 pub mod library;
 mod log;
 pub mod manipulation;
+pub mod missions;
 pub mod notebook;
 mod parallel;
 mod phases;

@@ -30,6 +30,8 @@ pub(crate) enum Stream {
     Noise = 10,
     /// The faults of a flight with [`Faults`](crate::Faults).
     Fault = 11,
+    /// The maps, starts and goals of random missions.
+    Mission = 12,
     /// The readings of a robot that works on a table task.
     Reading = 16,
     /// Whether an action of such a robot fails.

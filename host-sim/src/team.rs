@@ -9,7 +9,7 @@ use crate::radio::KEY;
 use crate::robot::{AnyRobot, shrunk};
 use crate::scenario::{MAX_CELLS, Scenario};
 use clap::ValueEnum;
-use firmware::{Controller, Navigator, Settings};
+use firmware::{Controller, Navigator, Settings, missions};
 use iibt_core::grid::{Cell, Path, words};
 use iibt_core::inference::learning::Rates;
 use iibt_core::navigation::{Mission, MissionError};
@@ -57,6 +57,8 @@ pub enum Pilot {
     /// The firmware's tree with its inference node.
     #[default]
     Inference,
+    /// The same with the sizes of plans and searches in images, for maps of at most 64 cells.
+    Image,
     /// The conventional tree of figure 8.
     Conventional,
     /// The conventional tree of figure 5(a), for missions with two goals.
@@ -71,15 +73,22 @@ impl Pilot {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Inference => "inference",
+            Self::Image => "image",
             Self::Conventional => "conventional",
             Self::Figure5 => "figure-5",
         }
     }
 
+    /// Returns the most cells of a map that it flies on.
+    #[must_use]
+    pub const fn most_cells(self) -> usize {
+        if matches!(self, Self::Image) { SMALL } else { MAX_CELLS }
+    }
+
     /// The conventional tree, if it is one.
     const fn figure(self) -> Option<ConventionalTree> {
         match self {
-            Self::Inference => None,
+            Self::Inference | Self::Image => None,
             Self::Conventional => Some(ConventionalTree::Eight),
             Self::Figure5 => Some(ConventionalTree::Five),
         }
@@ -93,7 +102,11 @@ pub(crate) fn with_team<T>(
     fly: impl for<'m> FnOnce(Boot<'m, dyn AnyRobot + 'm>) -> Result<T, TeamError>,
 ) -> Result<T, TeamError> {
     let cells = scenario.map.len();
-    if cells <= SMALL {
+    if cells > pilot.most_cells() {
+        Err(MissionError::MapTooLarge.into())
+    } else if pilot == Pilot::Image {
+        as_in_images(scenario, fly)
+    } else if cells <= SMALL {
         sized::<SMALL, { words(SMALL, 1) }, T>(scenario, pilot, fly)
     } else if cells <= MEDIUM {
         sized::<MEDIUM, { words(MEDIUM, 1) }, T>(scenario, pilot, fly)
@@ -119,6 +132,21 @@ fn sized<const S: usize, const W: usize, T>(
         let budget = scenario.inference.budget.unwrap_or(UNLIMITED);
         fly(Box::new(move |robot, epoch| {
             Ok(Box::new(navigating::<S, W, LAYERS, NODES, POLICIES>(mission, KEY, robot, epoch, budget)?))
+        }))
+    })
+}
+
+/// Robots with the sizes of images.
+fn as_in_images<T>(
+    scenario: &Scenario,
+    fly: impl for<'m> FnOnce(Boot<'m, dyn AnyRobot + 'm>) -> Result<T, TeamError>,
+) -> Result<T, TeamError> {
+    use missions::{LAYERS, NODES, POLICIES};
+    const W: usize = words(SMALL, 1);
+    on_mission::<W, T>(scenario, |mission| {
+        let budget = scenario.inference.budget.unwrap_or(UNLIMITED);
+        fly(Box::new(move |robot, epoch| {
+            Ok(Box::new(navigating::<SMALL, W, LAYERS, NODES, POLICIES>(mission, KEY, robot, epoch, budget)?))
         }))
     })
 }

@@ -163,3 +163,67 @@ fn output_that_is_not_read_to_its_end_is_no_error() {
     let output = child.wait_with_output().expect("it ends");
     assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), ""));
 }
+
+/// A folder that does not exist yet, for one test.
+fn folder(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    if path.exists() {
+        fs::remove_dir_all(&path).expect("the folder for tests can be written");
+    }
+    path
+}
+
+#[test]
+fn random_missions_are_drawn_and_flown_as_a_campaign() {
+    let one = host_sim("missions --robots 2 --seed 11").assert().success().stderr(is_empty());
+    let drawn = String::from_utf8_lossy(&one.get_output().stdout).into_owned();
+    assert!(drawn.starts_with("title = \"Random mission 11 with 2 robots\"\n"), "{drawn}");
+    let out = folder("missions");
+    let line = "missions --robots 2 --count 3 --seed 9 --out";
+    host_sim(line).arg(&out).assert().success().stdout(contains("3 missions in "));
+    let names = fs::read_dir(&out).expect("a folder").map(|entry| entry.expect("a file").file_name());
+    let mut names: Vec<_> = names.collect();
+    names.sort();
+    assert_eq!(names, ["09.toml", "10.toml", "11.toml"]);
+    assert_eq!(fs::read_to_string(out.join("11.toml")).expect("a file"), drawn);
+    refuses(host_sim(line).arg(&out), "not empty");
+
+    let campaign = |options: &str| {
+        let line = format!("campaign --disturbance none --json {options}");
+        let flown = host_sim(&line).arg(&out).assert().success();
+        serde_json::from_slice::<Value>(&flown.get_output().stdout).expect("JSON")
+    };
+    let flown = campaign("--tree inference");
+    let summary = &flown["rows"][0]["summaries"][0];
+    let counts = (&summary["accomplished"]["count"], &summary["accomplished"]["of"], &summary["missed"]);
+    assert_eq!(counts, (&Value::from(3), &Value::from(3), &Value::Array(Vec::new())));
+    let slow = campaign("--tree image --budget 1");
+    let ticks =
+        |flown: &Value| flown["rows"][0]["summaries"][0]["reported"]["mean"].as_f64().expect("a number");
+    assert!(ticks(&slow) > ticks(&flown) + 3.0, "a unit a tick: {} and {}", ticks(&slow), ticks(&flown));
+    assert_eq!(campaign("--tree image --seeds 5")["rows"][0]["summaries"][0]["accomplished"]["of"], 5);
+}
+
+#[test]
+fn missions_that_cannot_be_drawn_or_flown_are_refused_with_a_reason() {
+    refuses(&mut host_sim("missions --robots 9"), "a number of robots is 1 to 8");
+    refuses(&mut host_sim("missions --size 33x32"), "a size is WxH or WxH..WxH, with 2 to 1024 cells");
+    refuses(&mut host_sim("missions --walls 1"), "a share of walls is a number from 0 to below 1");
+    refuses(&mut host_sim("missions --goals 9"), "9 is not in 1..=8");
+    refuses(&mut host_sim("missions --owned --goals 2"), "cannot be used with");
+    refuses(&mut host_sim("missions --map factory --walls 0.1"), "cannot be used with");
+    refuses(&mut host_sim("missions --count 2"), "--out");
+    refuses(&mut host_sim("missions --size 2x2 --robots 5"), "none of 10000 draws with seed 0");
+    refuses(&mut host_sim("missions --robots 8 --owned --solvable"), "more than 1000000 joint states");
+    refuses(&mut host_sim("missions --map nowhere.toml"), "nowhere.toml: ");
+    let empty = folder("no-missions");
+    fs::create_dir(&empty).expect("the folder for tests can be written");
+    refuses(host_sim("campaign").arg(&empty), "no file in this folder ends in .toml");
+    fs::write(empty.join("a.toml"), "title = 't'\nmap = '1.'\n").expect("a file");
+    refuses(host_sim("campaign").arg(&empty), "a.toml:");
+    let wide = file("wider.toml", &format!("title = 't'\nmap = '1{}G'\n", ".".repeat(63)));
+    refuses(
+        host_sim("campaign --tree image --seeds 1").arg(wide),
+        "wider.toml: 65 cells, but this tree flies on at most 64",
+    );
+}

@@ -21,6 +21,8 @@ pub struct Score {
     pub together: bool,
     /// The ticks until the last robot reached its final cell.
     pub ticks: u32,
+    /// The ticks until all robots had reported that they have arrived: one or two more.
+    pub reported: u32,
     /// The ticks between the first and the last arrival.
     pub spread: u32,
     /// The violations that the validator found.
@@ -51,6 +53,7 @@ impl Score {
             accomplished,
             together: accomplished && record.outcome == Outcome::Together,
             ticks: record.last_arrival(),
+            reported: record.ticks,
             spread,
             faults,
             bumps,
@@ -80,6 +83,8 @@ pub struct Summary {
     pub pilot: Pilot,
     /// The share of flights that accomplished the mission.
     pub accomplished: Share,
+    /// The seeds of the flights that did not.
+    pub missed: Vec<u64>,
     /// The share of these that brought the robots there together.
     pub together: Share,
     /// The share of flights with a collision of any kind.
@@ -90,6 +95,8 @@ pub struct Summary {
     pub bumps: u32,
     /// The ticks that it took, in flights that accomplished the mission.
     pub ticks: Distribution,
+    /// The ticks until all robots had reported that they have arrived, in the same flights.
+    pub reported: Distribution,
     /// The ticks between the first and the last arrival, in the same flights.
     pub spread: Distribution,
     /// The frames sent, in the same flights.
@@ -115,11 +122,13 @@ impl Summary {
         Self {
             pilot,
             accomplished: Share::of(scores, |score| score.accomplished),
+            missed: scores.iter().filter(|score| !score.accomplished).map(|score| score.seed).collect(),
             together: Share::of(done(), |score| score.together),
             collided: Share::of(scores, Score::has_collided),
             faults,
             bumps: scores.iter().map(|score| score.bumps).sum(),
             ticks: over(|score| score.ticks),
+            reported: over(|score| score.reported),
             spread: over(|score| score.spread),
             messages: over(|score| score.messages),
             moves: over(|score| score.moves),

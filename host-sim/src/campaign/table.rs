@@ -35,7 +35,7 @@ impl CampaignRow {
         let mut text = String::new();
         for (index, summary) in self.summaries.iter().enumerate() {
             let name = if index == 0 { self.disturbance.name() } else { "" };
-            text += &format!("{name:<11}  {}\n", summary.line());
+            text += &format!("{name:<11}  {}\n{}", summary.line(), summary.missed_line());
         }
         if let Some(comparison) = &self.comparison {
             text += &format!("{:<11}  {}\n", "", comparison.line());
@@ -56,6 +56,20 @@ impl Summary {
             self.messages.mean,
             self.moves.mean
         )
+    }
+}
+
+impl Summary {
+    /// The seeds of the flights that did not accomplish the mission; nothing if all did.
+    fn missed_line(&self) -> String {
+        let (most, all) = (10, self.missed.len());
+        let seeds: Vec<String> = self.missed.iter().take(most).map(u64::to_string).collect();
+        let more = if all > most { format!(" and {} more", all - most) } else { String::new() };
+        if all == 0 {
+            String::new()
+        } else {
+            format!("{:<11}  not with seeds {}{more}\n", "", seeds.join(", "))
+        }
     }
 }
 

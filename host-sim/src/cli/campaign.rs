@@ -1,6 +1,8 @@
-//! `campaign`: a mission flown many times, by the inference node and by a conventional tree.
+//! `campaign`: a mission flown many times, or many missions, by the inference node and by a
+//! conventional tree.
 
-use super::{Failure, about, exit_status, report, scenario, task};
+use super::missions::scenarios;
+use super::{Failure, about, exit_status, report, task};
 use clap::{Args, ValueEnum};
 use host_sim::Pilot;
 use host_sim::campaign::{Campaign, Disturbance};
@@ -12,6 +14,7 @@ pub(super) const EXAMPLES: &str = "\
 Examples:
   host-sim campaign factory                            both trees, every disturbance, 500 seeds
   host-sim campaign warehouse --disturbance loss --seeds 2000
+  host-sim missions --robots 4 --count 500 --out random-4 && host-sim campaign random-4 --disturbance bursts
   host-sim campaign factory --tree inference --json | jq '.rows[].summaries[0].accomplished'
 
 Disturbances, drawn from the seed and the same for both trees:
@@ -19,31 +22,40 @@ Disturbances, drawn from the seed and the same for both trees:
   noise      localisers are wrong in 10 % of all readings
   slips      moves fail with 10 %
   loss       the radio loses 30 % of all frames
+  bursts     the same in bursts, ten frames on average
   obstacles  three obstacles appear where ways around them are left
   battery    the battery of one robot falls to 15 %
   pause      one robot stops for 20 to 39 ticks
   stop       one robot stops for good
-  all        all of them but stop, in one flight
+  all        all of them but bursts and stop, in one flight
+
+In a folder, the first seed flies the first file by name, and after the last file the first again.
 
 Exit status:
   0  no flight of the inference node had a collision
   1  one had
   2  wrong usage or input";
 
+/// The seeds of a campaign, unless told otherwise.
+const SEEDS: u32 = 500;
+
 #[derive(Args, Debug)]
 pub(super) struct FlyMany {
-    /// A built-in scenario, or a scenario file
-    #[arg(value_name = "NAME|FILE.toml")]
+    /// A built-in scenario, a scenario file, or a folder of scenario files
+    #[arg(value_name = "NAME|FILE.toml|FOLDER")]
     scenario: String,
-    /// How many seeds, from zero on
-    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    seeds: u32,
+    /// How many seeds, from zero on; 500 unless set, and of a folder as many as it has files
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    seeds: Option<u32>,
     /// The tree that flies the robots
     #[arg(long, value_name = "TREE", value_enum, default_value_t = CampaignTrees::Both)]
     tree: CampaignTrees,
     /// The disturbance; `every` takes them one after the other
     #[arg(long, value_name = "NAME", default_value = "every", value_parser = disturbances)]
     disturbance: DisturbanceList,
+    /// The work units of the planner in a tick, in place of the scenario's
+    #[arg(long, value_name = "UNITS", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
+    budget: Option<u32>,
     /// How many threads fly; the figures do not depend on it
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -58,6 +70,8 @@ enum CampaignTrees {
     Both,
     /// The firmware's tree, with one inference node
     Inference,
+    /// The same with the sizes of plans that images have; maps of at most 64 cells
+    Image,
     /// The conventional tree of figure 8
     Conventional,
     /// The conventional tree of figure 5(a), for two goals
@@ -70,6 +84,7 @@ impl CampaignTrees {
         match self {
             Self::Both => vec![Pilot::Inference, Pilot::Conventional],
             Self::Inference => vec![Pilot::Inference],
+            Self::Image => vec![Pilot::Image],
             Self::Conventional => vec![Pilot::Conventional],
             Self::Figure5 => vec![Pilot::Figure5],
         }
@@ -83,10 +98,13 @@ fn disturbances(name: &str) -> Result<DisturbanceList, String> {
     if name == "every" {
         return Ok(DisturbanceList(Disturbance::ALL.to_vec()));
     }
-    Disturbance::find(name).map(|one| DisturbanceList(vec![one])).ok_or_else(|| {
-        let names = Disturbance::ALL.map(Disturbance::name).join(", ");
-        format!("there are every, {names}")
-    })
+    disturbance(name).map(|one| DisturbanceList(vec![one])).map_err(|reason| reason + ", every")
+}
+
+/// The disturbance with a name.
+pub(super) fn disturbance(name: &str) -> Result<Disturbance, String> {
+    let names = || Disturbance::ALL.map(Disturbance::name).join(", ");
+    Disturbance::find(name).ok_or_else(|| format!("there are {}", names()))
 }
 
 impl FlyMany {
@@ -94,31 +112,41 @@ impl FlyMany {
         if let Some(text) = task::text_of(&self.scenario)? {
             return self.fly_task(&text);
         }
-        let scenario = scenario(&self.scenario)?;
+        let mut scenarios = scenarios(&self.scenario)?;
+        for scenario in &mut scenarios {
+            scenario.inference.budget = self.budget.or(scenario.inference.budget);
+        }
         let pilots = self.tree.pilots();
+        let most = pilots.iter().map(|pilot| pilot.most_cells()).min().unwrap_or(0);
+        if let Some(large) = scenarios.iter().find(|scenario| scenario.map.len() > most) {
+            let (name, cells) = (&large.name, large.map.len());
+            return Err(format!("{name}: {cells} cells, but this tree flies on at most {most}").into());
+        }
+        let usual = if scenarios.len() > 1 { scenarios.len() as u32 } else { SEEDS };
         let campaign = Campaign {
-            scenario: &scenario,
+            scenarios: &scenarios,
             disturbances: &self.disturbance.0,
             pilots: &pilots,
-            seeds: self.seeds,
+            seeds: self.seeds.unwrap_or(usual),
         };
-        let flown = campaign
-            .fly(self.threads, &|done, flights| tell(done, flights))
-            .map_err(about(&scenario.name))?;
+        let flown = campaign.fly(self.threads, &|done, flights| tell(done, flights));
+        let mut flown = flown.map_err(about(&self.scenario))?;
+        flown.scenario.clone_from(&self.scenario);
         report(self.json, &flown, || flown.table())?;
-        Ok(exit_status(flown.collided(Pilot::Inference) == 0))
+        Ok(exit_status(flown.collided(Pilot::Inference) + flown.collided(Pilot::Image) == 0))
     }
 
     /// A task file at several levels of wrong readings and failed actions.
     fn fly_task(&self, text: &str) -> Result<ExitCode, Failure> {
-        if self.tree != CampaignTrees::Both || self.disturbance.0.len() != Disturbance::ALL.len() {
+        let is_every = self.disturbance.0.len() == Disturbance::ALL.len();
+        if self.tree != CampaignTrees::Both || self.budget.is_some() || !is_every {
             let name = &self.scenario;
             return Err(format!(
-                "{name}: a task is flown at several levels of noise, without --tree and --disturbance"
+                "{name}: a task is flown at several levels of noise, without --tree, --budget and --disturbance"
             )
             .into());
         }
-        task::campaign(&self.scenario, text, self.seeds, self.threads, self.json)
+        task::campaign(&self.scenario, text, self.seeds.unwrap_or(SEEDS), self.threads, self.json)
     }
 }
 

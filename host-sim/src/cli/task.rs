@@ -3,6 +3,7 @@
 use super::{Failure, MAX_BYTES, RunArgs, about, exit_status, print, read, report};
 use bumpalo::Bump;
 use host_sim::Pilot;
+use host_sim::campaign::Disturbance;
 use host_sim::task::{TableMission, Trouble, built_in, is_task, level_table};
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -27,8 +28,11 @@ pub(super) fn title(name: &str) -> Result<String, Failure> {
 
 pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
     let name = &of.scenario;
-    if of.tree != Pilot::default() || of.log.is_some() {
-        return Err(format!("{name}: a task has neither another --tree nor a --log of moves").into());
+    if of.tree != Pilot::default() || of.log.is_some() || of.disturbance != Disturbance::None {
+        return Err(format!(
+            "{name}: a task has neither another --tree, a --disturbance nor a --log of moves"
+        )
+        .into());
     }
     let arena = Bump::new();
     let mission = TableMission::parse(&arena, name, text)?;

@@ -37,9 +37,10 @@ pub(super) fn compare(run: &Reproduction<'_>) -> Section {
 }
 
 fn fly(mission: &str, run: &Reproduction<'_>) -> CampaignReport {
-    let scenario = built_in(mission);
+    let scenarios = [built_in(mission)];
     let seeds = run.seeds(SEEDS) as u32;
-    let campaign = Campaign { scenario: &scenario, disturbances: &Disturbance::ALL, pilots: &PILOTS, seeds };
+    let campaign =
+        Campaign { scenarios: &scenarios, disturbances: &Disturbance::ALL, pilots: &PILOTS, seeds };
     campaign.fly(None, run.progress).expect("both accept the mission")
 }
 

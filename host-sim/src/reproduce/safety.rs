@@ -51,7 +51,12 @@ pub(super) struct Flights {
 /// Flies a mission with each radio; the full report has `seeds` seeds.
 pub(super) fn flown(scenario: &Scenario, run: &Reproduction<'_>, seeds: u64) -> Vec<Flights> {
     let seeds = run.seeds(seeds) as u32;
-    let campaign = Campaign { scenario, disturbances: &RADIOS, pilots: &[Pilot::Inference], seeds };
+    let campaign = Campaign {
+        scenarios: std::slice::from_ref(scenario),
+        disturbances: &RADIOS,
+        pilots: &[Pilot::Inference],
+        seeds,
+    };
     let report = campaign.fly(None, run.progress).expect("the mission fits");
     let summaries = report.rows.into_iter().flat_map(|row| row.summaries);
     summaries.zip(NAMES).map(|(summary, radio)| Flights { seeds, radio, summary }).collect()

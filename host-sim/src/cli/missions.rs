@@ -1,0 +1,187 @@
+//! `missions`: random missions, as scenario files.
+
+use super::{Failure, about, print, scenario};
+use clap::Args;
+use host_sim::missions::{Ground, RandomMissions};
+use host_sim::{MAX_CELLS, MAX_TICKS, Scenario};
+use iibt_core::navigation::MAX_GOALS;
+use iibt_core::team::MAX_TEAM;
+use std::fs;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  host-sim missions --robots 4                         a mission on 8x8 cells with 15 % walls
+  host-sim missions --robots 4 --count 500 --out random-4
+  host-sim campaign random-4 --tree inference --disturbance none
+  host-sim missions --map factory --robots 2..5 --count 100 --out floor
+  host-sim missions --size 2x2..4x4 --walls 0..0.3 --robots 2..4 --owned --solvable --seed 7
+
+A range LEAST..MOST is drawn from for each mission. Starts and goals are in the largest part of the
+map between which ways lead. Not all robots stand on goals at the start.
+
+Exit status:
+  0  all missions were drawn
+  2  one could not be, or wrong usage or input";
+
+#[derive(Args, Debug)]
+pub(super) struct Missions {
+    /// The columns and rows of the map, or a range, as in 2x2..4x4
+    #[arg(long, value_name = "WxH", default_value = "8x8", value_parser = size, conflicts_with = "map")]
+    size: Size,
+    /// The share of cells that are blocked, or a range, as in 0..0.3
+    #[arg(long, value_name = "SHARE", default_value = "0.15", value_parser = walls, conflicts_with = "map")]
+    walls: Walls,
+    /// Draw robots and goals on the map of this scenario, in place of its own
+    #[arg(long, value_name = "NAME|FILE.toml")]
+    map: Option<String>,
+    /// The number of robots, or a range, as in 2..4
+    #[arg(long, value_name = "N", default_value = "3", value_parser = robots)]
+    robots: Robots,
+    /// The number of goals; one for each robot unless set
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=MAX_GOALS as i64), conflicts_with = "owned")]
+    goals: Option<u8>,
+    /// Each robot owns one of the goals
+    #[arg(long)]
+    owned: bool,
+    /// Only missions that a search over all joint states solves without a robot that enters a cell
+    /// which another leaves
+    #[arg(long)]
+    solvable: bool,
+    /// The ticks after which the missions count as not accomplished
+    #[arg(long, value_name = "TICKS", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_TICKS)))]
+    limit: u32,
+    /// The seed of the first mission; the next one takes the next seed
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// How many missions, into a folder
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000), requires = "out")]
+    count: u32,
+    /// A new or empty folder for the files, named by their seeds; else the mission is printed
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Clone, Debug)]
+struct Size {
+    width: RangeInclusive<u16>,
+    height: RangeInclusive<u16>,
+}
+
+#[derive(Clone, Debug)]
+struct Walls(RangeInclusive<f64>);
+
+#[derive(Clone, Debug)]
+struct Robots(RangeInclusive<usize>);
+
+impl Missions {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let kind = self.kind()?;
+        let Some(folder) = &self.out else { return Ok(print(&kind.draw(self.seed)?)?) };
+        let named = |reason: &dyn std::fmt::Display| format!("{}: {reason}", folder.display());
+        fs::create_dir_all(folder).map_err(|error| named(&error))?;
+        if fs::read_dir(folder).map_err(|error| named(&error))?.next().is_some() {
+            return Err(named(&"not empty: missions are written into a new or an empty folder").into());
+        }
+        let last =
+            self.seed.checked_add(u64::from(self.count - 1)).ok_or("the last seed is over 2^64 - 1")?;
+        let digits = last.to_string().len();
+        for seed in self.seed..=last {
+            let file = folder.join(format!("{seed:0digits$}.toml"));
+            fs::write(&file, kind.draw(seed)?).map_err(about(file.display()))?;
+        }
+        Ok(print(&format!("{} missions in {}\n", self.count, folder.display()))?)
+    }
+
+    fn kind(&self) -> Result<RandomMissions, Failure> {
+        let ground = match &self.map {
+            Some(name) => Ground::Given(Box::new(scenario(name)?.map)),
+            None => Ground::Drawn {
+                width: self.size.width.clone(),
+                height: self.size.height.clone(),
+                walls: self.walls.0.clone(),
+            },
+        };
+        Ok(RandomMissions {
+            ground,
+            robots: self.robots.0.clone(),
+            goals: self.goals.map(usize::from),
+            is_owned: self.owned,
+            is_solvable: self.solvable,
+            limit: self.limit,
+        })
+    }
+}
+
+/// The scenarios that an argument names: one, or those of a folder in the order of their names.
+pub(super) fn scenarios(name: &str) -> Result<Vec<Scenario>, Failure> {
+    let folder = Path::new(name);
+    if host_sim::library::find(name).is_some() || !folder.is_dir() {
+        return Ok(vec![scenario(name)?]);
+    }
+    let entries = fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+    let mut files: Vec<PathBuf> = entries.map_err(about(name))?.iter().map(fs::DirEntry::path).collect();
+    files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
+    files.sort();
+    if files.is_empty() {
+        return Err(format!("{name}: no file in this folder ends in .toml").into());
+    }
+    files.iter().map(|file| scenario(&file.to_string_lossy())).collect()
+}
+
+/// A number, or two with `..` between them.
+fn range<T: FromStr + Copy + PartialOrd>(text: &str) -> Option<RangeInclusive<T>> {
+    let (least, most) = text.split_once("..").unwrap_or((text, text));
+    let (least, most) = (least.parse().ok()?, most.parse().ok()?);
+    (least <= most).then_some(least..=most)
+}
+
+fn size(text: &str) -> Result<Size, String> {
+    let (least, most) = text.split_once("..").unwrap_or((text, text));
+    let sides =
+        |text: &str| text.split_once('x').map(|(width, height)| (width.to_owned(), height.to_owned()));
+    let read = sides(least).zip(sides(most)).and_then(|(least, most)| {
+        let width = range(&format!("{}..{}", least.0, most.0))?;
+        Some(Size { width, height: range(&format!("{}..{}", least.1, most.1))? })
+    });
+    let cells = |width: u16, height: u16| usize::from(width) * usize::from(height);
+    let fits = |size: &Size| {
+        cells(*size.width.start(), *size.height.start()) >= 2
+            && cells(*size.width.end(), *size.height.end()) <= MAX_CELLS
+    };
+    let reason = || format!("a size is WxH or WxH..WxH, with 2 to {MAX_CELLS} cells");
+    read.filter(fits).ok_or_else(reason)
+}
+
+fn walls(text: &str) -> Result<Walls, String> {
+    let is_share = |range: &RangeInclusive<f64>| *range.start() >= 0.0 && *range.end() < 1.0;
+    let reason = "a share of walls is a number from 0 to below 1, or LEAST..MOST";
+    range(text).filter(is_share).map(Walls).ok_or_else(|| reason.to_owned())
+}
+
+fn robots(text: &str) -> Result<Robots, String> {
+    let is_team = |range: &RangeInclusive<usize>| *range.start() >= 1 && *range.end() <= MAX_TEAM;
+    let reason = || format!("a number of robots is 1 to {MAX_TEAM}, or LEAST..MOST");
+    range(text).filter(is_team).map(Robots).ok_or_else(reason)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_shares_and_teams_are_read_and_what_is_wrong_is_refused() {
+        let both = size("2x3..4x5").expect("a range");
+        assert_eq!((both.width, both.height), (2..=4, 3..=5));
+        assert!(size("32x32").is_ok() && size("1024x1").is_ok());
+        for wrong in ["", "8", "8x", "1x1", "33x32", "4x4..3x5", "2x2..", "8x8x8", "-1x8", "0x9"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(walls("0..0.3").expect("a range").0, 0.0..=0.3);
+        assert!(["1", "-0.1", "NaN", "0.3..0.2", "x"].iter().all(|wrong| walls(wrong).is_err()));
+        assert_eq!(robots("2..8").expect("a range").0, 2..=8);
+        assert!(["0", "9", "4..2", "", "2..9"].iter().all(|wrong| robots(wrong).is_err()));
+    }
+}
