@@ -11,6 +11,7 @@ mod campaign;
 mod choices;
 mod documentation;
 mod emulated;
+mod figures;
 mod frames;
 #[path = "inference/main.rs"]
 mod inference;
