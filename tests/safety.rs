@@ -75,7 +75,11 @@ impl Fates {
                 println!("{name}: seed {seed}: {fate:?}");
             }
         }
-        println!("{name}: seeds 0 to {}: {fates:?} of {runs} flights", runs - 1);
+        let Self { arrived, cut_off, held_up, collided } = fates;
+        let last = runs - 1;
+        println!(
+            "{name}: seeds 0 to {last}: {arrived} arrived, {cut_off} cut off, {held_up} held up, {collided} collided"
+        );
         fates
     }
 

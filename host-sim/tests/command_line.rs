@@ -197,6 +197,14 @@ fn random_missions_are_drawn_and_flown_as_a_campaign() {
     let summary = &flown["rows"][0]["summaries"][0];
     let counts = (&summary["accomplished"]["count"], &summary["accomplished"]["of"], &summary["missed"]);
     assert_eq!(counts, (&Value::from(3), &Value::from(3), &Value::Array(Vec::new())));
+    let alone = |(seed, name): (usize, &str)| {
+        let line = format!("run --disturbance none --json --seed {seed}");
+        let flown = host_sim(&line).arg(out.join(name)).assert().success();
+        let record: Value = serde_json::from_slice(&flown.get_output().stdout).expect("JSON");
+        record["ticks"].as_f64().expect("a number")
+    };
+    let sum: f64 = ["09.toml", "10.toml", "11.toml"].into_iter().enumerate().map(alone).sum();
+    assert_eq!(summary["reported"]["mean"].as_f64(), Some(sum / 3.0), "each file is flown once");
     let slow = campaign("--tree image --budget 1");
     let ticks =
         |flown: &Value| flown["rows"][0]["summaries"][0]["reported"]["mean"].as_f64().expect("a number");
