@@ -6,7 +6,7 @@
 
 use crate::referee::Collisions;
 use crate::scenario::{Floor, Scenario};
-use iibt_core::grid::{Cell, CellSet};
+use iibt_core::grid::Cell;
 use serde::Serialize;
 
 /// How a flight ended.
@@ -80,13 +80,16 @@ impl Evidence<'_> {
         need > 0 && stands && !self.has_errand && self.held().count() >= need
     }
 
-    /// The goals that robots hold: each stands on any that no robot owns, or on its own.
+    /// The goals that robots hold: each stands on its own, or on any that no robot that takes part
+    /// owns.
     fn held(&self) -> impl Iterator<Item = Cell> + '_ {
         let robots = &self.scenario.robots;
-        let owner = |goal| robots.iter().position(|robot| robot.goal == Some(goal));
+        let is_owned = |goal| {
+            robots.iter().zip(self.members).any(|(robot, &is_member)| is_member && robot.goal == Some(goal))
+        };
         let holds = move |robot: usize, cell| match robots[robot].goal {
             Some(own) => own == cell,
-            None => self.scenario.goals.contains(&cell) && owner(cell).is_none(),
+            None => self.scenario.goals.contains(&cell) && !is_owned(cell),
         };
         let cells = self.history.last().into_iter().flatten().copied().enumerate();
         cells.filter(move |&(robot, cell)| self.members[robot] && holds(robot, cell)).map(|(_, cell)| cell)
@@ -124,17 +127,8 @@ pub(crate) fn arrival(history: &[Vec<Cell>], robot: usize) -> Option<u32> {
 
 /// Whether a way leads from one of the starts to a cell past the closed ones.
 fn reaches(floor: &Floor, starts: &[Cell], to: Cell, closed: &[Cell]) -> bool {
-    let mut open: Vec<Cell> = starts.iter().copied().filter(|start| !closed.contains(start)).collect();
-    let mut seen: CellSet<{ iibt_core::grid::words(crate::scenario::MAX_CELLS, 1) }> =
-        open.iter().copied().collect();
-    while let Some(cell) = open.pop() {
-        if cell == to {
-            return true;
-        }
-        let next = floor.free_neighbours(cell).map(|(_, next)| next);
-        open.extend(next.filter(|next| !closed.contains(next)).filter(|&next| seen.insert(next)));
-    }
-    false
+    let near = floor.avoiding(closed.iter().copied()).connected(to);
+    starts.iter().any(|start| near.contains(*start) && !closed.contains(start))
 }
 
 #[cfg(test)]
@@ -213,6 +207,13 @@ mod tests {
         let owned = case("1.. 2.. ...", "goals = [2]\n[[robot]]\n[[robot]]\ngoal = 5");
         assert_eq!(owned.outcome(&[&[1, 4], &[2, 5]]), Outcome::Together);
         assert_eq!(owned.outcome(&[&[4, 1], &[5, 2]]), Outcome::Unfinished);
+    }
+
+    #[test]
+    fn the_goal_of_a_robot_that_takes_no_part_is_anybodys() {
+        let mut owned = case("1.. 2.. ...", "goals = [2]\n[[robot]]\n[[robot]]\ngoal = 5");
+        owned.members[1] = false;
+        assert_eq!(owned.outcome(&[&[4, 3], &[5, 3]]), Outcome::Together);
     }
 
     #[test]

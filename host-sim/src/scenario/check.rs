@@ -3,7 +3,7 @@
 use super::drawing::Drawing;
 use super::file::ScenarioFile;
 use super::{DriveFault, InferenceSpec, MAX_TICKS, RobotSpec, Scenario, file, reach};
-use crate::input::{Fault, Read, WholeNumber, line_of_text, optional, parameter, share, whole};
+use crate::input::{Fault, Read, WholeNumber, line_of_text, optional, parameter, refuse, share, whole};
 use crate::text::{counted, move_called};
 use iibt_core::grid::Cell;
 use iibt_core::navigation::MAX_GOALS;
@@ -65,20 +65,20 @@ impl Drawing {
                 format!("{what} {value} is outside the map, whose cells are 0 to {last}")
             }
         };
-        Err(Fault::new(number.span(), reason))
+        refuse(number.span(), reason)
     }
 
     fn goals(&self, file: &ScenarioFile) -> Read<Vec<Cell>> {
         let Some(listed) = &file.goals else { return Ok(self.goals.clone()) };
         if !self.goals.is_empty() {
             let reason = "the map draws goals as 'G' already: leave one of the two out";
-            return Err(Fault::new(listed.span(), reason));
+            return refuse(listed.span(), reason);
         }
         let mut goals = Vec::new();
         for number in listed.get_ref() {
             let goal = self.free("goal", number)?;
             if goals.contains(&goal) {
-                return Err(Fault::new(number.span(), format!("goal {} is listed twice", goal.0)));
+                return refuse(number.span(), format!("goal {} is listed twice", goal.0));
             }
             goals.push(goal);
         }
@@ -93,10 +93,10 @@ fn services(file: &ScenarioFile, goals: &[Cell]) -> Read<Vec<f64>> {
         let service = service.get_ref();
         let number = *service.cell.get_ref();
         let Some(goal) = goals.iter().position(|goal| i64::from(goal.0) == number) else {
-            return Err(Fault::new(service.cell.span(), format!("{number} is no goal")));
+            return refuse(service.cell.span(), format!("{number} is no goal"));
         };
         if serves[goal].replace(share("serves", Some(&service.serves), 1.0)?).is_some() {
-            return Err(Fault::new(service.cell.span(), format!("goal {number} has a [[goal]] already")));
+            return refuse(service.cell.span(), format!("goal {number} has a [[goal]] already"));
         }
     }
     Ok(serves.into_iter().map(|serves| serves.unwrap_or(1.0)).collect())

@@ -3,7 +3,7 @@
 use super::check::named;
 use super::drawing::Drawing;
 use super::{Event, EventEffect, MAX_TICKS, RobotSpec, Trigger, file, reach};
-use crate::input::{Fault, Read, WholeNumber, whole};
+use crate::input::{Fault, Read, WholeNumber, refuse, whole};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::Cell;
 use toml::Spanned;
@@ -34,7 +34,7 @@ impl Drawing {
             _ => return Err(Fault::anywhere(WHEN)),
         };
         match &written.moves {
-            Some(moves) => Err(Fault::new(moves.span(), "moves are those of a plan: write plan = N with it")),
+            Some(moves) => refuse(moves.span(), "moves are those of a plan: write plan = N with it"),
             None => Ok(when),
         }
     }
@@ -52,10 +52,10 @@ impl Drawing {
             return Err(Fault::anywhere(WHAT));
         }
         if let (Some(ticks), None) = (&written.ticks, &written.stop) {
-            return Err(Fault::new(ticks.span(), "only stop takes a time: leave `for` out"));
+            return refuse(ticks.span(), "only stop takes a time: leave `for` out");
         }
         if let (Some(who), true) = (&written.who, given[..3].contains(&true)) {
-            return Err(Fault::new(who.span(), "an obstacle is nobody's: leave `who` out"));
+            return refuse(who.span(), "an obstacle is nobody's: leave `who` out");
         }
         let concerned = || whose(written, when, robots);
         if let Some(cell) = &written.block {
@@ -79,7 +79,7 @@ impl Drawing {
         if let Some(robot) = robots.iter().find(|robot| robot.start == blocked) {
             let reason =
                 format!("{} is where {} starts: no obstacle can appear there", blocked.0, robot.name);
-            return Err(Fault::new(span, reason));
+            return refuse(span, reason);
         }
         Ok(EventEffect::Block(blocked))
     }
@@ -91,14 +91,14 @@ impl Drawing {
             return Ok(cell);
         }
         let (name, start) = (&robot.name, robot.start.0);
-        Err(Fault::new(number.span(), format!("{name} on {start} cannot reach the {what} {}", cell.0)))
+        refuse(number.span(), format!("{name} on {start} cannot reach the {what} {}", cell.0))
     }
 }
 
 fn stop(written: &file::EventEntry, robot: usize) -> Read<EventEffect> {
     if let Some(stop) = written.stop.as_ref().filter(|stop| !*stop.get_ref()) {
         let reason = "stop = false says nothing: write true, or leave it out";
-        return Err(Fault::new(stop.span(), reason));
+        return refuse(stop.span(), reason);
     }
     let ticks = whole("for", written.ticks.as_ref(), 1..=MAX_TICKS, MAX_TICKS)?;
     Ok(EventEffect::Stop(robot, written.ticks.as_ref().map(|_| ticks)))

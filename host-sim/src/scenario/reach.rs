@@ -5,7 +5,7 @@
 
 use super::{Floor, MAX_CELLS, RobotSpec};
 use iibt_core::actions::HORIZON;
-use iibt_core::grid::{Cell, Move, Planner};
+use iibt_core::grid::{Cell, Planner};
 
 /// A robot without a goal, by its index, and the reason.
 pub(super) type Stranded = (usize, String);
@@ -31,21 +31,13 @@ pub(super) fn enough_goals(
 
 /// How many parts the free cells fall into between which no way leads.
 pub(crate) fn parts(floor: &Floor) -> usize {
-    let mut seen: Vec<bool> = (0..floor.len() as u16).map(|cell| !floor.is_free(Cell(cell))).collect();
-    let mut parts = 0;
-    while let Some(first) = seen.iter().position(|seen| !seen) {
-        parts += 1;
-        let mut open = vec![Cell(first as u16)];
-        seen[first] = true;
-        while let Some(cell) = open.pop() {
-            for next in Move::ALL.map(|step| floor.neighbour(cell, step)) {
-                if !std::mem::replace(&mut seen[next.index()], true) {
-                    open.push(next);
-                }
-            }
-        }
-    }
-    parts
+    let mut seen = floor.free_cells().without(&floor.free_cells());
+    let is_first = |&cell: &Cell| {
+        let is_new = !seen.contains(cell);
+        seen = if is_new { seen.union(&floor.connected(cell)) } else { seen };
+        is_new
+    };
+    floor.free_cells().iter().filter(is_first).count()
 }
 
 /// Whether a robot's plan can lead from its start to a cell.

@@ -3,7 +3,7 @@
 use super::drawing::Drawing;
 use super::file::{self, ScenarioFile};
 use super::{MAX_PATHS, RobotSpec};
-use crate::input::{Fault, Read, WholeNumber, line_of_text, parameter, percent, share, whole};
+use crate::input::{Fault, Read, WholeNumber, line_of_text, parameter, percent, refuse, share, whole};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Path};
 use iibt_core::navigation::MAX_PACE;
@@ -20,7 +20,7 @@ impl Drawing {
     pub(super) fn team_size(&self, file: &ScenarioFile) -> Read<usize> {
         if let Some(extra) = file.robots.get(MAX_TEAM) {
             let reason = format!("{} robots, but a team has at most {MAX_TEAM}", file.robots.len());
-            return Err(Fault::new(extra.span(), reason));
+            return refuse(extra.span(), reason);
         }
         let drawn = self.starts.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
         let missing = |&index: &usize| file.robots.get(index).is_none() && self.starts[index].is_none();
@@ -34,7 +34,7 @@ impl Drawing {
                 )
             }
         };
-        Err(Fault::new(file.map.span(), reason))
+        refuse(file.map.span(), reason)
     }
 
     /// The robots in the order of their numbers: those written, and those only drawn.
@@ -88,7 +88,7 @@ impl Drawing {
             (Some(cell), None) => Ok(cell),
             (Some(_), Some(number)) => {
                 let reason = format!("the map draws {name} as '{mark}' already: leave one of the two out");
-                Err(Fault::new(number.span(), reason))
+                refuse(number.span(), reason)
             }
             (None, None) => {
                 let reason = format!("{name} has no start: write start = CELL, or draw '{mark}' on the map");
@@ -112,7 +112,7 @@ impl Drawing {
         match others.iter().find(|other| of(other) == Some(cell)) {
             Some(other) => {
                 let reason = format!("{} is the {what} of {} already", cell.0, other.name);
-                Err(Fault::new(number.span(), reason))
+                refuse(number.span(), reason)
             }
             None => Ok(Some(cell)),
         }
@@ -123,13 +123,13 @@ impl Drawing {
         let count = listed.get_ref().len();
         if count == 0 || count > MAX_PATHS {
             let reason = format!("{count} paths listed: give 1 to {MAX_PATHS}, or leave `paths` out");
-            return Err(Fault::new(listed.span(), reason));
+            return refuse(listed.span(), reason);
         }
         let paths = listed.get_ref().iter().map(|path| self.path(path, goals));
         let paths = paths.collect::<Read<Vec<_>>>()?;
         if paths.iter().all(|path| path.start != start) {
             let reason = format!("no path begins at {}, where the robot starts", start.0);
-            return Err(Fault::new(listed.span(), reason));
+            return refuse(listed.span(), reason);
         }
         Ok(paths)
     }
@@ -141,7 +141,7 @@ impl Drawing {
         for (pair, number) in cells.windows(2).zip(numbers.iter().skip(1)) {
             if self.map.move_between(pair[0], pair[1]).is_none() {
                 let reason = format!("{} and {} on the path are no neighbours", pair[0].0, pair[1].0);
-                return Err(Fault::new(number.span(), reason));
+                return refuse(number.span(), reason);
             }
         }
         ends_well(&cells, goals).map_err(|reason| Fault::new(listed.span(), reason))?;
@@ -179,7 +179,7 @@ fn all_or_none(robots: &[RobotSpec], file: &ScenarioFile) -> Read<()> {
     match (listed, robots.iter().find(|robot| robot.paths.is_empty())) {
         (Some(listed), Some(robot)) => {
             let reason = format!("{} has no paths: list them for every robot or for none", robot.name);
-            Err(Fault::new(listed.span(), reason))
+            refuse(listed.span(), reason)
         }
         _ => Ok(()),
     }

@@ -64,6 +64,26 @@ impl<const W: usize> Spread<W> {
     }
 }
 
+impl<const W: usize> Map<W> {
+    /// Returns the cells to which moves lead from a cell, that cell included.
+    ///
+    /// Cost: linear in `W` for each distance.
+    ///
+    /// ```
+    /// use iibt_core::grid::{Cell, Map};
+    ///
+    /// let map = Map::<1>::drawn("..#.\n#.#.")?;
+    /// assert!(map.connected(Cell(0)).iter().eq([0, 1, 5].map(Cell)));
+    /// # Ok::<(), iibt_core::grid::DrawingError>(())
+    /// ```
+    #[must_use]
+    pub fn connected(&self, from: Cell) -> CellSet<W> {
+        let mut cells = CellSet::EMPTY;
+        Spread::over(self).flood(from, |cell, _| _ = cells.insert(cell));
+        cells
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::pictures::Random;
