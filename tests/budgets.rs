@@ -44,6 +44,12 @@ fn instructions_per_tick_are_within_budget() {
     image.send(&second.tick(&[]));
     image.wait_for("Announced");
     assert_within("team_member", "listing_tick", instructions(&mut image));
+    agree(&mut image, &mut second);
+    assert_within("team_member", "deciding_tick", instructions(&mut image));
+}
+
+/// Answers with the scores of the other robot until the image has come to an agreement with it.
+fn agree(image: &mut Robot, second: &mut OnHost) {
     let has_scored = |frame: &[u8]| {
         let frame =
             decode::<Message>(&frame[1..frame.len() - 1], &SipHash64::new(DEMO_KEY), second.context());
@@ -53,7 +59,22 @@ fn instructions_per_tick_are_within_budget() {
     second.tick(&scored.expect("it announces its scores"));
     image.send(&second.tick(&[]));
     image.wait_for("Agreed");
-    assert_within("team_member", "deciding_tick", instructions(&mut image));
+}
+
+/// From the first tick on: listening, listing, scoring, deciding and the first moves, with the
+/// interrupts in between.
+#[test]
+fn the_stack_of_a_tick_is_within_budget() {
+    let mut image = Robot::boot(team_member());
+    image.wait_for("took");
+    let top = image.pause().paint();
+    let mut second = OnHost::robot(1);
+    image.send(&second.tick(&[]));
+    image.wait_for("Announced");
+    agree(&mut image, &mut second);
+    image.wait_for("took");
+    let used = top - image.pause().lowest_used();
+    assert_within("team_member", "stack_of_a_tick", used.into());
 }
 
 #[test]

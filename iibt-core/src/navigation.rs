@@ -14,6 +14,7 @@
 
 mod cause;
 mod claim;
+mod combinations;
 mod errands;
 mod experience;
 mod fact;

@@ -3,6 +3,7 @@
 pub mod budgets;
 pub mod dense;
 pub mod elf;
+pub mod gdb;
 pub mod handling;
 pub mod judge;
 pub mod oracle;

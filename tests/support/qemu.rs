@@ -3,6 +3,7 @@
 //! Nothing here measures time. Reads wait for the emulator; the [`PATIENCE`] only ends a test that
 //! hangs.
 
+use crate::gdb::Paused;
 use defmt_decoder::{DecodeError, Table};
 use std::io::{Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -150,6 +151,15 @@ impl Robot {
         &self.seen
     }
 
+    /// Pauses the robot, to look at its memory.
+    ///
+    /// # Panics
+    /// When QEMU does not answer.
+    #[must_use]
+    pub fn pause(&self) -> Paused {
+        Paused::at(&self.sockets.join("gdb"))
+    }
+
     /// Sends bytes over the link.
     ///
     /// # Panics
@@ -227,6 +237,7 @@ fn start(image: &Path, sockets: &Path, options: &[&str]) -> Child {
     for (name, serial) in [("log", "chardev:log"), ("link", "chardev:link")] {
         command.args(["-chardev", &socket(name), "-serial", serial]);
     }
+    command.args(["-gdb", &format!("unix:{},server=on,wait=off", sockets.join("gdb").display())]);
     command.args(options).arg("-kernel").arg(image).stdin(Stdio::null());
     command.spawn().unwrap_or_else(|error| panic!("qemu-system-arm: {error}; `tests/run` installs it"))
 }

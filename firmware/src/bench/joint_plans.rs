@@ -1,11 +1,18 @@
 //! Random problems of a team, the same on the host and on the target, and the plans for them.
 
-use iibt_core::grid::joint::{Errand, JointPlan, JointPlanner, Problem, Target};
+use iibt_core::grid::joint::{Errand, JointPlan, JointPlanner, PolicyList, Problem, Target};
 use iibt_core::grid::{Cell, CellSet, Map};
 use iibt_core::navigation::Mission;
+use iibt_core::inference::{PolicyCost, WeighedPolicies};
 
 /// The planner of an image: 64 cells, horizon 32, eight robots.
 pub type Planner = JointPlanner<2, 33, 8, 64>;
+
+/// The list of joint policies of an image.
+pub type List = PolicyList<2, 33, 8, 64, 16>;
+
+/// How many joint policies are listed where nothing is unknown.
+pub const LISTED: usize = 4;
 
 /// How many problems of each size are planned.
 pub const PROBLEMS: u32 = 200;
@@ -80,15 +87,14 @@ pub struct Plans {
 /// Plans for a number of robots. `measure` plans, and returns what that took beside the plan.
 pub fn plan_all(
     robots: usize,
-    planner: &mut Planner,
-    mut measure: impl FnMut(&Instance, &mut Planner) -> (Option<(JointPlan<8>, u32)>, u32),
+    mut measure: impl FnMut(&Instance) -> (Option<(JointPlan<8>, u32)>, u32),
 ) -> Plans {
     let mut problems = Problems::new(2026);
     let mut plans = Plans::default();
     let (mut solved, mut sum) = (0, 0_u64);
     while solved < PROBLEMS {
         let Some(problem) = problems.next(robots) else { continue };
-        let (Some((plan, units)), took) = measure(&problem, planner) else { continue };
+        let (Some((plan, units)), took) = measure(&problem) else { continue };
         solved += 1;
         sum += u64::from(took);
         plans.worst = plans.worst.max(took);
@@ -117,6 +123,25 @@ impl Instance {
         planner.start();
         let plan = planner.work(&problem, &mut budget)?.ok().filter(|plan| plan.short_by() == 0)?;
         Some((plan, u32::MAX - budget))
+    }
+
+    /// Decides, all at once: lists joint policies and weighs them by their steps; returns the one
+    /// that is chosen and the work units that it took, or `None` where not all goals can be
+    /// reached.
+    pub fn decide(&self, list: &mut List) -> Option<(JointPlan<8>, u32)> {
+        let Self { map, errands, goals, robots } = self;
+        let (errands, goals) = (errands.get(..*robots)?, goals.get(..*robots)?);
+        let problem = Problem { map, closed: CellSet::EMPTY, errands, goals, need: *robots };
+        let mut budget = u32::MAX;
+        list.start();
+        let is_done = list.work(&problem, LISTED, &mut budget);
+        let costs = list
+            .policies()
+            .iter()
+            .map(|plan| PolicyCost { time: 8 * plan.steps() as u16, ..PolicyCost::FREE });
+        let choice = WeighedPolicies::<16>::new(costs, 1.0).ok()?.choose().filter(|_| is_done)?;
+        let plan = *list.policies().get(choice.policy)?;
+        (plan.short_by() == 0 && list.failure().is_none()).then_some((plan, u32::MAX - budget))
     }
 
     fn hash(&self, plan: &JointPlan<8>) -> u32 {

@@ -1,5 +1,5 @@
 //! Joint plans on the STM32F405: logs how long the plans for random problems of two, four and eight
-//! robots take, and the digest of all of them.
+//! robots take, and the decisions among four, and the digests of all of them.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -12,37 +12,58 @@ fn main() {
 #[cfg(target_os = "none")]
 mod image {
     use firmware::adapters::Chassis;
-    use firmware::bench::joint_plans::{Instance, Planner, plan_all};
+    use firmware::bench::joint_plans::{Instance, List, Planner, Plans, plan_all};
     use firmware::board::{self, Board};
     use iibt_core::grid::joint::JointPlan;
+
+    /// A plan and the work units that it took.
+    type Planned = Option<(JointPlan<8>, u32)>;
+
+    struct Memory {
+        planner: Planner,
+        list: List,
+    }
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
         let chassis = Chassis { cell: 1.0, track: 0.1, speed: 1.0, duty: 0 };
         let Some(board) = Board::take(chassis) else { board::restart() };
-        let mut planner = Planner::new();
+        let mut memory = Memory { planner: Planner::new(), list: List::new() };
         for robots in [2, 4, 8] {
-            let plans = plan_all(robots, &mut planner, |problem, planner| {
+            let measured = |work: &mut dyn FnMut() -> Planned| {
                 let started = board.clock.cycles();
-                let plan = plan(problem, planner);
+                let plan = work();
                 (plan, board.clock.cycles().wrapping_sub(started))
-            });
-            defmt::info!(
-                "{=usize} robots: took {=u32} cycles, worst {=u32}, {=u32} units, digest {=u32:08x}",
-                robots,
-                plans.mean,
-                plans.worst,
-                plans.units,
-                plans.digest
-            );
+            };
+            let plans = plan_all(robots, |problem| measured(&mut || plan(problem, &mut memory)));
+            log("plans", robots, &plans);
+            let decisions = plan_all(robots, |problem| measured(&mut || decide(problem, &mut memory)));
+            log("decisions", robots, &decisions);
         }
         loop {
             board::sleep();
         }
     }
 
+    fn log(what: &str, robots: usize, plans: &Plans) {
+        defmt::info!(
+            "{=str} of {=usize} robots: took {=u32} cycles, worst {=u32}, {=u32} units, digest {=u32:08x}",
+            what,
+            robots,
+            plans.mean,
+            plans.worst,
+            plans.units,
+            plans.digest
+        );
+    }
+
     #[inline(never)]
-    fn plan(problem: &Instance, planner: &mut Planner) -> Option<(JointPlan<8>, u32)> {
-        problem.plan(planner)
+    fn plan(problem: &Instance, memory: &mut Memory) -> Planned {
+        problem.plan(&mut memory.planner)
+    }
+
+    #[inline(never)]
+    fn decide(problem: &Instance, memory: &mut Memory) -> Planned {
+        problem.decide(&mut memory.list)
     }
 }

@@ -49,6 +49,9 @@ mod image {
 
     /// `None` when a part is taken already or the mission does not fit: neither can happen after a
     /// reset.
+    ///
+    /// On a stack of its own, which the ticks use again: the robot is made there.
+    #[inline(never)]
     fn start() -> Option<&'static mut Robot> {
         let mut board = Board::take(CHASSIS)?;
         board.led.set_high();

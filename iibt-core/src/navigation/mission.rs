@@ -57,7 +57,8 @@ pub struct Mission<'m, const W: usize> {
     /// Paths given by hand for each robot, used while all robots stand where theirs begin: the
     /// joint policies are their combinations without conflicts, in order.
     pub paths: Option<&'m [&'m [Path]]>,
-    /// The number of joint policies to weigh, at least 1; the robot's `K` is the most.
+    /// The number of joint policies to weigh, at least 1, by default 4; the robot's `K` is the most.
+    /// Of a mission that lists paths, all their combinations are weighed, up to `K`.
     pub policies: u8,
     /// The precision β of the posterior over policies, in nats per tick. The choice does not depend
     /// on it, only how sure it is.
@@ -234,12 +235,6 @@ impl<'m, const W: usize> Mission<'m, W> {
         }
     }
 
-    /// Returns the paths given by hand for a robot that stands at `from`; none through walls.
-    pub(super) fn listed(&self, robot: RobotId, from: Cell) -> impl Iterator<Item = &'m Path> + Clone + '_ {
-        let list: &'m [Path] = self.paths.unwrap_or(&[]).get(robot.index()).copied().unwrap_or(&[]);
-        list.iter().filter(move |path| path.start == from && path.is_open(&self.map))
-    }
-
     /// Returns the first cell that is blocked, outside the map or listed twice.
     fn misplaced(&self, cells: impl Iterator<Item = Cell> + Clone) -> Option<Cell> {
         let twice = |index: usize, cell| cells.clone().take(index).any(|other| other == cell);
@@ -290,18 +285,5 @@ mod tests {
             assert_eq!(check(&[None, Some(Cell(wrong))]), Err(MissionError::Charger(Cell(wrong))));
         }
         assert_eq!(check(&[Some(Cell(2)), Some(Cell(2))]), Err(MissionError::Charger(Cell(2))));
-    }
-
-    #[test]
-    fn paths_given_by_hand_are_used_where_they_begin_and_only_if_they_are_open() {
-        let mut map = Map::<1>::new(5, 1).unwrap();
-        let through = |cells: [u16; 3]| Path::through(&map, &cells.map(Cell)).unwrap();
-        let (right, left, wall) = (through([1, 2, 2]), through([1, 0, 0]), through([1, 2, 3]));
-        map.block(Cell(3));
-        let paths: [&[Path]; 1] = [&[right, wall, left]];
-        let mission = Mission { paths: Some(&paths), ..Mission::new(map, &[Cell(1)], &[Cell(0)]) };
-        assert!(mission.listed(RobotId(0), Cell(1)).eq([&right, &left]));
-        assert_eq!(mission.listed(RobotId(0), Cell(2)).count(), 0);
-        assert_eq!(mission.listed(RobotId(1), Cell(1)).count(), 0);
     }
 }

@@ -1,6 +1,7 @@
 //! The list of joint policies of a round: made from its facts, alike in every robot.
 
 use super::claim::Cells;
+use super::combinations::{Combination, Combinations};
 use super::fact::{Fact, Purpose, blocked};
 use super::mission::{MAX_GOALS, Mission};
 use crate::bounded::up_to;
@@ -18,9 +19,6 @@ pub type TeamPlan = JointPlan<MAX_TEAM>;
 /// What it costs, in eighths of a tick, to end on a goal less than needed.
 const SHORT: usize = 8 * 32;
 
-/// The most combinations of paths given by hand that are looked at.
-const MAX_COMBINATIONS: usize = 4096;
-
 /// The members of a round with their facts, in the order of their numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Members<'a, const W: usize> {
@@ -34,7 +32,7 @@ impl<'a, const W: usize> Members<'a, W> {
         Self { facts: core::array::from_fn(fact) }
     }
 
-    fn iter(&self) -> impl Iterator<Item = (RobotId, &'a Fact<W>)> + Clone + '_ {
+    pub(super) fn iter(&self) -> impl Iterator<Item = (RobotId, &'a Fact<W>)> + Clone + '_ {
         (0..).map(RobotId).zip(self.facts).filter_map(|(robot, fact)| Some((robot, fact?)))
     }
 
@@ -49,12 +47,14 @@ impl<'a, const W: usize> Members<'a, W> {
 #[derive(Clone, Debug)]
 pub struct Policies<const W: usize, const L: usize, const M: usize, const K: usize> {
     list: PolicyList<W, L, MAX_TEAM, M, K>,
+    /// Those of paths given by hand, as long as there may be more.
+    combinations: Option<Combinations>,
     is_done: bool,
 }
 
 impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W, L, M, K> {
     pub(super) const fn new() -> Self {
-        Self { list: PolicyList::new(), is_done: false }
+        Self { list: PolicyList::new(), combinations: Some(Combinations::new()), is_done: false }
     }
 
     /// Makes the whole list of a round; `None` if the fact of a member is missing. On maps of `W`
@@ -100,6 +100,7 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
     /// Forgets the list, to make another.
     pub(super) fn clear(&mut self) {
         self.list.start();
+        self.combinations = Some(Combinations::new());
         self.is_done = false;
     }
 
@@ -131,8 +132,10 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
             return;
         }
         let closed = blocked::<W>(members.facts()).union(walls);
-        if self.plans().is_empty() {
-            self.combine(mission, members, &closed);
+        if self.combinations.is_some() {
+            if self.combine(mission, members, &closed, budget).is_none() {
+                return;
+            }
             self.is_done = !self.plans().is_empty();
         }
         if !self.is_done {
@@ -142,39 +145,31 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
         }
     }
 
-    /// Combines paths given by hand, where every member stands at the beginning of one.
-    fn combine(&mut self, mission: &Mission<'_, W>, members: &Members<'_, W>, closed: &CellSet<W>) {
-        let is_open = |path: &&Path| path.cells(&mission.map).skip(1).all(|cell| !closed.contains(cell));
-        let lists = || members.iter().map(|(robot, fact)| mission.listed(robot, fact.anchor).filter(is_open));
-        if mission.paths.is_none() || members.facts().any(|fact| fact.purpose != Purpose::Goal) {
-            return;
-        }
-        let count = lists().fold(1_usize, |count, list| count.saturating_mul(list.count()));
-        for combination in 0..count.min(MAX_COMBINATIONS) {
-            let mut slower = count;
-            let paths = lists().map_while(|mut list| {
-                let choices = list.clone().count().max(1);
-                slower /= choices;
-                list.nth(combination / slower.max(1) % choices).copied()
-            });
-            let paths: Vec<Path, MAX_TEAM> = up_to(paths);
-            let ends = || paths.iter().map(|path| path.end(&mission.map));
-            let are_goals =
-                members.iter().zip(ends()).all(|((robot, _), end)| mission.is_goal_of(robot, end));
-            let Some(plan) = TeamPlan::new(&paths).filter(|_| are_goals) else { continue };
-            let fits = plan.conflict(&mission.map).is_none();
-            if fits && !self.list.offer(plan.arriving(together(&plan))) {
-                return;
+    /// Takes the combinations of paths given by hand, one for each work unit; returns whether it has
+    /// come to their end.
+    #[inline(never)] // its plans are on the stack while they are made
+    fn combine(
+        &mut self,
+        mission: &Mission<'_, W>,
+        members: &Members<'_, W>,
+        closed: &CellSet<W>,
+        budget: &mut u32,
+    ) -> Option<()> {
+        let is_for_goals = members.facts().all(|fact| fact.purpose == Purpose::Goal);
+        while let Some(combinations) = self.combinations.as_mut().filter(|_| is_for_goals) {
+            *budget = budget.checked_sub(1)?;
+            let is_last = match combinations.next(mission, members, closed) {
+                Combination::Plan(plan) => !self.list.offer(plan),
+                Combination::Useless => false,
+                Combination::End => true,
+            };
+            if is_last {
+                break;
             }
         }
+        self.combinations = None;
+        Some(())
     }
-}
-
-/// Whether the paths of a plan end in the same step, so that its robots can wait for each other.
-fn together(plan: &TeamPlan) -> crate::grid::joint::Arrival {
-    let steps = plan.steps();
-    let is_even = plan.paths().iter().all(|path| path.len() == steps || path.is_empty());
-    if is_even { crate::grid::joint::Arrival::Together } else { crate::grid::joint::Arrival::Staggered }
 }
 
 /// What a planner is asked for.

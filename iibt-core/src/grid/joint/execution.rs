@@ -8,7 +8,7 @@
 //! theirs but the last.
 
 use super::super::{Cell, Map};
-use super::flow::{Table, cell, set};
+use super::table::{Table, cell, set};
 use super::{Arrival, JointPlan};
 use crate::actions::HORIZON;
 

@@ -19,6 +19,7 @@
 
 use super::super::{Cell, CellSet};
 use super::network::Network;
+use super::table::{NOWHERE, Table, cell, set};
 use super::walk::Walk;
 
 /// Where a search has come to.
@@ -49,18 +50,12 @@ pub(super) struct Query<const W: usize> {
     pub(super) latest: usize,
 }
 
-/// The cells of all robots at every layer or step.
-pub(super) type Table<const L: usize, const N: usize> = [[Cell; N]; L];
-
 /// A search came to a path, whose cells it had reached below the layer `from` before.
 #[derive(Clone, Copy, Debug)]
 struct Touch {
     path: u8,
     from: u8,
 }
-
-/// No cell: larger than the number of any cell of a map.
-const NOWHERE: Cell = Cell(u16::MAX);
 
 /// One flow of at most `N` robots over `W` words of cells and at most `L - 1` steps.
 #[derive(Clone, Debug)]
@@ -394,17 +389,5 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         let slot = self.touches.as_flattened_mut().get_mut(self.touch_count);
         self.touch_count += 1;
         slot.map(|slot| *slot = Touch { path: path as u8, from: from as u8 }).is_some()
-    }
-}
-
-/// The cell of a path at a layer or step.
-pub(super) fn cell<const L: usize, const N: usize>(table: &Table<L, N>, at: usize, path: usize) -> Cell {
-    table.get(at).and_then(|cells| cells.get(path)).copied().unwrap_or(NOWHERE)
-}
-
-/// Sets the cell of a path.
-pub(super) fn set<const L: usize, const N: usize>(table: &mut Table<L, N>, at: usize, path: usize, to: Cell) {
-    if let Some(slot) = table.get_mut(at).and_then(|cells| cells.get_mut(path)) {
-        *slot = to;
     }
 }

@@ -23,8 +23,8 @@ use crate::grid::{Cell, Path};
 /// is shortened, and is not always the shortest. It depends on the sizes, the calls, the problem and the
 /// targets alone.
 ///
-/// It needs `M (4 N + 2)` bytes rounded up to words for the states (34 for eight robots) and `64 W
-/// N` for distances: 3.2 KB for eight robots on 64 cells with 64 states, 9.8 KB with 256.
+/// It needs `M (3 N + 8)` bytes for the states (32 for eight robots) and `48 W N` for distances:
+/// 2.9 KB for eight robots on 64 cells with 64 states, 9.0 KB with 256.
 ///
 /// ```
 /// use iibt_core::grid::joint::{Errand, Failure, Lacam, Problem, Target, own_targets};
@@ -120,7 +120,8 @@ impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
     ///   on the map;
     /// - [`Failure::NoWay`]: obstacles cut a robot off from its target;
     /// - [`Failure::Impossible`]: all that can be reached has been searched;
-    /// - [`Failure::NotFound`]: the calls are used up, or the plan is longer than a path can be.
+    /// - [`Failure::NotFound`]: the calls are used up, or 65,535 of them for one state, or the plan is
+    ///   longer than a path can be.
     pub fn work(
         &mut self,
         problem: &Problem<'_, W>,
@@ -177,7 +178,7 @@ impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
             self.stage = Stage::Shorten(Shortening::new(self.states.turn_back(self.top)));
             return None;
         }
-        if self.calls == self.most_calls {
+        if self.calls == self.most_calls || node.tried == u16::MAX {
             return Some(Failure::NotFound);
         }
         self.calls += 1;
@@ -187,7 +188,7 @@ impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
         let order = order.get(..team.robots).unwrap_or(&order);
         let seed = scramble(self.run << 16 ^ u32::from(self.top));
         let mut step = Step::new(&team.map, &self.distances, &before.cells, seed);
-        match bind(&mut step, before.tried, order) {
+        match bind(&mut step, before.tried.into(), order) {
             Binding::Exhausted => self.top = before.link,
             Binding::Excluded => {}
             Binding::Possible => {

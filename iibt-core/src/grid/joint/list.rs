@@ -125,6 +125,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     ///
     /// The problem and the count must be the same from one start to the next. Takes units from the
     /// budget as [`JointPlanner::work`] does; the list does not depend on how the work was cut.
+    #[inline(never)]
     pub fn work(&mut self, problem: &Problem<'_, W>, count: usize, budget: &mut u32) -> bool {
         while self.source != Source::Done {
             let mut errands = [Errand { from: Cell(0), target: Target::Stand }; N];
@@ -177,6 +178,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     }
 
     /// Adds what the planner has found.
+    #[inline(never)]
     fn take(&mut self, problem: &Problem<'_, W>, result: Result<JointPlan<N>, Failure>) {
         match (self.source, result) {
             (Source::Alone(owner), Ok(plan)) => {
@@ -279,6 +281,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     }
 
     /// Fills the list with the best plan set out later, or lets all robots stand.
+    #[inline(never)]
     fn finish(&mut self, problem: &Problem<'_, W>, count: usize) {
         if self.len == 0 {
             let standing = JointPlan::standing(problem.starts().take(N)).unwrap_or(JointPlan::NOBODY);

@@ -1,6 +1,6 @@
 //! A path for each robot, and why there is none.
 
-use super::super::{Cell, Map, Path};
+use super::super::{Cell, Map, Move, Path};
 use super::ProblemError;
 use core::fmt;
 
@@ -190,7 +190,9 @@ impl<const N: usize> JointPlan<N> {
         (0..=self.steps()).find_map(|step| {
             before = now;
             for (cell, path) in now.iter_mut().zip(self.paths()) {
-                *cell = path.cell_at(map, step);
+                let code = step.checked_sub(1).and_then(|before| path.actions.get(before));
+                let here = if step == 0 { path.start } else { *cell };
+                *cell = map.neighbour(here, code.and_then(Move::from_code).unwrap_or(Move::Wait));
             }
             let before = before.get(..self.paths().len()).filter(|_| step > 0);
             let now = now.get(..self.paths().len())?;

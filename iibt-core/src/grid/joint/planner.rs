@@ -2,9 +2,9 @@
 
 use super::super::{Cell, Map};
 use super::attempt::Choice;
-use super::flow::Table;
 use super::flow_planner::{FlowPlanner, Outcome};
 use super::network::Turn;
+use super::table::Table;
 use super::{Failure, JointPlan, Lacam, Prioritised, Problem, assignment};
 
 /// Finds the joint plan of fewest steps in which robots take turns by the colour of their cells;
@@ -89,37 +89,65 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         problem: &Problem<'_, W>,
         budget: &mut u32,
     ) -> Option<Result<JointPlan<N>, Failure>> {
-        loop {
-            match &mut self.search {
-                Search::Flow(flow) => match flow.work(problem, budget)? {
-                    Outcome::Found => return Some(Ok(*flow.plan())),
-                    Outcome::None(failure) => return Some(Err(failure)),
-                    Outcome::Beyond => {
-                        (self.targets, self.short_by) = (assignment::assigned(problem), flow.short_by());
-                        self.search = Search::Prioritised(Prioritised::new());
-                    }
-                },
-                Search::Prioritised(search) => match search.work(problem, &self.targets, budget)? {
-                    Ok(plan) => return Some(Ok(self.finished(plan, problem.map))),
-                    Err(_) => self.search = Search::Lacam(Lacam::new(Self::MOST_CALLS)),
-                },
-                Search::Lacam(search) => {
-                    let plan = search.work(problem, &self.targets, budget)?;
-                    return Some(plan.map(|plan| self.finished(plan, problem.map)));
+        if let Search::Flow(flow) = &mut self.search {
+            match flow.work(problem, budget)? {
+                Outcome::Found => return Some(Ok(*flow.plan())),
+                Outcome::None(failure) => return Some(Err(failure)),
+                Outcome::Beyond => {
+                    (self.targets, self.short_by) = (assignment::assigned(problem), flow.short_by());
+                    self.plan_one_by_one();
                 }
             }
         }
+        self.work_beyond(problem, budget)
+    }
+
+    /// Goes on with the searches in which every robot has a target of its own.
+    #[inline(never)] // it takes more stack than the flow
+    fn work_beyond(
+        &mut self,
+        problem: &Problem<'_, W>,
+        budget: &mut u32,
+    ) -> Option<Result<JointPlan<N>, Failure>> {
+        if let Search::Prioritised(search) = &mut self.search {
+            if let Ok(plan) = search.work(problem, &self.targets, budget)? {
+                return Some(Ok(self.finished(plan, problem.map)));
+            }
+            self.search_states();
+        }
+        let Search::Lacam(search) = &mut self.search else { return Some(Err(Failure::NotFound)) };
+        let plan = search.work(problem, &self.targets, budget)?;
+        Some(plan.map(|plan| self.finished(plan, problem.map)))
     }
 
     /// Begins anew with one of the plans for a problem.
     pub(super) fn start_with(&mut self, choice: Choice) {
         match &mut self.search {
             Search::Flow(flow) => flow.start(choice),
-            search => *search = Search::Flow(FlowPlanner::new(choice)),
+            Search::Prioritised(_) | Search::Lacam(_) => self.search_flows(choice),
         }
     }
 
+    // A search is built on the stack before it is moved to where it stays: in functions of their own,
+    // the stack is only taken when that is done.
+
+    #[inline(never)]
+    fn search_flows(&mut self, choice: Choice) {
+        self.search = Search::Flow(FlowPlanner::new(choice));
+    }
+
+    #[inline(never)]
+    fn plan_one_by_one(&mut self) {
+        self.search = Search::Prioritised(Prioritised::new());
+    }
+
+    #[inline(never)]
+    fn search_states(&mut self) {
+        self.search = Search::Lacam(Lacam::new(Self::MOST_CALLS));
+    }
+
     /// The plan of a search in which every robot had a target of its own.
+    #[inline(never)]
     fn finished(&self, plan: JointPlan<N>, map: &Map<W>) -> JointPlan<N> {
         let mut table: Table<L, N> = [[Cell(0); N]; L];
         plan.with_useful_barrier(map, &mut table).with_short_by(self.short_by)

@@ -6,14 +6,14 @@ use super::pibt::scramble;
 /// The number of no state.
 pub(super) const NONE: u16 = u16::MAX;
 
-/// A joint state that a search has come to; 32 bytes for eight robots.
+/// A joint state that a search has come to; 30 bytes for eight robots.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node<const N: usize> {
     pub(super) cells: State<N>,
     /// How many steps each robot has not been on its target, 255 for more.
     pub(super) patience: [u8; N],
     /// How many of its successors have been tried.
-    pub(super) tried: u32,
+    pub(super) tried: u16,
     /// During the search the state it was made from, afterwards the next state of the plan.
     pub(super) link: u16,
     /// The next state with the same hash.

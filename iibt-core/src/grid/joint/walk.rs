@@ -14,7 +14,8 @@
 
 use super::super::Cell;
 use super::execution::{self, Execution};
-use super::flow::{Flow, Stage, Table, cell, set};
+use super::flow::{Flow, Stage};
+use super::table::{Table, cell, set};
 
 /// How often a new path may take the rest of another one.
 pub(super) const MOST_CHANGES: usize = 32;

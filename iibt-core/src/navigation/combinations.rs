@@ -1,0 +1,158 @@
+//! Joint policies that are combined from paths given by hand.
+
+use super::mission::Mission;
+use super::policies::{Members, TeamPlan};
+use crate::bounded::up_to;
+use crate::grid::joint::Arrival;
+use crate::grid::{CellSet, Path};
+use crate::team::{MAX_TEAM, RobotId};
+use heapless::Vec;
+
+/// The most combinations that are looked at, and the most paths of one robot.
+const MOST: u16 = 4096;
+
+/// The combinations of the members' listed paths, one after another: the path of the last member
+/// changes first.
+#[derive(Clone, Debug)]
+pub(super) struct Combinations {
+    /// The place of each member's path in its list.
+    places: [u16; MAX_TEAM],
+    looked_at: u16,
+}
+
+/// What comes next.
+pub(super) enum Combination {
+    /// A plan without conflicts, to goals.
+    Plan(TeamPlan),
+    /// Paths that make no such plan.
+    Useless,
+    /// There are no more.
+    End,
+}
+
+impl Combinations {
+    pub(super) const fn new() -> Self {
+        Self { places: [0; MAX_TEAM], looked_at: 0 }
+    }
+
+    /// Looks at the next combination of open paths.
+    ///
+    /// Cost: that of looking for conflicts once.
+    pub(super) fn next<const W: usize>(
+        &mut self,
+        mission: &Mission<'_, W>,
+        members: &Members<'_, W>,
+        closed: &CellSet<W>,
+    ) -> Combination {
+        if self.looked_at == MOST || !self.turn(mission, members, closed) {
+            return Combination::End;
+        }
+        self.looked_at += 1;
+        let places = members.iter().zip(self.places);
+        let paths: Vec<Path, MAX_TEAM> = up_to(
+            places.filter_map(|((robot, _), place)| list(mission, robot).get(usize::from(place)).copied()),
+        );
+        let are_goals = members
+            .iter()
+            .zip(&paths)
+            .all(|((robot, _), path)| mission.is_goal_of(robot, path.end(&mission.map)));
+        let plan = TeamPlan::new(&paths).filter(|plan| are_goals && plan.conflict(&mission.map).is_none());
+        plan.map_or(Combination::Useless, |plan| Combination::Plan(plan.arriving(arrival(&plan))))
+    }
+
+    /// Goes on to the next combination, or to the first one; returns whether there is one.
+    fn turn<const W: usize>(
+        &mut self,
+        mission: &Mission<'_, W>,
+        members: &Members<'_, W>,
+        closed: &CellSet<W>,
+    ) -> bool {
+        let is_first = self.looked_at == 0;
+        for index in (0..members.iter().count()).rev() {
+            let Some(((robot, fact), place)) = members.iter().zip(&mut self.places).nth(index) else {
+                return false;
+            };
+            let is_open = |&(_, path): &(usize, &Path)| {
+                let mut cells = path.cells(&mission.map).skip(1);
+                path.start == fact.anchor
+                    && path.is_open(&mission.map)
+                    && cells.all(|cell| !closed.contains(cell))
+            };
+            let open_from =
+                |first| list(mission, robot).iter().take(MOST.into()).enumerate().skip(first).find(is_open);
+            let next = if is_first { None } else { open_from(usize::from(*place) + 1) };
+            let Some((found, _)) = next.or_else(|| open_from(0)) else { return false };
+            *place = found as u16;
+            if next.is_some() {
+                return true;
+            }
+        }
+        is_first && mission.paths.is_some()
+    }
+}
+
+/// The paths given by hand for a robot.
+fn list<'m, const W: usize>(mission: &Mission<'m, W>, robot: RobotId) -> &'m [Path] {
+    mission.paths.unwrap_or_default().get(robot.index()).copied().unwrap_or_default()
+}
+
+/// Robots whose paths end in the same step can wait for each other.
+fn arrival(plan: &TeamPlan) -> Arrival {
+    let steps = plan.steps();
+    let is_even = plan.paths().iter().all(|path| path.len() == steps || path.is_empty());
+    if is_even { Arrival::Together } else { Arrival::Staggered }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fact::{Fact, Purpose};
+    use super::*;
+    use crate::grid::{Cell, Map};
+    use crate::team::rounds::View;
+
+    #[test]
+    fn combines_open_paths_in_order() {
+        let map = Map::<1>::new(5, 3).unwrap();
+        let through = |cells: &[u16]| {
+            let cells: std::vec::Vec<Cell> = cells.iter().copied().map(Cell).collect();
+            Path::through(&map, &cells).unwrap()
+        };
+        let first = [through(&[0, 1, 2]), through(&[0, 5, 6, 7, 2]), through(&[3, 2]), through(&[0, 1, 1])];
+        let second = [through(&[12, 7, 2]), through(&[12, 13])];
+        let lists: [&[Path]; 2] = [&first, &second];
+        let starts = [Cell(0), Cell(12)];
+        let goals = [Cell(2), Cell(13)];
+        let mission = Mission { paths: Some(&lists), ..Mission::new(map, &starts, &goals) };
+        let facts = starts.map(|anchor| Fact { anchor, purpose: Purpose::Goal, evidence: Vec::new() });
+        let members = Members::new(View::full(2), |robot| facts.get(robot.index()));
+        let look = |closed: &CellSet<1>| {
+            let mut combinations = Combinations::new();
+            let mut seen = std::vec::Vec::new();
+            loop {
+                match combinations.next(&mission, &members, closed) {
+                    Combination::Plan(plan) => seen.push(plan.paths().to_vec()),
+                    Combination::Useless => seen.push(std::vec::Vec::new()),
+                    Combination::End => return seen,
+                }
+            }
+        };
+        // Both to cell 2, and the fourth path of the first robot, to no goal, with either.
+        let whole: [std::vec::Vec<Path>; 6] = [
+            std::vec![],
+            std::vec![first[0], second[1]],
+            std::vec![],
+            std::vec![first[1], second[1]],
+            std::vec![],
+            std::vec![],
+        ];
+        assert_eq!(look(&CellSet::EMPTY), whole);
+        let closed = [Cell(1), Cell(7)].into_iter().collect();
+        assert_eq!(
+            look(&closed),
+            std::vec::Vec::<std::vec::Vec<Path>>::new(),
+            "no path of the first is open"
+        );
+        let closed = [Cell(6)].into_iter().collect();
+        assert_eq!(look(&closed).len(), 4);
+    }
+}
