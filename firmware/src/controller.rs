@@ -125,7 +125,8 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
 
     /// Sends the robot's message when a frame is due.
     fn announce(&mut self, now: Instant) {
-        if self.last_sent.is_some_and(|sent| now.since(sent) < self.period) {
+        // A clock that has jumped back says nothing of when a frame is due.
+        if self.last_sent.is_some_and(|sent| now.has_reached(sent) && now.since(sent) < self.period) {
             return;
         }
         let Some(message) = self.robot.message() else { return };

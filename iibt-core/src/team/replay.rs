@@ -24,14 +24,12 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// The stamp after this one: after the last sequence of an epoch, the first of the next. `None`
-    /// after the last of all.
+    /// The stamp after this one; `None` after the last of the epoch.
     #[must_use]
     pub const fn next(self) -> Option<Self> {
-        match (self.sequence.checked_add(1), self.epoch.checked_add(1)) {
-            (Some(sequence), _) => Some(Self { sequence, ..self }),
-            (None, Some(epoch)) => Some(Self { epoch, sequence: 0 }),
-            (None, None) => None,
+        match self.sequence.checked_add(1) {
+            Some(sequence) => Some(Self { sequence, ..self }),
+            None => None,
         }
     }
 }
@@ -40,8 +38,9 @@ impl Stamp {
 ///
 /// The caller counts its starts in memory that survives them and passes the count as the epoch: a
 /// sender that starts again with an epoch it had before is taken for a replay. After 2^32 frames
-/// (13 years at 10 Hz) the numbering goes on in the next epoch, which is then the one to remember.
-/// Erased flash often reads as `u32::MAX`: as an epoch it would be this sender's last.
+/// (13 years at 10 Hz) the sender is silent until it starts again: in another epoch it would be
+/// another life to its team, which has decided with this one. The team goes on without it. Erased
+/// flash often reads as `u32::MAX`: as an epoch it would be this sender's last.
 ///
 /// ```
 /// use iibt_core::team::{Numbering, Stamp};
@@ -51,7 +50,7 @@ impl Stamp {
 /// let second = numbering.next_stamp().expect("stamps are left");
 /// assert_eq!(first.epoch, 2);
 /// assert!(second > first && first > Stamp { epoch: 1, sequence: 9000 });
-/// assert_eq!(Stamp { epoch: u32::MAX, sequence: u32::MAX }.next(), None);
+/// assert_eq!(Stamp { epoch: 2, sequence: u32::MAX }.next(), None);
 /// ```
 #[doc(alias = "nonce")]
 #[doc(alias = "sequence number")]
@@ -99,14 +98,9 @@ mod tests {
     }
 
     #[test]
-    fn goes_on_in_the_next_epoch_and_stops_after_the_last() {
+    fn is_silent_after_the_last_number_of_its_epoch() {
         let mut numbering = Numbering { next: Some(stamp(7, u32::MAX)) };
         assert_eq!(numbering.next_stamp(), Some(stamp(7, u32::MAX)));
-        assert_eq!(numbering.next_stamp(), Some(stamp(8, 0)));
-
-        let mut numbering = Numbering { next: Some(stamp(u32::MAX, u32::MAX)) };
-        assert_eq!(numbering.next_stamp(), Some(stamp(u32::MAX, u32::MAX)));
-        assert_eq!(numbering.next_stamp(), None);
-        assert_eq!(numbering.next_stamp(), None);
+        assert_eq!([numbering.next_stamp(), numbering.next_stamp()], [None; 2], "epoch 8 is another start");
     }
 }
