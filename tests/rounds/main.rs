@@ -2,6 +2,7 @@
 
 mod exploration;
 mod grid;
+mod guards;
 mod members;
 mod model;
 mod moves;

@@ -30,6 +30,9 @@ fn rule_2_a_robot_joins_the_newest_round_standing_and_freezes_its_fact() {
     assert_eq!(stage.of(1).proposal().round, 2);
     assert_eq!((stage.of(1).fact(), stage.of(1).digest()), (&Place::at(3), None));
     assert!(!stage.may_move(1), "it stands until the new plan is known");
+    let body = &mut stage.world.bodies[1];
+    body.protocol.attend(&Place { errand: 7, ..Place::at(3) }, true, &teammates(&body.heard), &*body.list);
+    assert_eq!(body.protocol.fact(), &Place::at(3), "what it learns later waits for the next round");
 }
 
 #[test]
@@ -74,6 +77,8 @@ fn rule_3_every_robot_opens_rounds_of_its_own_numbers_until_none_are_left() {
         protocol.may_open(View::full(3))
     };
     assert_eq!([R0, R1, R2].map(|robot| next(7, robot)), [Ok(9), Ok(10), Ok(8)]);
+    let many = u32::from(u16::MAX);
+    assert_eq!([many - 1, many].map(|round| next(round, R1)), [Ok(many + 1); 2], "more than a u16 holds");
     assert_eq!(next(u32::MAX - 3, R2), Ok(u32::MAX - 1));
     assert_eq!(next(u32::MAX - 1, R0), Ok(u32::MAX));
     assert_eq!([R1, R2].map(|robot| next(u32::MAX - 1, robot)), [Err(Waiting::Rounds); 2]);

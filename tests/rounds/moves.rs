@@ -2,8 +2,9 @@
 
 use super::grid::Grid;
 use super::model::{Action, World};
-use super::stage::{R0, R1, Stage, view};
-use super::task::Places;
+use super::stage::{R0, R1, Stage, heard_from, view};
+use super::task::{Place, Places};
+use super::team::teammates;
 use iibt_core::team::rounds::{View, Waiting};
 
 #[test]
@@ -73,6 +74,33 @@ fn rule_7_where_a_teammate_may_be_grows_before_scores_and_shrinks_with_its_repor
 }
 
 #[test]
+fn rule_7_before_the_choice_a_teammate_may_be_on_any_path() {
+    let mut stage = Stage::corridor(3);
+    stage.decide(0);
+    stage.open(0, View::full(3));
+    stage.hear_all();
+    stage.hear_all();
+    stage.act(Action::Give(0, 1));
+    stage.act(Action::Give(1, 1));
+    stage.hear(0, 1);
+    assert_eq!(stage.of(0).policy(), None, "the scores of robot 2 are missing");
+    assert_eq!(stage.of(0).reach(R1), Some(&Places(0b1_1110)));
+}
+
+#[test]
+fn rule_7_what_was_heard_before_scores_narrows_nothing_after_them() {
+    let mut stage = Stage::corridor(2);
+    stage.decide(0);
+    stage.open(0, View::full(2));
+    stage.hear(1, 0);
+    let newest = stage.world.bodies[1].sent.len() - 1;
+    stage.act(Action::Hear(0, 1, newest, false));
+    stage.act(Action::Give(0, 1));
+    stage.act(Action::Hear(0, 1, newest, true));
+    assert_eq!(stage.of(0).reach(R1), Some(&Places(0b1110)), "on any path of the list");
+}
+
+#[test]
 fn rule_7_a_robot_that_has_started_believes_nothing_that_does_not_answer_its_start() {
     let mut stage = Stage::corridor(2);
     stage.decide(1);
@@ -97,4 +125,10 @@ fn rule_7_an_epoch_that_goes_back_is_ignored() {
     stage.act(Action::Hear(0, 1, old, true));
     assert_eq!(stage.of(0).reach(R1).copied(), reach);
     assert_eq!(stage.waiting(0), Some(Waiting::Unheard(R1)), "a message of an earlier start is none");
+    let mut later = stage.world.bodies[1].sent[0].1.message.clone();
+    later.proposal.round = 9;
+    let heard = heard_from(R1, 1, later);
+    let body = &mut stage.world.bodies[0];
+    body.protocol.attend(&Place { at: body.at, errand: 0 }, true, &teammates(&heard), &*body.list);
+    assert_eq!(body.protocol.proposal().round, 0, "nor is its round joined");
 }

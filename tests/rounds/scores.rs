@@ -27,6 +27,22 @@ fn rule_4_scores_are_given_once_for_the_same_facts_of_all() {
 }
 
 #[test]
+fn rule_4_scores_of_a_list_from_other_facts_are_refused() {
+    let mut stage = Stage::corridor(2);
+    stage.hear(0, 1);
+    let body = &stage.world.bodies[0];
+    let old = body.protocol.wanted(&teammates(&body.heard)).expect("all is known");
+    stage.act(Action::Restart(1));
+    stage.hear(0, 1);
+    let body = &mut stage.world.bodies[0];
+    let mates = teammates(&body.heard);
+    assert!(body.protocol.wanted(&mates).is_some_and(|digest| digest != old));
+    let scores = [Score::default(); K].into_iter().collect();
+    assert_eq!(body.protocol.give(old, scores, &*body.list, &mates), Err(Waiting::List));
+    assert_eq!(body.protocol.digest(), None);
+}
+
+#[test]
 fn rule_4_every_fact_epoch_and_wall_and_the_mission_are_under_the_digest() {
     let base = Proposal::<Places>::first(2);
     let digest = |mission, round, epoch, place, errand| {
@@ -97,6 +113,18 @@ fn rule_4_a_member_that_knows_more_refuses_the_walls_and_both_are_united() {
     stage.hear(0, 1);
     stage.act(Action::Give(0, 0));
     assert_eq!(stage.of(0).reach(R2), Some(&Places(0b1_1100)), "what it has accepted it remembers");
+}
+
+#[test]
+fn rule_4_scores_of_other_facts_make_the_round_void() {
+    let mut stage = Stage::corridor(3);
+    stage.hear_all();
+    stage.act(Action::Give(0, 0));
+    stage.act(Action::Restart(2));
+    stage.hear(1, 2);
+    stage.act(Action::Give(1, 0));
+    stage.hear(0, 1);
+    assert_eq!(stage.waiting(0), Some(Waiting::Outdated(R1)), "it has scored with another start of robot 2");
 }
 
 #[test]
