@@ -1,7 +1,8 @@
 //! Robots of teams of two, four and eight on the chip, in step with their teammates on the host: the
 //! same frames bit for bit, and what their ticks take.
 
-use firmware::bench::lockstep::{CELLS, KEY, WORDS, problem};
+use firmware::bench::joint_plans::Planner;
+use firmware::bench::lockstep::{self, CELLS, KEY, WORDS, problem, robot};
 use firmware::missions::{LAYERS, NODES, POLICIES};
 use host_sim::{Faults, NavigatorFlight, Reading};
 use std::path::Path;
@@ -10,12 +11,12 @@ use tests::qemu::{Robot, image};
 
 type Flight<'m> = NavigatorFlight<'m, CELLS, WORDS, LAYERS, NODES, POLICIES>;
 
-/// The problems that a team flies.
+/// The problems that a team flies, of those in which all can come to goals.
 const FLIGHTS: usize = 8;
 
 /// The instructions of ticks, by what the robot does in them.
 #[derive(Debug, Default)]
-struct Ticks {
+struct Measured {
     /// Neither of the two below: it stands in a round or drives.
     ordinary: Vec<u64>,
     /// It makes the list of joint policies and scores it.
@@ -24,10 +25,10 @@ struct Ticks {
     deciding: Vec<u64>,
 }
 
-impl Ticks {
+impl Measured {
     /// Flies a problem until all have arrived, one of the robots on the chip.
     fn fly(&mut self, image: &Path, robots: usize, draw: usize) {
-        let Some(problem) = problem(robots, draw) else { return };
+        let problem = problem(robots, draw).expect("it has a plan");
         let (mission, number) = (problem.mission(), draw % robots);
         let mut flight = Flight::with_key(&mission, KEY, Faults::default(), 0).expect("it is sound");
         let mut chip = Robot::boot_counting(image);
@@ -38,7 +39,8 @@ impl Ticks {
             protocol.map(|protocol| (protocol.proposal().round, protocol.digest(), protocol.has_decided()))
         };
         let mut heard = Vec::new();
-        while !flight.has_arrived() && flight.ticks() < 60 {
+        while !flight.has_arrived() {
+            assert!(flight.ticks() < 60, "no arrival in problem {draw} for {robots}");
             let (before, here) = (stage(&flight), flight.cells()[number]);
             flight.set_reading(number, Reading::Cell(here));
             flight.tick();
@@ -87,9 +89,11 @@ fn worst(ticks: &[u64]) -> u64 {
 fn a_robot_of_any_team_ticks_on_the_chip_as_on_the_host_and_within_budget() {
     let image = image("lockstep");
     for robots in [2, 4, 8] {
-        let mut ticks = Ticks::default();
-        (0..FLIGHTS).for_each(|draw| ticks.fly(&image, robots, draw));
-        let Ticks { ordinary, listing, deciding } = &ticks;
+        let (mut ticks, mut planner) = (Measured::default(), Planner::new());
+        let mut has_plan =
+            |&draw: &usize| problem(robots, draw).is_some_and(|problem| problem.plan(&mut planner).is_some());
+        (0..).filter(|draw| has_plan(draw)).take(FLIGHTS).for_each(|draw| ticks.fly(&image, robots, draw));
+        let Measured { ordinary, listing, deciding } = &ticks;
         for (kind, ticks) in [("ordinary", ordinary), ("listing", listing), ("deciding", deciding)] {
             println!(
                 "{robots} robots: {} {kind} ticks, mean {}, worst {}",
@@ -102,6 +106,18 @@ fn a_robot_of_any_team_ticks_on_the_chip_as_on_the_host_and_within_budget() {
         if robots == 8 {
             assert_within("team_of_eight", "ordinary_tick", mean(ordinary));
             assert_within("team_of_eight", "worst_ordinary_tick", worst(ordinary));
+            assert_within("team_of_eight", "deciding_tick", mean(deciding));
         }
+    }
+}
+
+#[test]
+fn a_clock_that_jumps_back_silences_no_robot() {
+    let problem = problem(2, 0).expect("the map has room");
+    let (mission, here) = (problem.mission(), problem.mission().starts[0]);
+    let mut robot = robot(&mission, 0).expect("the team has it");
+    for instant in [5000, 5001, 10, 11, u32::MAX, 0] {
+        robot.hardware_mut().clock = lockstep::Ticks(instant);
+        assert!(!lockstep::tick(&mut robot, here).is_empty(), "silent at {instant}");
     }
 }

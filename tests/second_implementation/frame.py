@@ -236,7 +236,7 @@ class Either:
 
 HEADER = Record(sender=U8, epoch=U32, sequence=U32)
 WALL = Record(scale=U8, skipped=U8, bits=Sequence(U8, MAX_WALL_BYTES))
-PROPOSAL = Record(round=U32, view=U8, walls=Sequence(WALL, MAX_TEAM))
+PROPOSAL = Record(round=U32, view=U8, walls=Sequence(WALL, MAX_TEAM // 2))
 PURPOSE = Either(("Goal", None), ("Visit", U16), ("Charge", U16), ("Stand", None))
 EVIDENCE = Sequence(Record(cell=U16, weight=I8), MAX_EVIDENCE)
 FACT = Record(anchor=U16, purpose=PURPOSE, evidence=EVIDENCE)

@@ -30,7 +30,7 @@ pub type Hardware = Body<Line, Ticks, Still, Told>;
 
 /// The problem of a team, by the number of robots and of a draw.
 ///
-/// `None` where the map has too few free cells, or not all robots can come to goals.
+/// `None` where the map has too few free cells.
 #[must_use]
 pub fn problem(robots: usize, draw: usize) -> Option<Instance> {
     let mut problems = Problems::new(2026);
@@ -82,7 +82,7 @@ impl Link for Line {
 
 /// A clock that counts ticks.
 #[derive(Clone, Copy, Debug)]
-pub struct Ticks(u32);
+pub struct Ticks(pub u32);
 
 impl Clock for Ticks {
     fn now(&mut self) -> Instant {

@@ -34,6 +34,8 @@ const POSITION: usize = 0;
 #[derive(Clone, Debug)]
 pub struct Localisation<const S: usize> {
     belief: Beliefs<S, 1>,
+    /// The most likely cell, and its probability.
+    position: (Cell, f32),
     prior: [f32; S],
     sensor: IdentityNoise,
     slips: SlipCounts<MOVES>,
@@ -63,6 +65,7 @@ impl<const S: usize> Localisation<S> {
         let mut belief = Beliefs::EMPTY;
         math::assign(belief.as_flat_mut(), &prior);
         Self {
+            position: likeliest(belief.as_flat()),
             belief,
             prior,
             sensor: IdentityNoise::among(sensor, cells),
@@ -92,6 +95,7 @@ impl<const S: usize> Localisation<S> {
         let reading = reading.filter(|&reading| left != Some(reading));
         let slip = begun.map_or(0.0, |step| self.slip(step).max(LEAST_SLIP));
         self.infer(map, begun.map(|step| (step, slip)), reading);
+        self.position = likeliest(self.belief.as_flat());
     }
 
     fn infer<const W: usize>(&mut self, map: &Map<W>, moved: Option<(Move, f32)>, reading: Option<Cell>) {
@@ -130,10 +134,8 @@ impl<const S: usize> Localisation<S> {
 
     /// Returns the most likely cell and its probability.
     #[must_use]
-    pub fn position(&self) -> (Cell, f32) {
-        let belief = self.belief.as_flat();
-        let state = math::argmax(belief);
-        (Cell(state as u16), belief.get(state).copied().unwrap_or(0.0))
+    pub const fn position(&self) -> (Cell, f32) {
+        self.position
     }
 
     /// Returns the cell on which the robot stands, if it is sure.
@@ -166,6 +168,12 @@ impl<const S: usize> Localisation<S> {
     fn slip(&self, step: Move) -> f32 {
         self.slips().get(usize::from(step.code())).copied().unwrap_or(0.0)
     }
+}
+
+/// The most likely cell, and its probability.
+fn likeliest(belief: &[f32]) -> (Cell, f32) {
+    let state = math::argmax(belief);
+    (Cell(state as u16), belief.get(state).copied().unwrap_or(0.0))
 }
 
 /// The motion of a robot on a map: a move into a wall or out of the map stays.

@@ -247,8 +247,7 @@ pub(super) struct OnMap<'a, const W: usize, const K: usize> {
 impl<'a, const W: usize, const K: usize> OnMap<'a, W, K> {
     /// The path of a member in a policy.
     pub(super) fn path(&self, policy: usize, robot: RobotId) -> Option<&'a Path> {
-        let place = self.view.iter().position(|member| member == robot)?;
-        self.plans.get(policy)?.paths().get(place)
+        self.plans.get(policy)?.paths().get(self.view.place(robot)?)
     }
 
     /// The next move of a member that has made `moves` moves, and its step in the plan.

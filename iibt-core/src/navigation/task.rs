@@ -89,8 +89,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.has_arrived()
     }
 
-    fn is_connected(&self, peers: Peers<'_, Self::Message>) -> bool {
-        self.members_follow(peers)
+    fn is_connected(&self, _: Peers<'_, Self::Message>) -> bool {
+        self.members_follow()
     }
 
     fn preference(&self) -> Purpose {
@@ -125,8 +125,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.want(cause);
     }
 
-    fn execute(&mut self, _: JointPolicy, (): &(), peers: Peers<'_, Self::Message>) {
-        self.follow(peers);
+    fn execute(&mut self, _: JointPolicy, (): &(), _: Peers<'_, Self::Message>) {
+        self.follow();
     }
 
     fn wait(&mut self) {

@@ -305,9 +305,23 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         }
     }
 
-    /// Takes in what is in view. Where a teammate may be, it may be the teammate that is seen; but
-    /// not in the cell that the plan lets this robot enter now.
+    /// Takes in what is in view.
     fn look(&mut self, percept: &GridPercept, peers: Peers<'_, Intention<W, K>>) {
+        if !percept.hazards.is_empty() {
+            self.look_at_hazards(percept, peers);
+        }
+        for &cell in percept.clear.iter().filter(|&&cell| self.watched.contains(cell)) {
+            self.obstacles.look(cell, false);
+        }
+        self.obstacles.forget(self.mission.forgets);
+        let told = peers.iter().flat_map(|peer| peer.message().as_ref().fact.evidence.iter());
+        let told = told.filter(|known| known.weight > 0).map(|known| known.cell);
+        self.watched = told.chain(self.obstacles.blocked()).collect();
+    }
+
+    /// Where a teammate may be, it may be the teammate that is seen; but not in the cell that the plan
+    /// lets this robot enter now.
+    fn look_at_hazards(&mut self, percept: &GridPercept, peers: Peers<'_, Intention<W, K>>) {
         let mates = self.places_of_teammates(peers);
         let entering = self.may_enter(&Teammates::from(peers)).map(|(_, to)| to);
         let own = self.localisation.position().0;
@@ -317,13 +331,6 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
                 self.obstacles.look(cell, true);
             }
         }
-        for &cell in percept.clear.iter().filter(|&&cell| self.watched.contains(cell)) {
-            self.obstacles.look(cell, false);
-        }
-        self.obstacles.forget(self.mission.forgets);
-        let told = peers.iter().flat_map(|peer| peer.message().as_ref().fact.evidence.iter());
-        let told = told.filter(|known| known.weight > 0).map(|known| known.cell);
-        self.watched = told.chain(self.obstacles.blocked()).collect();
     }
 
     /// The cells that teammates may be on now, by their newest messages: those of the next moves
@@ -383,6 +390,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             event = (rounds.ask(Want::Needed, &fact), Cause::Shortfall);
         }
         self.note(event.0, event.1, &teammates);
+        self.note_waiting(&teammates);
     }
 
     fn note(&mut self, event: Option<Event>, cause: Cause, teammates: &Teammates<'_, Fact<W>, K>) {
@@ -417,8 +425,10 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         let fact = self.fact(here, purpose);
         let Some(rounds) = &mut self.rounds else { return };
         let want = if cause == Cause::Shortfall { Want::Better } else { Want::Needed };
-        let event = rounds.ask(want, &fact);
-        self.note(event, cause, &Teammates::from(peers));
+        let Some(event) = rounds.ask(want, &fact) else { return };
+        let teammates = Teammates::from(peers);
+        self.note(Some(event), cause, &teammates);
+        self.note_waiting(&teammates);
     }
 
     /// Lines 7 and 20: works on the list of this round, within the budget of the tick.
@@ -455,8 +465,8 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             if protocol.give(digest, scores, &list, &teammates).is_ok() && protocol.has_decided() {
                 self.weigh(&teammates);
             }
+            self.note_waiting(&teammates);
         }
-        self.note_waiting(peers);
         self.rounds.as_ref()?.protocol().policy()
     }
 
@@ -489,8 +499,8 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     }
 
     /// Line 32: begins the next move of the path, if it is the robot's turn.
-    pub(super) fn follow(&mut self, peers: Peers<'_, Intention<W, K>>) {
-        let next = self.may_enter(&Teammates::from(peers));
+    pub(super) fn follow(&mut self) {
+        let next = self.next_cell().filter(|_| self.waiting.is_none());
         if let (Some((step, to)), Some(here)) = (next, self.standing())
             && !self.is_blocked(to)
         {
@@ -535,6 +545,9 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     pub(super) fn is_plan_blocked(&self) -> bool {
         let (Some(rounds), Some(list)) = (&self.rounds, self.on_map()) else { return false };
         let Some(policy) = rounds.protocol().policy() else { return false };
+        if self.obstacles.blocked().next().is_none() {
+            return false;
+        }
         let own = self.robot();
         list.view.iter().any(|robot| {
             let step = if robot == own { rounds.protocol().step() } else { 0 };
@@ -570,24 +583,16 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         self.command = None;
     }
 
-    /// Notes what the robot waits for, for displays and logs.
-    fn note_waiting(&mut self, peers: Peers<'_, Intention<W, K>>) {
+    /// Notes what the robot waits for: whenever it has heard or done something.
+    fn note_waiting(&mut self, teammates: &Teammates<'_, Fact<W>, K>) {
         let waiting = self.rounds.as_ref().zip(self.on_map());
-        self.waiting = waiting.and_then(|(rounds, list)| rounds.waiting(&Teammates::from(peers), &list));
+        self.waiting = waiting.and_then(|(rounds, list)| rounds.waiting(teammates, &list));
     }
 
     /// Whether every other member of the round follows the same plan, by its newest message. How old
     /// that is does not matter: what a robot that falls silent may still do is in the plan.
-    pub(super) fn members_follow(&self, peers: Peers<'_, Intention<W, K>>) -> bool {
-        let Some((rounds, list)) = self.rounds.as_ref().zip(self.on_map()) else { return false };
-        let (protocol, teammates) = (rounds.protocol(), Teammates::from(peers));
-        let follows = |robot| {
-            let obstacle = protocol.obstacle(robot, &teammates, &list);
-            obstacle.is_none_or(|waiting| {
-                matches!(waiting, Waiting::Order(_) | Waiting::Barrier(_) | Waiting::Arrival(_))
-            })
-        };
-        list.view.without(self.robot()).iter().all(follows)
+    pub(super) fn members_follow(&self) -> bool {
+        self.waiting.is_none_or(Waiting::is_in_plan)
     }
 }
 

@@ -36,7 +36,7 @@ mod waiting;
 
 pub use claim::{Claim, Fact};
 pub use digest::Digest;
-pub use message::{Answer, Choice, Proposal, RoundMessage, Score, Scores};
+pub use message::{Answer, Choice, MAX_LEFT_OUT, Proposal, RoundMessage, Score, Scores};
 pub use patience::{Timing, Want};
 pub use policies::JointPolicies;
 pub use protocol::{Event, Protocol};

@@ -16,7 +16,9 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         self.step() < moves && self.others().all(|robot| self.obstacle(robot, teammates, list).is_none())
     }
 
-    /// What the robot waits for; `None` if it may move, or has nothing more to do.
+    /// What the robot waits for; `None` if it [may move](Self::may_move), or has nothing more to do.
+    ///
+    /// A member that does not follow the plan is named before one that has yet to make its moves.
     pub fn waiting<L>(&self, teammates: &Teammates<'_, F, K>, list: &L) -> Option<Waiting>
     where
         L: JointPolicies<Claim = F::Claim>,
@@ -25,7 +27,9 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
             return Some(self.common(teammates).err().unwrap_or(Waiting::List));
         }
         let impossible = (self.has_decided() && self.policy().is_none()).then_some(Waiting::Policy);
-        impossible.or_else(|| self.others().find_map(|robot| self.obstacle(robot, teammates, list)))
+        let obstacles = self.others().filter_map(|robot| self.obstacle(robot, teammates, list));
+        // A single pass: an ordinary tick is mostly this.
+        impossible.or_else(|| obstacles.min_by_key(|obstacle| obstacle.is_in_plan()))
     }
 
     /// Why a member keeps this robot from going on, if it does.
@@ -58,14 +62,14 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         }
         let (own, policy) = (self.member().robot(), self.policy()?);
         let (step, reported) = (self.step(), heard.message.answer.step());
-        let (moves, theirs) = (list.moves(policy, own), list.moves(policy, robot));
+        let (moves, theirs) = (list.moves(policy, own), || list.moves(policy, robot));
         let is_last = step.saturating_add(1) == moves && list.is_together(policy);
         if step >= moves {
-            Some(Waiting::Arrival(robot)).filter(|_| reported < theirs)
+            Some(Waiting::Arrival(robot)).filter(|_| reported < theirs())
         } else if !list.is_clear(policy, own, step, robot, reported) {
             Some(Waiting::Order(robot))
         } else {
-            Some(Waiting::Barrier(robot)).filter(|_| is_last && reported.saturating_add(1) < theirs)
+            Some(Waiting::Barrier(robot)).filter(|_| is_last && reported.saturating_add(1) < theirs())
         }
     }
 

@@ -5,6 +5,9 @@ use super::{Claim, Digest, Fact, View};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
+/// The most robots that a quorum leaves out.
+pub const MAX_LEFT_OUT: usize = MAX_TEAM / 2;
+
 /// What a round is opened with: its number, its members, and where the others may be.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(bound = "")]
@@ -14,7 +17,7 @@ pub struct Proposal<C: Claim> {
     /// The members.
     pub view: View,
     /// The claims of the robots left out, in the order of their numbers: walls to the members.
-    pub walls: Vec<C::Wire, MAX_TEAM>,
+    pub walls: Vec<C::Wire, MAX_LEFT_OUT>,
 }
 
 impl<C: Claim> Proposal<C> {

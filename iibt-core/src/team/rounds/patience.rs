@@ -103,18 +103,19 @@ impl Patience {
         Self { timing, teammates, view, trouble: 0, refractory: 0 }
     }
 
-    /// Takes in a tick, after the newest messages were heard.
+    /// Takes in a tick, after the newest messages were heard; returns the trouble in it.
     pub(super) fn observe<F, L, const K: usize>(
         &mut self,
         protocol: &Protocol<F, K>,
         teammates: &Teammates<'_, F, K>,
         list: &L,
-    ) where
+    ) -> Trouble
+    where
         F: Fact,
         L: JointPolicies<Claim = F::Claim>,
     {
         self.refractory = if protocol.step() > 0 { 0 } else { self.refractory.saturating_sub(1) };
-        let blocking = blocking(protocol, teammates, list);
+        let trouble = trouble(protocol, teammates, list);
         let view = protocol.proposal().view;
         for (robot, acquaintance) in (0..).map(RobotId).zip(&mut self.teammates) {
             if view.difference(self.view).contains(robot) {
@@ -128,28 +129,24 @@ impl Patience {
                 acquaintance.backoff = 0;
             }
             let silence = if stamp == acquaintance.stamp { 2 } else { 1 };
-            let is_stuck = blocking.contains(robot) && progress == acquaintance.progress;
+            let is_stuck = trouble.blocking.contains(robot) && progress == acquaintance.progress;
             acquaintance.quiet = if is_stuck { acquaintance.quiet.saturating_add(silence) } else { 0 };
             let is_outside = !view.contains(robot) && protocol.is_in_round(robot, teammates).is_ok();
             acquaintance.standing = if is_outside { acquaintance.standing.saturating_add(1) } else { 0 };
             (acquaintance.stamp, acquaintance.progress) = (stamp, progress);
         }
         self.view = view;
+        trouble
     }
 
     /// The view to open a round with now, if trouble with the others has lasted long enough.
-    pub(super) fn view_to_open<F, L, const K: usize>(
+    pub(super) fn view_to_open<F: Fact, const K: usize>(
         &mut self,
+        trouble: Trouble,
         protocol: &Protocol<F, K>,
-        teammates: &Teammates<'_, F, K>,
-        list: &L,
-    ) -> Option<View>
-    where
-        F: Fact,
-        L: JointPolicies<Claim = F::Claim>,
-    {
+    ) -> Option<View> {
         let view = self.best_view(protocol)?;
-        let is_troubled = view != protocol.proposal().view || is_contradicted(protocol, teammates, list);
+        let is_troubled = view != protocol.proposal().view || trouble.is_void;
         self.trouble = if is_troubled { self.trouble.saturating_add(1) } else { 0 };
         let is_due = self.trouble > 2 + 2 * u16::from(protocol.member().robot().0);
         if is_due {
@@ -209,37 +206,35 @@ impl Patience {
     }
 }
 
-/// The members that keep a robot from going on.
-fn blocking<F, L, const K: usize>(
-    protocol: &Protocol<F, K>,
-    teammates: &Teammates<'_, F, K>,
-    list: &L,
-) -> View
-where
-    F: Fact,
-    L: JointPolicies<Claim = F::Claim>,
-{
-    let members: View =
-        protocol.others().filter(|&robot| protocol.obstacle(robot, teammates, list).is_some()).collect();
-    match protocol.common(teammates) {
-        Err(Waiting::Overlap(one, other)) => members.with(one).with(other),
-        _ => members,
-    }
+/// What the others do to this robot in a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Trouble {
+    /// The members that keep it from going on.
+    blocking: View,
+    /// Whether the present round cannot be decided, however long one waits.
+    is_void: bool,
 }
 
-/// Whether the present round cannot be decided, however long one waits.
-fn is_contradicted<F, L, const K: usize>(
+fn trouble<F, L, const K: usize>(
     protocol: &Protocol<F, K>,
     teammates: &Teammates<'_, F, K>,
     list: &L,
-) -> bool
+) -> Trouble
 where
     F: Fact,
     L: JointPolicies<Claim = F::Claim>,
 {
-    let is_void = |robot| {
-        matches!(protocol.obstacle(robot, teammates, list), Some(Waiting::Outdated(_) | Waiting::Proposal(_)))
-    };
-    let is_refused = protocol.digest().is_none() && matches!(protocol.accepts_walls(), Err(Waiting::Wall(_)));
-    is_refused || protocol.others().any(is_void)
+    let mut trouble = Trouble::default();
+    for robot in protocol.others() {
+        let Some(obstacle) = protocol.obstacle(robot, teammates, list) else { continue };
+        trouble.blocking = trouble.blocking.with(robot);
+        trouble.is_void |= matches!(obstacle, Waiting::Outdated(_) | Waiting::Proposal(_));
+    }
+    if protocol.digest().is_none() {
+        if let Err(Waiting::Overlap(one, other)) = protocol.common(teammates) {
+            trouble.blocking = trouble.blocking.with(one).with(other);
+        }
+        trouble.is_void |= matches!(protocol.accepts_walls(), Err(Waiting::Wall(_)));
+    }
+    trouble
 }

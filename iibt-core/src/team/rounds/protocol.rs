@@ -183,7 +183,7 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     /// walls](Proposal::left_out). Whenever it changes, the work begins again.
     #[must_use]
     pub fn wanted(&self, teammates: &Teammates<'_, F, K>) -> Option<Digest> {
-        self.common(teammates).ok().filter(|_| self.given.is_none())
+        if self.given.is_some() { None } else { self.common(teammates).ok() }
     }
 
     /// Gives this robot's scores of the list that belongs to a digest.

@@ -138,11 +138,11 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
         L: JointPolicies<Claim = F::Claim>,
     {
         let event = self.protocol.attend(own.fact, own.is_standing, teammates, list);
-        self.patience.observe(&self.protocol, teammates, list);
+        let trouble = self.patience.observe(&self.protocol, teammates, list);
         if event.is_some() || !own.is_standing {
             return event;
         }
-        let view = self.patience.view_to_open(&self.protocol, teammates, list)?;
+        let view = self.patience.view_to_open(trouble, &self.protocol)?;
         self.open(view, own.fact)
     }
 

@@ -81,6 +81,13 @@ impl View {
         (0..MAX_TEAM as u8).map(RobotId).filter(move |&robot| self.contains(robot))
     }
 
+    /// The place of a member in the order of the numbers, from zero; `None` for another robot.
+    #[must_use]
+    pub const fn place(self, robot: RobotId) -> Option<usize> {
+        let bit = bit(robot);
+        if self.0 & bit == 0 { None } else { Some((self.0 & bit.wrapping_sub(1)).count_ones() as usize) }
+    }
+
     /// Whether the members may decide without the others: more than half of a team of `team`
     /// robots, or half of it with robot 0.
     ///
@@ -130,6 +137,7 @@ mod tests {
     fn holds_the_robots_that_were_added() {
         let view: View = [RobotId(7), RobotId(0), RobotId(8), RobotId(255)].into_iter().collect();
         assert!(view.iter().eq([RobotId(0), RobotId(7)]));
+        assert_eq!([0, 1, 7, 8].map(|robot| view.place(RobotId(robot))), [Some(0), None, Some(1), None]);
         assert_eq!((view.len(), view.without(RobotId(7)), view.without(RobotId(9))), (2, View(1), view));
         assert!(!view.contains(RobotId(8)) && !view.fits(7) && view.fits(8));
         assert_eq!((View::full(0), View::full(8), View::full(99)), (View::EMPTY, View(255), View(255)));

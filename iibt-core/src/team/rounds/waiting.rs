@@ -48,6 +48,12 @@ pub enum Waiting {
 }
 
 impl Waiting {
+    /// Whether all members follow one plan, and the robot waits for another's moves in it.
+    #[must_use]
+    pub const fn is_in_plan(self) -> bool {
+        matches!(self, Self::Order(_) | Self::Barrier(_) | Self::Arrival(_))
+    }
+
     /// The teammate that the robot waits for.
     #[must_use]
     pub const fn robot(self) -> Option<RobotId> {
