@@ -36,9 +36,12 @@ fn robots_that_know_their_sensors_do_not_collide() {
 
 #[test]
 fn robots_that_learn_are_served_more_often_and_nobody_collides() {
-    let learned = LearnedPreferences::fly(&built_in("deliveries"), 60);
-    println!("{:?}", learned.gain());
-    assert!(learned.gain().is_significant() && learned.gain().mean > 0.0, "{:?}", learned.gain());
+    let learned = LearnedPreferences::fly(&built_in("deliveries"), 30);
+    let [with, without] =
+        [&learned.learning, &learned.not].map(|series| LearnedPreferences::last_third(series).mean);
+    println!("served: {with} with learning, {without} without; {:?}", learned.gain());
+    // The two stations that serve best serve 85 % together.
+    assert!(learned.gain().is_significant() && with > 0.82 && with - without > 0.25, "{with} {without}");
     assert!(learned.learning.iter().chain(&learned.not).all(|series| series.collided == 0));
     assert!(learned.learning.iter().all(|series| series.together == series.shares.len()));
 }

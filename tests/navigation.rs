@@ -8,7 +8,7 @@ mod obstacles;
 use firmware::missions::{LAYERS, NODES, POLICIES};
 use host_sim::{EventEffect, Faults, NavigatorFlight, Radio, Reading, reproduce};
 use iibt_core::grid::{Cell, Map};
-use iibt_core::navigation::{Cause, Mission, Navigation, Purpose, Report, Stage};
+use iibt_core::navigation::{Cause, Mission, Navigation, Purpose, Report, Stage, VisitError};
 use iibt_core::team::RobotId;
 use iibt_core::team::rounds::{Protocol, View, Waiting};
 use iibt_core::tree::Status;

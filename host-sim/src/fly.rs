@@ -312,7 +312,10 @@ impl<'f, 'm> Recorder<'f, 'm> {
             probability: report.probability,
             status: record::status(report),
             waiting: report.waiting.map(|waiting| Awaited::of(waiting, self.scenario)),
-            failure: report.failure.map(|failure| failure.to_string()),
+            failure: report
+                .failure
+                .map(|failure| failure.to_string())
+                .or_else(|| report.put_off.map(put_off)),
             moves: cells.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32,
             arrived: verdict::arrival(&self.history, index).unwrap_or(0),
             frames: self.flight.traffic()[index],
@@ -325,4 +328,8 @@ impl<'f, 'm> Recorder<'f, 'm> {
             rejected: received.refused(),
         }
     }
+}
+
+fn put_off(cell: Cell) -> String {
+    format!("the way-point {} is put off: no plan was found that leads there", cell.0)
 }

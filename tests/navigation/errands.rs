@@ -61,6 +61,83 @@ fn a_way_point_that_has_become_an_obstacle_waits_until_it_is_free() {
     assert!(passed(&tracks[0], &[30]) || !task(&team, 0).waypoints().is_empty(), "{:?}", tracks[0]);
 }
 
+/// Five robots on twenty cells in two rooms: a search of 64 nodes does not find every plan.
+#[test]
+fn a_way_point_that_no_plan_is_found_for_waits_and_holds_nobody_up() {
+    let map = Map::drawn("#....#\n.#.#.#\n...#..\n###.#.\n......").expect("30 cells");
+    let (starts, goals) = ([21, 23, 8, 28, 1].map(Cell), [4, 6, 12, 27, 29].map(Cell));
+    let mission = Mission::<'_, 2>::new(map, &starts, &goals);
+    let mut team = team(&mission);
+    tick(&mut team, 3);
+    (0..2).for_each(|robot| visit(&mut team, robot, [10, 13][robot]));
+    tick(&mut team, 9);
+    visit(&mut team, 2, 8);
+    let mut put_off = 0;
+    let look =
+        |team: &Team<'_>| put_off += team.reports().iter().filter(|report| report.put_off.is_some()).count();
+    fly_watching(&mut team, "all errands are done", look, |team| {
+        stopped(team) && (0..5).all(|robot| task(team, robot).waypoints().is_empty())
+    });
+    assert!(on_goals(&team, &mission) && put_off > 0, "{put_off}");
+}
+
+#[test]
+fn a_way_point_to_which_no_way_of_the_map_leads_is_refused() {
+    let mut map = open_floor();
+    assert!([5, 13].iter().all(|&cell| map.block(Cell(cell))), "the neighbours of the corner 6");
+    let mission = Mission { map, ..factory() };
+    let mut team = agreed(&mission);
+    let told = team.robot_mut(0).robot_mut().navigation_mut().visit(Cell(6));
+    assert_eq!(told, Err(VisitError::Unreachable(Cell(6))));
+    assert_eq!(
+        told.map_err(|error| error.to_string()),
+        Err("no way of the map leads to the way-point p6".into())
+    );
+    assert!(task(&team, 0).waypoints().is_empty());
+}
+
+/// What appears around a way-point is seen when the robot comes near.
+#[test]
+fn a_way_point_in_a_pocket_of_obstacles_is_put_off_and_visited_once_one_is_gone() {
+    let mission = factory();
+    let mut team = agreed(&mission);
+    visit(&mut team, 1, 6);
+    [5, 13, 12].into_iter().for_each(|cell| team.cause(EventEffect::Block(Cell(cell))));
+    fly_until(&mut team, "it is put off", |team| report(team, 1).put_off == Some(Cell(6)));
+    fly_until(&mut team, "all stop", stopped);
+    assert!(on_goals(&team, &mission));
+    assert_eq!(task(&team, 1).waypoints(), [Cell(6)]);
+}
+
+/// It dies on the way to a way-point, so that it cannot be on its goal.
+#[test]
+fn the_goal_that_a_lost_robot_owns_is_free_for_the_others() {
+    static STARTS: [Cell; 3] = [Cell(0), Cell(7), Cell(48)];
+    static GOALS: [Cell; 2] = [Cell(3), Cell(20)];
+    static OWN: [Option<Cell>; 3] = [None, None, Some(Cell(20))];
+    let mission = Mission { own_goals: &OWN, policies: 1, ..Mission::new(open_floor(), &STARTS, &GOALS) };
+    for after in 0..4 {
+        let mut team = team(&mission);
+        visit(&mut team, 2, 44);
+        fly_until(&mut team, "all decide", has_decided);
+        tick(&mut team, after);
+        team.cause(EventEffect::Stop(2, None));
+        fly_others_to_the_end(&mut team, 2);
+        let mut held = cells(&team)[..2].to_vec();
+        held.sort_unstable();
+        assert_eq!(held, [3, 20], "{after}: {:?}", protocol(&team, 0).proposal());
+    }
+}
+
+/// Flies until all but one have stopped, which they have left out.
+fn fly_others_to_the_end(team: &mut Team<'_>, lost: usize) {
+    fly_until(team, "the others stop", |team| {
+        let mut others = (0..team.cells().len()).filter(|&robot| robot != lost);
+        !report(team, 0).members.contains(RobotId(lost as u8))
+            && others.all(|robot| team.statuses()[robot] == Status::Success)
+    });
+}
+
 #[test]
 fn a_robot_with_a_low_battery_charges_while_the_others_go_on() {
     let mission = with_chargers();

@@ -3,8 +3,9 @@
 use super::*;
 use firmware::hardware::{Battery, Drive, Localiser, Scanner};
 use firmware::{Navigator, Settings};
-use host_sim::{KEY, Testbed};
+use host_sim::{KEY, Random, Testbed};
 use iibt_core::grid::Move;
+use iibt_core::grid::joint::Failure;
 use iibt_core::team::Member;
 use std::collections::VecDeque;
 use std::num::NonZero;
@@ -79,13 +80,77 @@ fn an_obstacle_that_was_seen_to_be_gone_is_free_for_the_whole_team() {
     assert!(passed(&tracks[far], &[17]), "{:?}", tracks[far]);
 }
 
+/// Robot 1 has seen the door closed and is put where it cannot see it; robot 2 sees it open.
+#[test]
+fn an_obstacle_that_only_a_teammate_has_seen_go_is_free_though_nothing_is_forgotten() {
+    let mission = with_a_door();
+    let mut team = agreed(&mission);
+    close_the_door_before(&mut team, 0);
+    open_the_door_before(&mut team, 1);
+    fly_until(&mut team, "all stop", stopped);
+    assert!(on_goals(&team, &mission));
+}
+
+/// A robot that has seen an obstacle go does not know for ever that nothing is there.
+#[test]
+fn an_obstacle_that_comes_back_is_believed_by_those_who_have_seen_it_go() {
+    static STARTS: [Cell; 3] = [Cell(2), Cell(4), Cell(6)];
+    static GOALS: [Cell; 3] = [Cell(44), Cell(45), Cell(46)];
+    let mission = Mission { starts: &STARTS, goals: &GOALS, ..with_a_door() };
+    let mut team = agreed(&mission);
+    close_the_door_before(&mut team, 0);
+    open_the_door_before(&mut team, 1);
+    open_the_door_before(&mut team, 2);
+    team.cause(EventEffect::Block(Cell(24)));
+    team.place(2, Cell(4));
+    team.place(1, Cell(6));
+    team.place(0, Cell(17));
+    let closed = |team: &Team<'_>| {
+        decided_after(team, 0) && (0..3).all(|robot| task(team, robot).failure() == Some(Failure::NoWay))
+    };
+    fly_until(&mut team, "all know that there is no way", closed);
+    team.cause(EventEffect::Clear(Cell(24)));
+    fly_until(&mut team, "all stop", stopped);
+    assert!(on_goals(&team, &mission));
+}
+
+/// Closes the door in view of one robot alone, until all have heard of it.
+fn close_the_door_before(team: &mut Team<'_>, robot: usize) {
+    let others = (0..team.cells().len()).filter(|&other| other != robot);
+    others.for_each(|other| team.place(other, Cell(other as u16 + 7)));
+    team.place(robot, Cell(17));
+    team.cause(EventEffect::Block(Cell(24)));
+    let size = team.cells().len();
+    fly_until(team, "all have heard of it", |team| {
+        (0..size).all(|robot| task(team, robot).watched().any(|cell| cell == Cell(24)))
+    });
+}
+
+/// Opens the door in view of one robot alone, and lets it look twice.
+fn open_the_door_before(team: &mut Team<'_>, robot: usize) {
+    let others = (0..team.cells().len()).filter(|&other| other != robot);
+    others.for_each(|other| team.place(other, Cell(other as u16)));
+    team.place(robot, Cell(17));
+    team.cause(EventEffect::Clear(Cell(24)));
+    tick(team, 2);
+}
+
+/// Radios on which frames are lost one by one, and in bursts too.
 #[test]
 fn a_teammate_in_view_is_no_obstacle() {
     let mission = Mission::new(open_floor(), &[Cell(0), Cell(1), Cell(7)], &[Cell(46), Cell(47), Cell(48)]);
-    let flown = with_sensors_that_see_teammates(&mission);
-    assert!(flown.seen > 0, "the sensors report teammates");
-    assert_eq!(flown.taken_for_obstacles, 0);
-    assert!(flown.arrived.is_some());
+    for (loss, bursts, seeds) in [(0.0, false, 1), (0.3, false, 300)] {
+        let mut seen = 0;
+        for seed in 0..seeds {
+            let radio = Radio { loss, ..Radio::default() };
+            let flown = with_sensors_that_see_teammates(&mission, radio, bursts, seed);
+            let name = format!("{loss}, in bursts {bursts}, seed {seed}: {flown:?}");
+            assert_eq!(flown.taken_for_obstacles, 0, "{name}");
+            assert!(flown.arrived.is_some(), "{name}");
+            seen += flown.seen;
+        }
+        assert!(seen > seeds as u32, "the sensors report teammates");
+    }
 }
 
 /// A flight of robots whose sensors report teammates.
@@ -98,7 +163,8 @@ struct Flown {
     taken_for_obstacles: u32,
 }
 
-fn with_sensors_that_see_teammates(mission: &Mission<'_, 2>) -> Flown {
+/// In bursts, a robot is silent for three ticks in ten on average, for some ten ticks on end.
+fn with_sensors_that_see_teammates(mission: &Mission<'_, 2>, radio: Radio, bursts: bool, seed: u64) -> Flown {
     let robot = |(number, &start): (usize, &Cell)| {
         let member = Member::new(RobotId(number as u8), mission.starts.len()).expect("a team");
         let settings = Settings::new(member, KEY, 1, NonZero::<u16>::MIN);
@@ -106,10 +172,12 @@ fn with_sensors_that_see_teammates(mission: &Mission<'_, 2>) -> Flown {
         (robot.expect("a sound mission"), Parts { cell: start, ..Parts::default() })
     };
     let team = mission.starts.iter().enumerate().map(robot);
-    let mut testbed = Testbed::new(team, Radio::default(), 3).expect("a team");
+    let mut testbed = Testbed::new(team, radio, seed).expect("a team");
+    let mut random = Random::new(seed);
     let size = mission.starts.len();
+    let mut is_silent = vec![false; size];
     let mut flown = Flown::default();
-    while flown.arrived.is_none() && testbed.ticks() < 200 {
+    while flown.arrived.is_none() && testbed.ticks() < 600 {
         let cells: Vec<Cell> = (0..size).map(|robot| testbed.parts(robot).cell).collect();
         for robot in 0..size {
             let is_near =
@@ -117,6 +185,10 @@ fn with_sensors_that_see_teammates(mission: &Mission<'_, 2>) -> Flown {
             let in_view: VecDeque<Cell> = cells.iter().filter(is_near).copied().collect();
             flown.seen += in_view.len() as u32;
             testbed.parts_mut(robot).in_view = in_view;
+        }
+        for (robot, is_silent) in is_silent.iter_mut().enumerate().filter(|_| bursts) {
+            *is_silent = random.bernoulli(if *is_silent { 0.9 } else { 0.043 });
+            testbed.silence(robot, *is_silent);
         }
         let statuses = testbed.tick();
         flown.taken_for_obstacles +=

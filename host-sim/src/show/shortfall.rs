@@ -15,10 +15,11 @@ fn lack(robot: &RobotRecord) -> Option<String> {
         return Some(format!("stands on {here}: it has stopped"));
     }
     let is_at_goal = robot.goal == Some(robot.cell);
-    if robot.status == "arrived" && is_at_goal {
+    if robot.status == "arrived" && is_at_goal && robot.failure.is_none() {
         return None;
     }
     let reason = match (robot.status, robot.goal) {
+        ("arrived", _) if robot.failure.is_some() => reason(robot)?,
         ("away", _) => "its battery is low".to_owned(),
         ("arrived", Some(goal)) => {
             return Some(format!("stands on {here}, but takes it to be its goal {}", goal.0));

@@ -55,7 +55,7 @@ impl Combinations {
         let are_goals = members
             .iter()
             .zip(&paths)
-            .all(|((robot, _), path)| mission.is_goal_of(robot, path.end(&mission.map)));
+            .all(|((robot, _), path)| mission.is_goal_of(members.view, robot, path.end(&mission.map)));
         let plan = TeamPlan::new(&paths).filter(|plan| are_goals && plan.conflict(&mission.map).is_none());
         plan.map_or(Combination::Useless, |plan| Combination::Plan(plan.arriving(arrival(&plan))))
     }

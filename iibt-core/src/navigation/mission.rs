@@ -4,6 +4,7 @@
 use super::fact::MAX_CELLS;
 use crate::grid::{Cell, Map, Path};
 use crate::inference::learning::Rates;
+use crate::team::rounds::View;
 use crate::team::{Fnv1a, MAX_TEAM, RobotId};
 
 /// The most goals of one mission.
@@ -43,8 +44,8 @@ pub struct Mission<'m, const W: usize> {
     pub starts: &'m [Cell],
     /// The goals: any robot may reach any of them, but for those that a robot owns.
     pub goals: &'m [Cell],
-    /// The goal that each robot owns: no other robot is to reach it. A robot without one reaches
-    /// any goal that nobody owns.
+    /// The goal that each robot owns: no other robot is to reach it as long as its owner decides
+    /// with the team. A robot without one reaches any goal that no robot owns.
     pub own_goals: &'m [Option<Cell>],
     /// On how many of the goals that nobody owns a robot must end; by default on as many as there
     /// are, but no more than robots without a goal of their own.
@@ -148,18 +149,24 @@ impl<'m, const W: usize> Mission<'m, W> {
         self.chargers.get(robot.index()).copied().flatten()
     }
 
-    /// Returns the goals that no robot owns, in their order.
-    pub fn open_goals(&self) -> impl Iterator<Item = Cell> + Clone + 'm {
-        let owned = self.own_goals;
-        self.goals.iter().copied().filter(move |&goal| !owned.contains(&Some(goal)))
+    /// Returns the goals that no member of a view owns, in their order; then those of robots that
+    /// are left out, as far as they are not among them.
+    pub fn open_goals(&self, view: View) -> impl Iterator<Item = Cell> + Clone + 'm {
+        let (goals, owned) = (self.goals, self.own_goals);
+        let is_owned = move |&goal: &Cell| {
+            (0..).map(RobotId).zip(owned).any(|(robot, own)| *own == Some(goal) && view.contains(robot))
+        };
+        let others = owned.iter().flatten().filter(|own| !goals.contains(own));
+        goals.iter().chain(others).copied().filter(move |goal| !is_owned(goal))
     }
 
-    /// Returns whether a robot may end there: on its own goal, or on any that nobody owns.
+    /// Returns whether a member of a view may end there: on its own goal, or on any that no member
+    /// owns.
     #[must_use]
-    pub fn is_goal_of(&self, robot: RobotId, cell: Cell) -> bool {
+    pub fn is_goal_of(&self, view: View, robot: RobotId, cell: Cell) -> bool {
         match self.own_goal(robot) {
             Some(own) => own == cell,
-            None => self.open_goals().any(|goal| goal == cell),
+            None => self.open_goals(view).any(|goal| goal == cell),
         }
     }
 
@@ -285,5 +292,22 @@ mod tests {
             assert_eq!(check(&[None, Some(Cell(wrong))]), Err(MissionError::Charger(Cell(wrong))));
         }
         assert_eq!(check(&[Some(Cell(2)), Some(Cell(2))]), Err(MissionError::Charger(Cell(2))));
+    }
+
+    #[test]
+    fn a_goal_is_open_while_its_owner_is_left_out() {
+        let own = [Some(Cell(4)), None, Some(Cell(3))];
+        let starts = [0, 1, 2].map(Cell);
+        let mission = Mission { own_goals: &own, ..Mission::new(Map::<1>::new(6, 1).unwrap(), &starts, &[]) };
+        let mission = Mission { goals: &[Cell(5), Cell(4)], ..mission };
+        let all = View::full(3);
+        let open = |view| mission.open_goals(view).map(|cell| cell.0).collect::<std::vec::Vec<_>>();
+        assert_eq!(open(all), [5]);
+        assert_eq!(open(all.without(RobotId(0))), [5, 4]);
+        assert_eq!(open(all.without(RobotId(2))), [5, 3]);
+        assert!(
+            mission.is_goal_of(all, RobotId(2), Cell(3)) && !mission.is_goal_of(all, RobotId(1), Cell(3))
+        );
+        assert!(mission.is_goal_of(all.without(RobotId(2)), RobotId(1), Cell(3)));
     }
 }

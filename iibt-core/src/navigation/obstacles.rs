@@ -2,7 +2,8 @@
 //!
 //! Evidence is a log-likelihood ratio, in sixteenths of a nat. Every robot announces its own sums;
 //! the team's belief about a cell is the prior plus the sum over all members, so nothing is counted
-//! twice, and a lost frame does no harm.
+//! twice, and a lost frame does no harm. What a robot no longer sees yields to what the others have
+//! seen since.
 
 use crate::grid::Cell;
 use heapless::Vec;
@@ -36,11 +37,20 @@ pub struct CellEvidence {
 /// The evidence that a robot announces, in the order of the cells.
 pub type Announced = Vec<CellEvidence, MAX_EVIDENCE>;
 
+/// What a robot has gathered about one cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Known {
+    cell: Cell,
+    weight: i8,
+    /// Whether the robot looks at it now.
+    is_in_view: bool,
+}
+
 /// What a robot has gathered about obstacles.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Obstacles {
     /// In the order in which the cells were first seen; none has the weight zero.
-    seen: Vec<CellEvidence, MAX_OBSTACLES>,
+    seen: Vec<Known, MAX_OBSTACLES>,
     /// Counts the ticks since the last forgetting.
     ticks: u16,
 }
@@ -51,8 +61,40 @@ impl Obstacles {
     pub(super) fn look(&mut self, cell: Cell, is_blocked: bool) {
         let weight = if is_blocked { LOOK } else { -LOOK };
         match self.seen.iter_mut().find(|known| known.cell == cell) {
-            Some(known) => known.weight = known.weight.saturating_add(weight).clamp(-CAP, CAP),
-            None => self.remember(CellEvidence { cell, weight }),
+            Some(known) => {
+                known.weight = known.weight.saturating_add(weight).clamp(-CAP, CAP);
+                known.is_in_view = true;
+            }
+            None => self.remember(Known { cell, weight, is_in_view: true }),
+        }
+        self.drop_empty();
+    }
+
+    /// Gives up what is not in view where the team knows better. Call it once in every tick, after
+    /// all looks; `told` gives what each teammate says of a cell.
+    ///
+    /// A robot's own word is a veto on all plans through a cell. So an obstacle that is none by the
+    /// evidence of all yields: the robot may be where it cannot see it go. A free cell yields to a
+    /// teammate that has found it blocked if all policies were `vetoed`: the team would stand
+    /// because of what one robot sees and the others outvote.
+    pub(super) fn yield_to<I: Iterator<Item = i8> + Clone>(
+        &mut self,
+        told: impl Fn(Cell) -> I,
+        vetoed: bool,
+    ) {
+        for known in &mut self.seen {
+            let told = told(known.cell);
+            let add = |sum: i16, weight: i8| sum.saturating_add(weight.into());
+            let is_blocked_for_all = is_blocked(told.clone().fold(known.weight.into(), add));
+            let is_outdated = if known.weight > 0 {
+                !is_blocked_for_all && told.clone().any(|weight| weight < 0)
+            } else {
+                vetoed && told.clone().any(|weight| is_blocked(weight.into()))
+            };
+            if is_outdated && !known.is_in_view {
+                known.weight = 0;
+            }
+            known.is_in_view = false;
         }
         self.drop_empty();
     }
@@ -73,11 +115,11 @@ impl Obstacles {
     /// equals.
     #[must_use]
     pub(super) fn announced(&self) -> Announced {
-        let strength = |known: &CellEvidence| known.weight.unsigned_abs();
-        let is_stronger = |at: usize, known: &CellEvidence, rival: (usize, &CellEvidence)| {
+        let strength = |known: &Known| known.weight.unsigned_abs();
+        let is_stronger = |at: usize, known: &Known, rival: (usize, &Known)| {
             (strength(rival.1), rival.0) > (strength(known), at)
         };
-        let rank = |at: usize, known: &CellEvidence| {
+        let rank = |at: usize, known: &Known| {
             self.seen.iter().enumerate().filter(|&rival| is_stronger(at, known, rival)).count()
         };
         let chosen = || self.seen.iter().enumerate().filter(|&(at, known)| rank(at, known) < MAX_EVIDENCE);
@@ -85,7 +127,7 @@ impl Obstacles {
         let mut next = chosen().map(|(_, known)| *known).min_by_key(|known| known.cell);
         while let Some(known) = next {
             // There is room: no more are chosen.
-            let _ = announced.push(known);
+            let _ = announced.push(CellEvidence { cell: known.cell, weight: known.weight });
             let rest = chosen().map(|(_, other)| *other).filter(|other| other.cell > known.cell);
             next = rest.min_by_key(|other| other.cell);
         }
@@ -102,7 +144,7 @@ impl Obstacles {
         self.blocked().any(|blocked| blocked == cell)
     }
 
-    fn remember(&mut self, new: CellEvidence) {
+    fn remember(&mut self, new: Known) {
         if self.seen.is_full() {
             let weakest = self.seen.iter().min_by_key(|known| known.weight.unsigned_abs()).copied();
             self.seen.retain(|known| Some(*known) != weakest);
@@ -178,6 +220,31 @@ mod tests {
         obstacles.look(Cell(90), true);
         let blocked = blocked(&obstacles);
         assert!(!blocked.contains(&0) && blocked.contains(&90));
+    }
+
+    /// What a robot announces after it has looked at cell 5, and teammates say this of it in the
+    /// ticks after.
+    fn after(is_blocked: bool, ticks: &[&[i8]], vetoed: bool) -> Option<i8> {
+        let mut obstacles = Obstacles::default();
+        (0..2).for_each(|_| obstacles.look(Cell(5), is_blocked));
+        ticks.iter().for_each(|told| obstacles.yield_to(|_| told.iter().copied(), vetoed));
+        obstacles.announced().first().map(|known| known.weight)
+    }
+
+    #[test]
+    fn an_obstacle_out_of_view_yields_once_the_team_counts_the_cell_as_free() {
+        assert_eq!(after(true, &[&[-64], &[]], false), Some(CAP), "it was in view");
+        assert_eq!(after(true, &[&[-64], &[-64]], false), None);
+        assert_eq!(after(true, &[&[], &[-20], &[-20, 48]], false), Some(CAP), "all together it is blocked");
+        assert_eq!(after(true, &[&[], &[], &[]], true), Some(CAP), "nobody says anything else");
+    }
+
+    #[test]
+    fn a_free_cell_out_of_view_yields_where_all_policies_were_vetoed() {
+        assert_eq!(after(false, &[&[], &[64], &[64]], false), Some(-CAP));
+        assert_eq!(after(false, &[&[64], &[]], true), Some(-CAP), "it was in view");
+        assert_eq!(after(false, &[&[64], &[-64, 64]], true), None);
+        assert_eq!(after(false, &[&[], &[32]], true), Some(-CAP), "that makes no obstacle");
     }
 
     #[test]

@@ -22,6 +22,7 @@ const SHORT: usize = 8 * 32;
 /// The members of a round with their facts, in the order of their numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Members<'a, const W: usize> {
+    pub(super) view: View,
     facts: [Option<&'a Fact<W>>; MAX_TEAM],
 }
 
@@ -29,7 +30,7 @@ impl<'a, const W: usize> Members<'a, W> {
     /// Members of a view, whose facts come by their numbers.
     pub(super) fn new(view: View, fact: impl Fn(RobotId) -> Option<&'a Fact<W>>) -> Self {
         let fact = |index: usize| fact(RobotId(index as u8)).filter(|_| view.contains(RobotId(index as u8)));
-        Self { facts: core::array::from_fn(fact) }
+        Self { view, facts: core::array::from_fn(fact) }
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = (RobotId, &'a Fact<W>)> + Clone + '_ {
@@ -175,7 +176,7 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
 /// What a planner is asked for.
 struct Targets {
     errands: Vec<Errand, MAX_TEAM>,
-    goals: Vec<Cell, MAX_GOALS>,
+    goals: Vec<Cell, { MAX_GOALS + MAX_TEAM }>,
     need: usize,
 }
 
@@ -187,10 +188,11 @@ impl Targets {
         };
         let mut errands: Vec<Errand, MAX_TEAM> = up_to(members.iter().map(errand));
         give_up_twins(&mut errands, closed);
-        let goals: Vec<Cell, MAX_GOALS> = up_to(mission.open_goals().filter(|&goal| !closed.contains(goal)));
+        let open = mission.open_goals(members.view);
+        let goals = up_to(open.clone().filter(|&goal| !closed.contains(goal)));
         let seeking = errands.iter().filter(|errand| errand.target == Target::Any).count();
         // A goal that is blocked is still needed: the plan is then short of it, and says so.
-        let all = mission.open_goals().count();
+        let all = open.count();
         let need = mission.need.map_or(all, usize::from).min(all).min(seeking);
         Self { errands, goals, need }
     }
@@ -245,6 +247,10 @@ pub(super) struct OnMap<'a, const W: usize, const K: usize> {
 }
 
 impl<'a, const W: usize, const K: usize> OnMap<'a, W, K> {
+    pub(super) const fn new(mission: &'a Mission<'a, W>, plans: &'a [TeamPlan], view: View) -> Self {
+        Self { mission, plans, view }
+    }
+
     /// The path of a member in a policy.
     pub(super) fn path(&self, policy: usize, robot: RobotId) -> Option<&'a Path> {
         self.plans.get(policy)?.paths().get(self.view.place(robot)?)
@@ -297,7 +303,8 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
 
     /// Whether it ends on a goal of its own. A robot to spare may come as late as it likes.
     fn needs(&self, policy: usize, robot: RobotId) -> bool {
-        self.path(policy, robot).is_some_and(|path| self.mission.is_goal_of(robot, path.end(self.map())))
+        let is_goal = |path: &Path| self.mission.is_goal_of(self.view, robot, path.end(self.map()));
+        self.path(policy, robot).is_some_and(is_goal)
     }
 
     fn claim(&self, policy: usize, robot: RobotId, step: u16) -> Cells<W> {
@@ -355,7 +362,7 @@ mod tests {
         let plans = [plan(&[&[0, 1, 1, 2], &[8, 8, 8, 8, 1]])];
         let view = View::full(3).without(RobotId(1));
         let mission = mission();
-        let policies = OnMap::<2, 16> { mission: &mission, plans: &plans, view };
+        let policies = OnMap::<2, 16>::new(&mission, &plans, view);
         let (first, second) = (RobotId(0), RobotId(2));
         assert_eq!([0, 1, 2].map(|done| policies.is_clear(0, second, 0, first, done)), [false, false, true]);
         assert!(policies.is_clear(0, first, 0, second, 0), "who comes later is not waited for");
@@ -368,7 +375,7 @@ mod tests {
     fn a_claim_is_what_is_left_of_the_path() {
         let plans = [plan(&[&[0, 1, 1, 2], &[14]])];
         let mission = mission();
-        let policies = OnMap::<2, 16> { mission: &mission, plans: &plans, view: View::full(2) };
+        let policies = OnMap::<2, 16>::new(&mission, &plans, View::full(2));
         let left = |step| {
             policies.claim(0, RobotId(0), step).0.iter().map(|cell| cell.0).collect::<std::vec::Vec<_>>()
         };
@@ -385,7 +392,7 @@ mod tests {
         let uneven = plan(&[&[0, 1], &[14, 15, 16], &[40]]);
         let plans = [even, uneven, even.with_short_by(1)];
         let mission = mission();
-        let policies = OnMap::<2, 16> { mission: &mission, plans: &plans, view: View::full(3) };
+        let policies = OnMap::<2, 16>::new(&mission, &plans, View::full(3));
         assert_eq!([0, 1, 2, 3].map(|policy| policies.cost(policy)), [16, 17, 16 + 256, u16::MAX]);
         assert!(policies.needs(0, RobotId(0)) && !policies.needs(0, RobotId(1)));
         assert!(!policies.is_together(0));
@@ -403,7 +410,7 @@ mod tests {
         ];
         let plans = paths.map(plan);
         let mission = mission();
-        let policies = OnMap::<2, 16> { mission: &mission, plans: &plans, view: View::full(3) };
+        let policies = OnMap::<2, 16>::new(&mission, &plans, View::full(3));
         let mut random = 1_u32;
         for _ in 0..2000 {
             let mut draw = || {

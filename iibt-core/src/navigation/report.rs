@@ -51,6 +51,9 @@ pub struct Report {
     pub surprise: Option<f32>,
     /// The next way-point to visit.
     pub waypoint: Option<Cell>,
+    /// The first way-point that is put off, because no plan was found that leads there; it is tried
+    /// again later.
+    pub put_off: Option<Cell>,
     /// The reason for which the robot opened the round, if it did.
     pub cause: Option<Cause>,
     /// What it waits for.
@@ -69,12 +72,13 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let rounds = self.rounds();
         let (path, moves) = self.course().map_or((Path::at(cell), 0), |(path, moves)| (*path, moves));
         let end = path.end(&self.mission().map);
+        let members = rounds.map_or(View::EMPTY, |rounds| rounds.proposal().view);
         let policy = rounds.and_then(|rounds| rounds.protocol().policy());
         Report {
             stage: self.stage(),
             round: rounds.map_or(0, |rounds| rounds.proposal().round),
-            members: rounds.map_or(View::EMPTY, |rounds| rounds.proposal().view),
-            goal: policy.and(Some(end)).filter(|&end| self.mission().is_goal_of(self.robot(), end)),
+            members,
+            goal: policy.and(Some(end)).filter(|&end| self.mission().is_goal_of(members, self.robot(), end)),
             path,
             step: steps_after(&path, moves),
             policy,
@@ -83,6 +87,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             confidence,
             surprise: self.localisation().surprise().ok(),
             waypoint: self.waypoints().first().copied(),
+            put_off: self.first_put_off(),
             cause: self.cause(),
             waiting: self.waiting(),
             failure: self.failure(),

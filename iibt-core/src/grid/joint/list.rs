@@ -12,6 +12,9 @@ use crate::actions::HORIZON;
 /// not agree on any.
 pub const VERSION: u16 = 2;
 
+/// The goals of which other sets are tried.
+const MOST_GOALS: usize = 8;
+
 /// How many steps longer than the best plan another one may be.
 const MOST_DETOUR: usize = 16;
 
@@ -19,8 +22,9 @@ const MOST_DETOUR: usize = 16;
 ///
 /// The first one is the best: see [`JointPlanner`]. The others are, as far as there are any: the
 /// plan of fewest steps, if it is shorter because the robots do not arrive together; the plan in
-/// which the robots take turns the other way round; plans without one of the goals; plans around a
-/// cell of the best one; the best one later by two steps, four, and so on. A list is never empty:
+/// which the robots take turns the other way round; plans without one of the goals; plans to other
+/// goals, those first that have most goals in common with the best one; plans around a cell of the
+/// best one; the best one later by two steps, four, and so on. A list is never empty:
 /// where no target can be reached, all robots stand.
 ///
 /// ```
@@ -70,8 +74,12 @@ enum Source {
     OtherTurn,
     /// Without the goal of this robot.
     OtherGoals(usize),
+    /// To these of the first eight goals, a bit for each.
+    Goals(u8),
     /// Around this cell.
     Around(Cell),
+    /// For the targets of the owners, when there is no plan for all: the others end anywhere.
+    Owners,
     /// For the targets of this owner alone, when there is no plan for all of them; for those of
     /// none when there is no such owner.
     Alone(usize),
@@ -129,7 +137,8 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     pub fn work(&mut self, problem: &Problem<'_, W>, count: usize, budget: &mut u32) -> bool {
         while self.source != Source::Done {
             let mut errands = [Errand { from: Cell(0), target: Target::Stand }; N];
-            let variant = self.variant(problem, &mut errands);
+            let mut goals = [Cell(0); MOST_GOALS];
+            let variant = self.variant(problem, &mut errands, &mut goals);
             let Some(result) = self.planner.work(&variant, budget) else { return false };
             self.take(problem, result);
             self.go_on(problem, count.min(K));
@@ -160,12 +169,26 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     }
 
     /// The problem that the plan from the present source is for.
-    fn variant<'a>(&self, problem: &Problem<'a, W>, errands: &'a mut [Errand; N]) -> Problem<'a, W> {
+    fn variant<'a>(
+        &self,
+        problem: &Problem<'a, W>,
+        errands: &'a mut [Errand; N],
+        goals: &'a mut [Cell; MOST_GOALS],
+    ) -> Problem<'a, W> {
         match self.source {
+            Source::Goals(chosen) => {
+                let mut count = 0;
+                for (slot, goal) in goals.iter_mut().zip(subset(problem.goals, chosen)) {
+                    *slot = goal;
+                    count += 1;
+                }
+                Problem { goals: goals.get(..count).unwrap_or_default(), ..*problem }
+            }
             Source::Around(cell) => {
                 let closed = problem.closed.union(&[cell].into_iter().collect());
                 Problem { closed, ..*problem }
             }
+            Source::Owners => Problem { need: 0, ..*problem },
             Source::Alone(owner) => {
                 for (slot, errand) in errands.iter_mut().zip(released(problem, owner)) {
                     *slot = errand;
@@ -186,6 +209,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
                 let unserved = owners - usize::from(owner < owners);
                 self.add(plan.with_short_by(plan.short_by() + unserved));
             }
+            (Source::Owners, Ok(plan)) => self.add(plan.with_short_by(problem.need)),
             (_, Ok(plan)) => self.add(plan),
             (Source::Best, Err(failure)) => self.failure = Some(failure),
             (_, Err(_)) => {}
@@ -221,6 +245,9 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     fn next_alone(&self, problem: &Problem<'_, W>, failure: Failure) -> Source {
         let owners = problem.owned().count();
         let next = match self.source {
+            Source::Best if owners > 0 && problem.need > 0 && failure == Failure::NotFound => {
+                return Source::Owners;
+            }
             Source::Alone(owner) => owner + 1,
             _ if owners == 1 => 1,
             _ => 0,
@@ -239,9 +266,30 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
             Source::Best | Source::Soonest => Source::OtherTurn,
             Source::OtherTurn if problem.goals.len() > problem.need => Source::OtherGoals(0),
             Source::OtherGoals(robot) if robot + 1 < robots => Source::OtherGoals(robot + 1),
-            Source::OtherTurn | Source::OtherGoals(_) | Source::Around(_) => self.next_cell(problem, count),
-            Source::Alone(_) | Source::Done => Source::Done,
+            Source::OtherGoals(_) => {
+                self.next_goals(problem, 0).unwrap_or_else(|| self.next_cell(problem, count))
+            }
+            Source::Goals(chosen) => {
+                self.next_goals(problem, chosen).unwrap_or_else(|| self.next_cell(problem, count))
+            }
+            Source::OtherTurn | Source::Around(_) => self.next_cell(problem, count),
+            Source::Owners | Source::Alone(_) | Source::Done => Source::Done,
         }
+    }
+
+    /// The goals after these of which as many are not those of the best plan; or one more.
+    fn next_goals(&self, problem: &Problem<'_, W>, chosen: u8) -> Option<Source> {
+        let best = self.policies.first()?;
+        let ends = best.paths().iter().map(|path| path.end(problem.map));
+        let used =
+            problem.goals.iter().take(MOST_GOALS).map(|goal| u8::from(ends.clone().any(|end| end == *goal)));
+        let used = used.rev().fold(0, |mask: u8, used| mask << 1 | used);
+        let all = u8::MAX >> MOST_GOALS.saturating_sub(problem.goals.len()).min(MOST_GOALS - 1);
+        let others = |mask: u8| (mask & !used).count_ones();
+        let is_choice = |mask: u8| mask & !all == 0 && mask.count_ones() == used.count_ones() && mask != used;
+        let later = |mask: &u8| (others(*mask), *mask) > (others(chosen), chosen);
+        let next = (1..=u8::MAX).filter(|&mask| is_choice(mask)).filter(later);
+        next.min_by_key(|&mask| (others(mask), mask)).map(Source::Goals)
     }
 
     /// The cell nearest to the middle of the best plan that no plan was led around yet.
@@ -302,6 +350,12 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// The goals with a bit in a mask.
+fn subset(goals: &[Cell], mask: u8) -> impl Iterator<Item = Cell> + '_ {
+    let has_bit = move |&(index, _): &(usize, &Cell)| mask >> index & 1 == 1;
+    goals.iter().take(MOST_GOALS).enumerate().filter(has_bit).map(|(_, goal)| *goal)
 }
 
 /// The errands with the target of one owner only: the others may end anywhere.
