@@ -8,6 +8,8 @@ use host_sim::manipulation::tables::{
 use iibt_core::iibt::rules::Raise;
 use iibt_core::iibt::table::{Operator, Remedy, Role, Tables};
 use iibt_core::iibt::{InferenceNode, Literal};
+use iibt_core::team::RobotId;
+use iibt_core::team::rounds::Waiting;
 use iibt_core::tree::Status;
 use tests::handling::{Bench, Handling, TIMEOUT, idle, ready, said};
 
@@ -57,7 +59,7 @@ fn at_source(tables: &'static Tables<'static>) -> Bench {
 
 #[test]
 fn line_2_the_task_is_running_from_the_first_tick() {
-    assert_eq!(Bench::new(&TURNS, 0).tick(Some(idle())), Status::Running);
+    assert_eq!(Bench::new(&TURNS, 0).step(Some(idle())), Status::Running);
 }
 
 #[test]
@@ -75,7 +77,7 @@ fn line_5_observes_before_it_believes() {
     let mut robot = Bench::new(&TURNS, 0);
     robot.readings = [GOAL_B, FREE];
     let before = robot.task.belief(PLACE.into())[usize::from(GOAL_B)];
-    robot.tick(Some(idle()));
+    robot.step(Some(idle()));
     assert!(robot.task.belief(PLACE.into())[usize::from(GOAL_B)] > before);
 }
 
@@ -83,9 +85,9 @@ fn line_5_observes_before_it_believes() {
 fn line_6_updates_belief_and_logic_from_the_observation() {
     let mut robot = at_source(&TURNS);
     robot.tick(Some(idle()));
-    assert_eq!(robot.begun(), Some((PICK, None)), "IsReached holds in the tick of the reading");
+    assert_eq!(robot.begun(), Some((PICK, None)), "IsReached holds");
     robot.readings = [GOAL_A, HOLD];
-    let statuses: Vec<_> = (0..3).map(|_| robot.tick(Some(idle()))).collect();
+    let statuses: Vec<_> = (0..3).map(|_| robot.step(Some(idle()))).collect();
     assert_eq!(statuses.last(), Some(&Status::Success), "and IsHolding: {statuses:?}");
 }
 
@@ -151,7 +153,7 @@ fn line_17_a_precondition_that_holds_is_not_touched() {
 fn line_17_what_misses_its_precondition_is_not_executed() {
     let mut robot = Bench::new(&HELPLESS, 0);
     for _ in 0..10 {
-        robot.tick(Some(idle()));
+        robot.step(Some(idle()));
         assert_eq!((robot.decided().0, robot.begun()), (7, None), "pick is best, and there is no bottle");
     }
 }
@@ -194,41 +196,43 @@ fn line_25_infers_again_until_the_precondition_holds() {
 fn lines_26_to_28_fail_at_the_timeout_and_not_before() {
     let mut robot = Bench::new(&HELPLESS, 0);
     for tick in 0..TIMEOUT {
-        assert_eq!((robot.tick(Some(idle())), robot.begun()), (Status::Running, None), "tick {tick}");
+        assert_eq!((robot.step(Some(idle())), robot.begun()), (Status::Running, None), "tick {tick}");
     }
-    assert_eq!((robot.tick(Some(idle())), robot.begun()), (Status::Failure, None));
+    assert_eq!((robot.step(Some(idle())), robot.begun()), (Status::Failure, None));
 }
 
 #[test]
 fn lines_26_to_28_the_timeout_starts_again_after_it_has_struck_or_the_precondition_held() {
     let mut robot = Bench::new(&HELPLESS, 0);
-    let failed: Vec<_> = (0..3 * TIMEOUT).filter(|_| robot.tick(Some(idle())) == Status::Failure).collect();
+    let failed: Vec<_> = (0..3 * TIMEOUT).filter(|_| robot.step(Some(idle())) == Status::Failure).collect();
     assert_eq!(failed, [TIMEOUT, 2 * TIMEOUT + 1]);
     let mut robot = Bench::new(&HELPLESS, 0);
-    (0..TIMEOUT).for_each(|_| _ = robot.tick(Some(idle())));
+    (0..TIMEOUT).for_each(|_| _ = robot.step(Some(idle())));
     robot.readings = [GOAL_A, LOC];
-    (0..6).for_each(|_| assert_eq!(robot.tick(Some(idle())), Status::Running));
+    (0..6).for_each(|_| assert_eq!(robot.step(Some(idle())), Status::Running));
     robot.put(ELSEWHERE, FREE);
-    assert_eq!(robot.tick(Some(idle())), Status::Running);
+    assert_eq!(robot.step(Some(idle())), Status::Running);
 }
 
 #[test]
 fn lines_26_to_28_the_timeout_survives_a_wrap_of_the_clock() {
     let mut robot = Bench::new(&HELPLESS, 0);
     robot.now = u32::MAX - 4;
-    (0..TIMEOUT).for_each(|_| assert_eq!(robot.tick(Some(idle())), Status::Running));
-    assert_eq!(robot.tick(Some(idle())), Status::Failure);
+    (0..TIMEOUT).for_each(|_| assert_eq!(robot.step(Some(idle())), Status::Running));
+    assert_eq!(robot.step(Some(idle())), Status::Failure);
 }
 
 #[test]
 fn lines_17_to_30_do_bounded_work_in_a_tick_and_go_on_in_the_next() {
     let mut robot = Bench::new(&HESITANT, 0);
-    robot.tick(Some(idle()));
+    robot.step(Some(idle()));
     let raised = robot.node.raised().expect("the loop is not done").rows[0].values()[usize::from(LOC)];
     assert!((raised - 0.1 * InferenceNode::<Handling>::PASSES as f32).abs() < 1e-6, "{raised}");
     assert_eq!(robot.begun(), None);
-    robot.tick(Some(idle()));
-    assert_eq!(robot.begun(), Some((MOVE_TO, Some(GOAL_A))), "what was raised is kept");
+    robot.step(Some(idle()));
+    assert!(robot.node.raised().is_none(), "what was raised is kept, and is enough now");
+    let begins = (0..4).find(|_| (robot.step(Some(idle())), robot.begun().is_some()).1);
+    assert!(begins.is_some(), "and the team waits for no other tick");
 }
 
 #[test]
@@ -240,10 +244,9 @@ fn lines_31_and_32_execute_when_the_whole_team_is_connected() {
 
 #[test]
 fn line_33_rolls_the_preference_back_exactly_after_executing() {
-    let mut robot = Bench::new(&HESITANT, 0);
+    let mut robot = Bench::new(&TURNS, 0);
     robot.tick(Some(idle()));
-    assert!(robot.node.raised().is_some());
-    robot.tick(Some(idle()));
+    assert_eq!(robot.preferences()[0], [2.0, 1.0, 0.0, 0.0], "raised for the choice");
     assert!(robot.begun().is_some() && robot.node.raised().is_none(), "executed and rolled back");
     let bits = |rows: [[f32; 4]; 2]| rows.map(|row| row.map(f32::to_bits));
     robot.put(GOAL_A, LOC);
@@ -254,14 +257,22 @@ fn line_33_rolls_the_preference_back_exactly_after_executing() {
 #[test]
 fn lines_34_to_36_wait_while_a_teammate_is_missing() {
     let mut alone = Bench::new(&AT_ONCE, 0);
-    assert_eq!((alone.tick(None), alone.begun()), (Status::Running, None), "never heard");
-    assert_eq!(alone.decided().0, 3, "it knows what it would do");
-    let mut left = Bench::new(&AT_ONCE, 0);
-    left.hear(idle());
-    left.now += 9;
-    assert_eq!((left.tick(None), left.begun()), (Status::Running, None), "stale");
-    left.tick(Some(idle()));
-    assert_eq!(left.begun(), Some((MOVE_TO, Some(GOAL_A))), "connected again");
+    for _ in 0..4 {
+        assert_eq!((alone.step(None), alone.begun()), (Status::Running, None), "never heard");
+        assert_eq!(alone.decided().0, 3, "it knows what it would do");
+        assert_eq!(alone.task.rounds().waiting(), Some(Waiting::Unheard(RobotId(1))));
+    }
+    alone.tick(Some(idle()));
+    assert_eq!(alone.begun(), Some((MOVE_TO, Some(GOAL_A))), "connected");
+}
+
+#[test]
+fn lines_34_to_36_a_teammate_that_never_speaks_fails_the_node_at_the_timeout_and_is_named() {
+    let mut alone = Bench::new(&AT_ONCE, 0);
+    (0..TIMEOUT).for_each(|_| assert_eq!(alone.step(None), Status::Running));
+    assert_eq!((alone.step(None), alone.begun()), (Status::Failure, None));
+    let waiting = alone.task.rounds().waiting().map(|waiting| waiting.to_string());
+    assert_eq!(waiting.as_deref(), Some("waiting for robot 1: it was never heard, so it may be anywhere"));
 }
 
 #[test]
@@ -269,10 +280,10 @@ fn lines_37_and_38_the_last_step_promotes_stopping_and_the_next_tick_succeeds() 
     let mut robot = at_source(&TURNS);
     assert_eq!(robot.tick(Some(idle())), Status::Running);
     robot.busy = true;
-    assert_eq!(robot.tick(Some(idle())), Status::Running);
+    assert_eq!(robot.step(Some(idle())), Status::Running);
     robot.busy = false;
     robot.put(GOAL_A, HOLD);
-    assert_eq!(robot.tick(Some(idle())), Status::Success);
+    assert_eq!(robot.step(Some(idle())), Status::Success);
 }
 
 #[test]
@@ -280,7 +291,7 @@ fn lines_37_and_38_any_other_step_promotes_nothing() {
     let mut robot = Bench::new(&TURNS, 0);
     robot.tick(Some(idle()));
     robot.put(GOAL_A, LOC);
-    assert_eq!(robot.tick(Some(idle())), Status::Running);
+    assert_eq!(robot.step(Some(idle())), Status::Running);
 }
 
 #[test]
@@ -289,7 +300,7 @@ fn lines_40_and_41_the_node_stays_running_while_the_policy_is_under_way() {
     robot.tick(Some(idle()));
     robot.busy = true;
     for _ in 0..2 * TIMEOUT {
-        assert_eq!((robot.tick(Some(idle())), robot.begun()), (Status::Running, None));
+        assert_eq!((robot.step(Some(idle())), robot.begun()), (Status::Running, None));
     }
     assert_eq!(robot.task.announcement().operator(), MOVE_TO);
 }
@@ -297,7 +308,7 @@ fn lines_40_and_41_the_node_stays_running_while_the_policy_is_under_way() {
 #[test]
 fn a_halted_node_waits_and_takes_back_what_it_raised() {
     let mut robot = Bench::new(&HESITANT, 0);
-    robot.tick(Some(idle()));
+    robot.step(Some(idle()));
     assert!(robot.node.raised().is_some());
     robot.node.halt(&mut robot.task);
     assert!(robot.node.raised().is_none());

@@ -31,6 +31,7 @@ mod rounds;
 mod safety;
 mod scenarios;
 mod second_implementation;
+mod table_rounds;
 #[path = "tasks.rs"]
 mod tasks;
 mod tree_files;

@@ -6,12 +6,13 @@ mod decisions {
         ELSEWHERE, EMPTY, FREE, GOAL_A, GOAL_B, GOAL_C, GRIP, HOLD, HOLDS, IDLE, IN_TURN, LOC, MOVE_TO, PICK,
         PLACE, PLACED, PUT, PUT_DOWN, TO_PLACE, TOGETHER,
     };
-    use iibt_core::iibt::table::{Announcement, Operator, Role, Tables};
+    use iibt_core::iibt::table::{Announcement, Operator, Role, TableMessage, Tables};
     use iibt_core::iibt::{Condition, Logic};
     use iibt_core::team::Message;
+    use iibt_core::team::rounds::{Answer, Proposal, RoundMessage};
     use iibt_core::tree::Status;
     use proptest::prelude::*;
-    use tests::handling::{Bench, idle, ready, said};
+    use tests::handling::{Bench, Said, idle, ready, said};
 
     static TURNS: Tables = Tables::new(&IN_TURN);
     static AT_ONCE: Tables = Tables::new(&TOGETHER);
@@ -106,7 +107,7 @@ mod decisions {
         let mut looks = 0;
         for state in [LOC, HOLD, HOLD, HOLD] {
             robot.readings[1] = state;
-            let status = robot.tick(Some(idle()));
+            let status = robot.step(Some(idle()));
             looks += u32::from(status == Status::Running && robot.begun().is_none());
         }
         assert_eq!((looks, robot.task.announcement().state(GRIP.into())), (3, Some(HOLDS)));
@@ -117,10 +118,10 @@ mod decisions {
         let [mut once, mut twice] = [0, 0].map(|robot| Bench::new(&TURNS, robot));
         for robot in [&mut once, &mut twice] {
             robot.readings = [GOAL_A, LOC];
-            robot.tick(Some(idle()));
         }
-        twice.now -= 1;
-        twice.tick(None);
+        once.tick_node();
+        twice.tick_node();
+        twice.tick_node();
         assert_eq!(once.task.belief(PLACE.into()), twice.task.belief(PLACE.into()));
     }
 
@@ -164,19 +165,25 @@ mod decisions {
     #[test]
     fn messages_of_other_tables_are_not_accepted() {
         let robot = Bench::new(&TURNS, 0);
-        assert!(robot.task.accepts(&ready()).is_ok());
-        assert!(robot.task.accepts(&said(4, EMPTY, IDLE)).is_err(), "there is no fifth place");
-        assert!(robot.task.accepts(&said(GOAL_A, PLACED + 1, IDLE)).is_err());
-        assert!(robot.task.accepts(&said(GOAL_A, EMPTY, IDLE + 1)).is_err());
-        assert!(said(GOAL_A, EMPTY, 16).validate().is_err());
+        let message = |team, place, grip, operator, intends| {
+            let fact = Announcement::new([Some(place), Some(grip)], operator, intends);
+            let round = RoundMessage { proposal: Proposal::first(team), fact, answer: Answer::Listing(0) };
+            TableMessage { round, own: () }
+        };
+        assert!(robot.task.accepts(&message(2, GOAL_C, HOLDS, IDLE, PICK)).is_ok());
+        assert!(robot.task.accepts(&message(3, GOAL_C, HOLDS, IDLE, PICK)).is_err(), "a team of three");
+        assert!(robot.task.accepts(&message(2, 4, EMPTY, IDLE, IDLE)).is_err(), "there is no fifth place");
+        assert!(robot.task.accepts(&message(2, GOAL_A, PLACED + 1, IDLE, IDLE)).is_err());
+        assert!(robot.task.accepts(&message(2, GOAL_A, EMPTY, IDLE + 1, IDLE)).is_err());
+        assert!(robot.task.accepts(&message(2, GOAL_A, EMPTY, IDLE, IDLE + 1)).is_err());
+        assert!(message(2, GOAL_A, EMPTY, 16, IDLE).validate().is_err());
         let renamed = [Role { name: "R3", ..IN_TURN[0] }, IN_TURN[1]];
         assert_ne!(TURNS.mission(), Tables::new(&renamed).mission());
+        assert_ne!(TURNS.mission(), AT_ONCE.mission(), "what they need before they begin");
     }
 
-    fn announcements() -> impl Strategy<Value = Announcement> {
-        let state = |count: u8| prop::option::of(0..count);
-        (state(4), state(3), 0..4u8)
-            .prop_map(|(place, grip, operator)| Announcement::new([place, grip], operator, 0.5))
+    fn teammates() -> impl Strategy<Value = Said> {
+        (0..4u8, 0..3u8, 0..4u8).prop_map(|(place, grip, operator)| said(place, grip, operator))
     }
 
     proptest! {
@@ -186,22 +193,20 @@ mod decisions {
         fn an_announcement_keeps_what_it_is_made_of(
             states in prop::collection::vec(prop::option::of(0..15u8), 0..9),
             operator in 0..16u8,
-            probability in 0.0f32..=1.0,
+            intends in 0..16u8,
         ) {
-            let said = Announcement::new(states.iter().copied(), operator, probability);
+            let said = Announcement::new(states.iter().copied(), operator, intends);
             for factor in 0..8 {
                 prop_assert_eq!(said.state(factor), states.get(factor).copied().flatten());
             }
-            prop_assert_eq!((said.state(8), said.operator()), (None, operator));
-            prop_assert!((said.probability() - probability).abs() <= 0.5 / 255.0 + 1e-6);
-            prop_assert!(said.validate().is_ok());
+            prop_assert_eq!((said.state(8), said.operator(), said.intends()), (None, operator, intends));
         }
 
         #[test]
         fn whatever_is_read_and_heard_beliefs_stay_distributions_and_raises_are_rolled_back(
             robot in 0..2u8,
             place_aim in any::<bool>(),
-            steps in prop::collection::vec((0..4u8, 0..4u8, prop::option::of(announcements())), 1..60),
+            steps in prop::collection::vec((0..4u8, 0..4u8, prop::option::of(teammates())), 1..60),
         ) {
             let mut bench = Bench::new(&TURNS, robot);
             if place_aim {
@@ -209,7 +214,7 @@ mod decisions {
             }
             for (place, state, message) in steps {
                 bench.readings = [place, state];
-                bench.tick(message);
+                bench.step(message);
                 let states = bench.task.states();
                 for belief in [&states[..], bench.task.belief(PLACE.into())] {
                     prop_assert!((belief.iter().sum::<f32>() - 1.0).abs() < 1e-4);
@@ -421,7 +426,7 @@ mod missions {
         {
             assert!(text.contains(words), "{text}");
         }
-        assert!(text.ends_with("52 frames of which 0 were lost.\n"), "{text}");
+        assert!(text.ends_with("70 frames of which 0 were lost.\n"), "{text}");
     }
 }
 

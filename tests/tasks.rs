@@ -64,6 +64,8 @@ fn without_a_radio_no_robot_begins() {
         let flown = mission(&arena, name).fly(1, Trouble { loss: Some(1.0), ..Trouble::default() });
         let flown = flown.expect("it fits");
         assert!(!flown.believed && flown.operated.is_empty(), "{flown:?}");
+        let told = mission(&arena, name).narrate(&flown);
+        assert!(told.contains("R1 is waiting for robot 1: it was never heard"), "{told}");
     }
 }
 

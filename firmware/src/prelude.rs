@@ -4,7 +4,8 @@ pub use crate::hardware::{Battery, Clock, Equipment, Link};
 pub use crate::{Controller, Robot, Settings, Skills, TableRobot, TaskLeaf, Turn, table_robot};
 pub use iibt_core::iibt::table::{
     Accuracy, Aim, Announcement, Command, Effect, Fact, Given, HiddenFactor, Holds, JointOutcome, Labels,
-    Operator, Percept, Postcondition, Reads, Remedy, Role, Sensor, TableTask, Tables, TablesError, To, Wish,
+    Operator, Percept, Postcondition, Reads, Remedy, Role, Sensor, TableMessage, TableTask, Tables,
+    TablesError, To, Wish,
 };
 pub use iibt_core::iibt::{Literal, rules::Raise};
 pub use iibt_core::team::{Invalid, Message, Peers, RobotId};

@@ -5,11 +5,11 @@ mod skills;
 
 pub use skills::{Skills, TaskLeaf, Turn};
 
-use crate::Robot;
 use crate::hardware::Equipment;
+use crate::{Robot, Settings};
 use core::marker::PhantomData;
 use iibt_core::iibt::InferenceNode;
-use iibt_core::iibt::table::{Announcement, MAX_SENSORS, Percept, TableTask, Tables, TablesError};
+use iibt_core::iibt::table::{MAX_SENSORS, Percept, TableMessage, TableTask, Tables, TablesError};
 use iibt_core::team::{Invalid, Peers, RobotId};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::{Basic, Kinds, Memory, NodeMemory, Status, Tree, TreeRef};
@@ -70,7 +70,7 @@ use leaves::{Parts, Ticking};
 /// let member = Member::new(RobotId(0), 1)?;
 /// let settings = Settings::new(member, Key::new(*b"sixteen bytes..."), 1, NonZero::<u16>::MIN);
 /// type Robot = table_robot!(VALVE, Bench, (), 3);
-/// let robot = Robot::new(&VALVE, member.robot(), &TREE, (), Duration(100))?;
+/// let robot = Robot::new(&VALVE, &settings, &TREE, (), Duration(100))?;
 /// let mut controller = Controller::new(robot, settings, Bench::default());
 /// let ticks = (1..50).find(|_| controller.tick() == Status::Success);
 /// assert!(ticks.is_some_and(|ticks| ticks < 20));
@@ -92,6 +92,7 @@ pub struct TableRobot<
     memory: M,
     parts: Parts<K, TableTask<'t, S, N, P, K::Message>>,
     percept: Percept,
+    message: Option<TableMessage<K::Message>>,
     hardware: PhantomData<fn(&mut H)>,
 }
 
@@ -115,19 +116,19 @@ where
     Set: Kinds,
 {
     /// Creates a robot of a team at the start of its task. Its inference nodes fail when a
-    /// precondition stays unmet for `timeout`.
+    /// precondition stays unmet, or a teammate unconnected, for `timeout`.
     ///
     /// # Errors
-    /// [`TablesError`] when the tables have no role for the robot or need more room than `S`, `N`
-    /// and `P` give, or when the tree has an aim or a fact that the role has not.
+    /// [`TablesError`] when the tables have no role for each robot of the team or need more room
+    /// than `S`, `N` and `P` give, or when the tree has an aim or a fact that the role has not.
     pub fn new(
         tables: &'t Tables<'t>,
-        robot: RobotId,
+        settings: &Settings,
         tree: &'t Tree<TaskLeaf<K::Leaf>, NODES, Set>,
         skills: K,
         timeout: Duration,
     ) -> Result<Self, TablesError> {
-        Self::with_memory(tables, robot, tree.by_ref(), Memory::new(), skills, timeout)
+        Self::with_memory(tables, settings, tree.by_ref(), Memory::new(), skills, timeout)
     }
 }
 
@@ -143,20 +144,24 @@ where
     /// As [`new`](Self::new), and when the memory has not an element for each node.
     pub fn with_memory(
         tables: &'t Tables<'t>,
-        robot: RobotId,
+        settings: &Settings,
         tree: TreeRef<'t, TaskLeaf<K::Leaf>, Set>,
         memory: M,
         skills: K,
         timeout: Duration,
     ) -> Result<Self, TablesError> {
-        let (task, node) = (TableTask::new(tables, robot)?, InferenceNode::new(timeout));
-        check(&tree, tables, robot)?;
-        if memory.as_ref().len() != tree.nodes().len() {
-            let reason = "its memory has not an element for each node";
-            return Err(TablesError { role: None, table: "tree", row: None, reason });
+        let (member, of_team) =
+            (settings.member(), |table, reason| TablesError { role: None, table, row: None, reason });
+        if member.team() != tables.robots() {
+            return Err(of_team("roles", "there is not one for each robot of the team"));
         }
-        let parts = Parts { skills, task, node };
-        Ok(Self { tree, memory, parts, percept: Percept::default(), hardware: PhantomData })
+        check(&tree, tables, member.robot())?;
+        if memory.as_ref().len() != tree.nodes().len() {
+            return Err(of_team("tree", "its memory has not an element for each node"));
+        }
+        let task = TableTask::new(tables, member.robot(), settings.epoch())?;
+        let parts = Parts { skills, task, node: InferenceNode::new(timeout) };
+        Ok(Self { tree, memory, parts, percept: Percept::default(), message: None, hardware: PhantomData })
     }
 
     /// Returns the task, with its belief and its last decision.
@@ -204,7 +209,7 @@ where
     M: AsMut<[NodeMemory<Set>]>,
     Set: Kinds,
 {
-    type Message = Announcement<K::Message>;
+    type Message = TableMessage<K::Message>;
 
     fn mission(&self) -> u64 {
         self.parts.task.mission()
@@ -225,7 +230,9 @@ where
 
     fn tick(&mut self, peers: Peers<'_, Self::Message>, now: Instant) -> Status {
         let Self { tree, memory, parts, percept, .. } = self;
-        tree.tick(memory.as_mut(), &mut Ticking::new(parts, percept, peers, now), now).status
+        let status = tree.tick(memory.as_mut(), &mut Ticking::new(parts, percept, peers, now), now).status;
+        self.message = Some(parts.task.announce(peers).with(parts.skills.message()));
+        status
     }
 
     fn act(&mut self, hardware: &mut H) {
@@ -236,15 +243,16 @@ where
     }
 
     fn message(&self) -> Option<Self::Message> {
-        Some(self.parts.task.announcement().with(self.parts.skills.message()))
+        self.message.clone()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::num::NonZero;
     use iibt_core::iibt::table::{Aim, Command, Fact, HiddenFactor, Operator, Reads, Role, Sensor};
-    use iibt_core::team::{Limits, Member, Message, Roster};
+    use iibt_core::team::{Key, Limits, Member, Message, Roster};
     use iibt_core::tree;
     use iibt_core::tree::{Full, Halt};
     use serde::{Deserialize, Serialize};
@@ -336,10 +344,15 @@ mod tests {
 
     type OneValve<const NODES: usize> = TableRobot<'static, Valve, Asked, Memory<NODES, Full>, 2, 1, 2, Full>;
 
+    fn settings(team: usize) -> Settings {
+        let member = Member::new(RobotId(0), team).expect("it is in its team");
+        Settings::new(member, Key::new([7; 16]), 1, NonZero::<u16>::MIN)
+    }
+
     fn robot<const NODES: usize>(
         tree: &'static Tree<TaskLeaf<Leaf>, NODES, Full>,
     ) -> Result<OneValve<NODES>, TablesError> {
-        TableRobot::new(&VALVE, RobotId(0), tree, Asked(0, vec![]), Duration(100))
+        TableRobot::new(&VALVE, &settings(1), tree, Asked(0, vec![]), Duration(100))
     }
 
     /// Ticks a robot that is alone, as the controller does.
@@ -365,9 +378,9 @@ mod tests {
         static SOUND: Tree<TaskLeaf<()>, 1> = tree! { Inference(TaskLeaf::Aim(0)) };
         let of = |nodes| {
             let memory = vec![NodeMemory::NEW; nodes];
-            let (id, timeout) = (RobotId(0), Duration(100));
+            let (alone, timeout) = (settings(1), Duration(100));
             let robot: Result<TableRobot<'_, Valve, (), _, 2, 1, 2>, _> =
-                TableRobot::with_memory(&VALVE, id, SOUND.by_ref(), memory, (), timeout);
+                TableRobot::with_memory(&VALVE, &alone, SOUND.by_ref(), memory, (), timeout);
             robot.err().map(|error| error.to_string())
         };
         assert_eq!(of(2).as_deref(), Some("tree: its memory has not an element for each node"));

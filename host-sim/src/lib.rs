@@ -86,7 +86,7 @@ pub use scenario::{
 };
 pub use series::{Series, SeriesMission, fly_series};
 pub use team::{Navigating, Pilot, TeamError};
-pub use testbed::Testbed;
+pub use testbed::{Testbed, settings};
 pub use verdict::{Outcome, TOGETHER};
 
 /// The code in the README and in the documents is compiled and run with the tests.

@@ -9,6 +9,15 @@ use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 use std::num::NonZero;
 
+/// The settings of a robot in a [`Testbed`] with a team of `team`: it has been switched on once, and
+/// ticks every millisecond.
+///
+/// # Errors
+/// [`MemberError`] when there is no such team, or the robot is not in it.
+pub fn settings(robot: RobotId, team: usize) -> Result<Settings, MemberError> {
+    Ok(Settings::new(Member::new(robot, team)?, KEY, 1, NonZero::<u16>::MIN))
+}
+
 /// The hardware of one simulated robot: an end of the radio, a clock, and parts of any kind.
 #[derive(Debug, Default)]
 struct Simulated<T> {
@@ -135,9 +144,8 @@ impl<R: Robot<T>, T> Testbed<R, T> {
         let team: Vec<(R, T)> = team.into_iter().collect();
         let size = team.len();
         let controller = |(robot, (mind, parts)): (u8, (R, T))| {
-            let settings = Settings::new(Member::new(RobotId(robot), size)?, KEY, 1, NonZero::<u16>::MIN);
             let hardware = Simulated { parts, link: Antenna::default(), clock: Clock::default() };
-            Ok(Controller::new(OnParts(mind), settings, hardware))
+            Ok(Controller::new(OnParts(mind), settings(RobotId(robot), size)?, hardware))
         };
         let robots = (0..).zip(team).map(controller).collect::<Result<_, _>>()?;
         Ok(Self { robots, radio: RadioChannel::new(radio, size, seed), tick: 0 })

@@ -1,5 +1,6 @@
 //! Two robots close two valves in an order: R2 the outlet once R1 has announced that the inlet is
-//! closed. Each has one sensor, which errs now and then; a valve that sticks is turned again.
+//! closed. Each has one sensor, which errs now and then; a valve that sticks is turned again. They
+//! decide together, in rounds.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]
@@ -7,7 +8,7 @@ mod chip;
 
 use iibt_core::iibt::InferenceNode;
 use iibt_core::iibt::table::{
-    Aim, Announcement, Fact, HiddenFactor, Operator, Percept, Reads, Remedy, Role, Sensor, TableTask, Tables,
+    Aim, Fact, HiddenFactor, Operator, Percept, Reads, Remedy, Role, Sensor, TableMessage, TableTask, Tables,
 };
 use iibt_core::team::{Envelope, Limits, Member, RobotId, Roster, Stamp};
 use iibt_core::time::{Duration, Instant};
@@ -53,7 +54,8 @@ type Valve = TableTask<'static, { VALVES.states() }, { VALVES.robots() }, { VALV
 struct Robot {
     task: Valve,
     node: InferenceNode<Valve>,
-    roster: Roster<Announcement>,
+    roster: Roster<TableMessage>,
+    said: Option<TableMessage>,
     turns: u32,
     /// The turns for which the valve sticks.
     sticks: u32,
@@ -63,8 +65,8 @@ impl Robot {
     fn new(number: u8, sticks: u32) -> Self {
         let member = Member::new(RobotId(number), 2).unwrap();
         let roster = Roster::new(member, Limits::for_beacons(Duration(1)).unwrap());
-        let task = Valve::new(&VALVES, RobotId(number)).unwrap();
-        Self { task, node: InferenceNode::new(Duration(20)), roster, turns: 0, sticks }
+        let task = Valve::new(&VALVES, RobotId(number), 1).unwrap();
+        Self { task, node: InferenceNode::new(Duration(20)), roster, said: None, turns: 0, sticks }
     }
 
     fn is_closed(&self) -> bool {
@@ -77,6 +79,7 @@ impl Robot {
         let mut percept = Percept { at: now, ..Percept::default() };
         percept.readings[0] = Some(u8::from(self.is_closed() ^ (now.0 % 7 == 3)));
         let status = self.node.tick(&mut self.task, &percept, self.roster.at(now), now);
+        self.said = Some(self.task.announce(self.roster.at(now)));
         self.turns += u32::from(self.task.command().is_some_and(|command| command.operator == TURN));
         status
     }
@@ -85,12 +88,14 @@ impl Robot {
 fn play() {
     let mut robots = [Robot::new(0, 1), Robot::new(1, 0)];
     let (mut statuses, mut closed) = ([Status::Running; 2], [None; 2]);
-    for tick in 0..60 {
+    for tick in 0..80 {
         let now = Instant(tick);
-        let said = robots.each_ref().map(|robot| robot.task.announcement());
+        let mut said = robots.each_mut().map(|robot| robot.said.take());
         for (number, robot) in robots.iter_mut().enumerate() {
             let (sender, stamp) = (RobotId(1 - number as u8), Stamp { epoch: 1, sequence: tick });
-            robot.roster.hear(Envelope { sender, stamp, message: said[sender.index()] }, now).unwrap();
+            if let Some(message) = said[sender.index()].take() {
+                robot.roster.hear(Envelope { sender, stamp, message }, now).unwrap();
+            }
             statuses[number] = robot.tick(now);
             closed[number] = closed[number].or(robot.is_closed().then_some(tick));
         }

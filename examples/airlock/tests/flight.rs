@@ -2,7 +2,7 @@
 
 use airlock::{AIRLOCK, Door, DoorSkills, TREE};
 use firmware::prelude::*;
-use host_sim::{Radio, Testbed};
+use host_sim::{Radio, Testbed, settings};
 use std::error::Error;
 
 /// The parts of one door, as the world fills and reads them.
@@ -39,9 +39,10 @@ impl Battery for Parts {
 fn fly(loss: f64, charge: u8) -> Result<Option<u32>, Box<dyn Error>> {
     let mut doors = [0, 1]; // in truth: the inner one is open
     let mut tries = [0, 0];
-    let door = |robot| Door::new(&AIRLOCK, RobotId(robot), &TREE, DoorSkills::default(), Duration(200));
+    let door = |robot: &Settings| Door::new(&AIRLOCK, robot, &TREE, DoorSkills::default(), Duration(200));
     let parts = |switch| Parts { switch, charge, moving: 0 };
-    let team = [(door(0)?, parts(0)), (door(1)?, parts(1))];
+    let [inner, outer] = [settings(RobotId(0), 2)?, settings(RobotId(1), 2)?];
+    let team = [(door(&inner)?, parts(0)), (door(&outer)?, parts(1))];
     let mut testbed = Testbed::new(team, Radio { loss, ..Radio::default() }, 7)?;
     for tick in 0..200 {
         for (robot, truth) in doors.iter_mut().enumerate() {

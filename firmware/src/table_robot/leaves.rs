@@ -2,7 +2,7 @@
 
 use super::skills::{Skills, TaskLeaf, Turn};
 use core::marker::PhantomData;
-use iibt_core::iibt::table::{Announcement, Percept, TableTask};
+use iibt_core::iibt::table::{Percept, TableMessage, TableTask};
 use iibt_core::iibt::{InferenceNode, Task};
 use iibt_core::team::Peers;
 use iibt_core::time::Instant;
@@ -28,7 +28,7 @@ impl<'r, 't, 'k, H, K: Skills<H>, const S: usize, const N: usize, const P: usize
     pub(super) fn new(
         parts: &'r mut Parts<K, TableTask<'t, S, N, P, K::Message>>,
         percept: &Percept,
-        peers: Peers<'k, Announcement<K::Message>>,
+        peers: Peers<'k, TableMessage<K::Message>>,
         now: Instant,
     ) -> Self {
         let task = &mut parts.task;

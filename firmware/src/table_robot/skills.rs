@@ -1,6 +1,6 @@
 //! What a robot has beside its tables.
 
-use iibt_core::iibt::table::{Announcement, Command, MAX_FACTORS, Percept};
+use iibt_core::iibt::table::{Command, MAX_FACTORS, Percept, TableMessage};
 use iibt_core::team::{Message, Peers};
 use iibt_core::time::Instant;
 use iibt_core::tree::{Halt, Status};
@@ -26,7 +26,7 @@ pub enum TaskLeaf<L> {
 pub trait Skills<H> {
     /// The names of the robot's own leaves.
     type Leaf;
-    /// What the robot adds to its [`Announcement`].
+    /// What the robot adds to its [`TableMessage`].
     type Message: Message;
 
     /// Reads what the tables do not know of: a battery, a button.
@@ -90,7 +90,7 @@ pub struct Turn<'k, X> {
     /// The time of the tick.
     pub now: Instant,
     /// The teammates and what they have announced.
-    pub peers: Peers<'k, Announcement<X>>,
+    pub peers: Peers<'k, TableMessage<X>>,
     /// What was sensed.
     pub percept: Percept,
     /// Whether the robot is sure of all its factors, and no operator is under way.

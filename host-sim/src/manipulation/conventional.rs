@@ -10,9 +10,19 @@ use crate::task::{HostTask, Station, Worker};
 use crate::tree::BoundTree;
 use firmware::Robot;
 use iibt_core::iibt::table::{Announcement, Command, Percept};
-use iibt_core::team::Peers;
+use iibt_core::team::{Message, Peers, rounds};
 use iibt_core::time::Instant;
 use iibt_core::tree::{Full, Halt, Leaves, NodeMemory, Status};
+use serde::{Deserialize, Serialize};
+
+/// What such a robot announces: it decides alone, and not in rounds.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Told(Announcement);
+
+impl Message for Told {
+    const SCHEMA: &'static str = "conventional: states u32, operator u8, operator u8";
+    const MAX_BYTES: usize = <Announcement as rounds::Fact>::MAX_BYTES;
+}
 
 /// A robot with a conventional tree.
 pub(super) struct Conventional<'t> {
@@ -53,20 +63,20 @@ impl Skills<'_> {
 }
 
 impl Robot<Station> for Conventional<'_> {
-    type Message = Announcement;
+    type Message = Told;
 
     fn sense(&mut self, station: &mut Station, _: Instant) {
         self.skills.percept = station.percept;
     }
 
-    fn tick(&mut self, peers: Peers<'_, Announcement>, now: Instant) -> Status {
+    fn tick(&mut self, peers: Peers<'_, Told>, now: Instant) -> Status {
         let skills = &mut self.skills;
         skills.command = None;
         if !skills.percept.busy {
             skills.doing = None;
         }
-        skills.teammate = peers.fresh().next().map(|peer| *peer.message());
-        skills.sense.perceive(&skills.percept, peers);
+        skills.teammate = peers.fresh().next().map(|peer| peer.message().0);
+        skills.sense.perceive(&skills.percept);
         self.tree.tick(&mut self.memory, skills, now).status
     }
 
@@ -74,7 +84,7 @@ impl Robot<Station> for Conventional<'_> {
         station.command = self.skills.command;
     }
 
-    fn message(&self) -> Option<Announcement> {
+    fn message(&self) -> Option<Told> {
         let Skills { sense, doing, .. } = &self.skills;
         let place = Some(sense.place()).filter(|_| doing.is_none());
         let grip = match sense.state() {
@@ -82,7 +92,8 @@ impl Robot<Station> for Conventional<'_> {
             PUT => PLACED,
             _ => EMPTY,
         };
-        Some(Announcement::new([place, Some(grip)], doing.map_or(IDLE, |command| command.operator), 1.0))
+        let operator = doing.map_or(IDLE, |command| command.operator);
+        Some(Told(Announcement::new([place, Some(grip)], operator, operator)))
     }
 }
 

@@ -45,7 +45,7 @@ impl Skills<Station> for Mover {
         if turn.sure(PLACE) == Some(place) {
             return Status::Success;
         }
-        let mut grips = turn.peers.fresh().filter_map(|peer| peer.message().state(GRIP.into()));
+        let mut grips = turn.peers.fresh().filter_map(|peer| peer.message().fact().state(GRIP.into()));
         let leaves = !meets || self.0 == Order::Together || grips.any(|grip| [HOLDS, PLACED].contains(&grip));
         if turn.peers.all_connected() && leaves {
             turn.begin(MOVE_TO, Some(place));

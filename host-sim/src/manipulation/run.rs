@@ -13,6 +13,7 @@ use super::tables::{
 use super::terms::{Disturbances, RunTerms, Trees, Trust};
 use crate::scenario;
 use crate::task::{Flown, Goal, HostRobot, HostTask, TIMEOUT, TaskFlight, Truth, Worker};
+use crate::testbed::settings;
 use crate::tree::Diagnostic;
 use bumpalo::Bump;
 use iibt_core::iibt::table::{Tables, TablesError};
@@ -60,7 +61,8 @@ pub fn run(terms: &RunTerms, detail: Detail) -> Result<Run, RunError> {
         let trees = terms.trees.bind(leaf)?;
         let robots = robots.into_iter().zip(&trees).map(|(robot, tree)| {
             let (tree, memory) = (tree.by_ref(), vec![NodeMemory::NEW; tree.len()]);
-            HostRobot::with_memory(&tables, robot, tree, memory, Mover(terms.order), TIMEOUT)
+            let settings = settings(robot, TEAM)?;
+            Ok(HostRobot::with_memory(&tables, &settings, tree, memory, Mover(terms.order), TIMEOUT)?)
         });
         return fly(terms, detail, &tables, &truth, robots);
     }
@@ -68,7 +70,7 @@ pub fn run(terms: &RunTerms, detail: Detail) -> Result<Run, RunError> {
     let robots = robots.into_iter().zip(trees).map(|(robot, tree)| {
         let sense = match terms.trust {
             Trust::Equal(enough) => Sense::debounced(enough),
-            Trust::Belief => Sense::believed(&tables, robot.index(), HostTask::new(&tables, robot)?),
+            Trust::Belief => Sense::believed(&tables, robot.index(), HostTask::new(&tables, robot, 1)?),
         };
         Ok(Conventional::new(tree, sense))
     });
@@ -88,9 +90,9 @@ fn fly<'t, R: Hand<'t>>(
     detail: Detail,
     tables: &'t Tables<'t>,
     truth: &'t Truth,
-    robots: impl Iterator<Item = Result<R, TablesError>>,
+    robots: impl Iterator<Item = Result<R, RunError>>,
 ) -> Result<Run, RunError> {
-    let robots = robots.collect::<Result<_, TablesError>>()?;
+    let robots = robots.collect::<Result<_, RunError>>()?;
     let radio = scenario::Radio { loss: terms.disturbances.loss, ..scenario::Radio::default() };
     let mut history = Vec::new();
     let flight = TaskFlight::new(tables, truth, radio, terms.seed, robots)?;

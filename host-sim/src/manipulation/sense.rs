@@ -2,9 +2,7 @@
 
 use super::tables::{ELSEWHERE, FREE, PLACE};
 use crate::task::HostTask;
-use iibt_core::iibt::Task as _;
-use iibt_core::iibt::table::{Announcement, Command, Percept, Tables};
-use iibt_core::team::Peers;
+use iibt_core::iibt::table::{Command, Percept, Tables};
 
 /// A filter of readings.
 #[derive(Debug)]
@@ -26,8 +24,8 @@ pub(super) struct Believed<'t> {
 }
 
 impl<'t> Believed<'t> {
-    fn perceive(&mut self, percept: &Percept, peers: Peers<'_, Announcement>) {
-        self.belief.observe(percept, peers);
+    fn perceive(&mut self, percept: &Percept) {
+        self.belief.sense(percept);
         self.is_settled = self.belief.is_settled();
         if self.is_settled {
             let sure = |factor| self.belief.sure(factor).unwrap_or(0);
@@ -47,14 +45,14 @@ impl<'t> Sense<'t> {
         Self::Believed(Box::new(Believed { tables, robot, belief, last, is_settled: false }))
     }
 
-    pub(super) fn perceive(&mut self, percept: &Percept, peers: Peers<'_, Announcement>) {
+    pub(super) fn perceive(&mut self, percept: &Percept) {
         match self {
             Self::Debounced(place, state) => {
                 let [read_place, read_state, ..] = percept.readings;
                 place.read(read_place);
                 state.read(read_state);
             }
-            Self::Believed(of) => of.perceive(percept, peers),
+            Self::Believed(of) => of.perceive(percept),
         }
     }
 

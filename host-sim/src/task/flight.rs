@@ -7,13 +7,13 @@ use crate::radio::Traffic;
 use crate::scenario;
 use crate::testbed::Testbed;
 use firmware::Robot;
-use iibt_core::iibt::table::{Announcement, Command, JointDecision, Tables};
+use iibt_core::iibt::table::{Command, JointDecision, Tables};
 use iibt_core::team::MemberError;
 use iibt_core::tree::Status;
 use serde::Serialize;
 
 /// A robot that works on a table task.
-pub(crate) trait Worker<'t>: Robot<Station, Message = Announcement> {
+pub(crate) trait Worker<'t>: Robot<Station> {
     /// The task behind its inference nodes, if there are any.
     fn task(&self) -> Option<&HostTask<'t>>;
 }
@@ -47,6 +47,8 @@ pub struct Flown {
     pub operated: Vec<Operated>,
     /// The frames of all robots.
     pub frames: Traffic,
+    /// What each robot waits for at the end, if it does.
+    pub waiting: Vec<Option<String>>,
 }
 
 /// A flight under way.
@@ -88,7 +90,9 @@ impl<'t, R: Worker<'t>> TaskFlight<'t, R> {
             self.world.pass();
         }
         let believed = done(&self.statuses);
+        let waiting = |robot: &R| robot.task().and_then(|task| task.rounds().waiting());
         Flown {
+            waiting: self.robots().map(|robot| waiting(robot).map(|waiting| waiting.to_string())).collect(),
             success: believed && self.world.is_accomplished(),
             believed,
             ticks: self.testbed.ticks(),

@@ -3,6 +3,7 @@
 use super::flight::{Flown, TaskFlight};
 use super::read::TableMission;
 use super::robot::{Finished, HostRobot, TIMEOUT, tree_of};
+use crate::testbed::settings;
 use iibt_core::iibt::table::TablesError;
 use iibt_core::team::{MemberError, RobotId};
 use iibt_core::tree::{NodeMemory, Status};
@@ -48,10 +49,11 @@ impl TableMission<'_> {
         let trees =
             self.tables.roles().iter().map(|role| tree_of(role.aims)).collect::<Result<Vec<_>, _>>()?;
         let robots = (0..).zip(&trees).map(|(robot, tree)| {
+            let settings = settings(RobotId(robot), trees.len())?;
             let (tree, memory) = (tree.by_ref(), vec![NodeMemory::NEW; tree.len()]);
-            HostRobot::with_memory(&self.tables, RobotId(robot), tree, memory, Finished(false), TIMEOUT)
+            Ok(HostRobot::with_memory(&self.tables, &settings, tree, memory, Finished(false), TIMEOUT)?)
         });
-        let robots = robots.collect::<Result<_, _>>()?;
+        let robots = robots.collect::<Result<_, TaskError>>()?;
         let flight = TaskFlight::new(&self.tables, &truth, radio, seed, robots)?;
         let done = |statuses: &[Status]| statuses.iter().all(|&status| status == Status::Success);
         Ok(flight.fly(self.limit, done, &mut |_| ()))
@@ -74,6 +76,11 @@ impl TableMission<'_> {
             let why = one.policy.map_or_else(String::new, |(policy, p)| format!(", by pi{policy}, P {p:.3}"));
             let (tick, target) = (one.tick, target.unwrap_or_default());
             text += &format!("tick {tick:>3}  {} begins {}{target}{why}\n", role.name, operator.name);
+        }
+        for (role, waiting) in self.tables.roles().iter().zip(&flown.waiting) {
+            if let Some(waiting) = waiting.as_ref().filter(|_| !flown.believed) {
+                text += &format!("{} is {waiting}\n", role.name);
+            }
         }
         let came = match (flown.success, flown.believed) {
             (true, _) => "All goals are reached",

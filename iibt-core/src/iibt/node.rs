@@ -33,7 +33,7 @@ impl<T: Task> InferenceNode<T> {
     /// on at the next tick, so a tick has bounded work and the timeout a clock to run on.
     pub const PASSES: usize = 8;
 
-    /// A node that fails when a precondition stays unmet for `timeout`.
+    /// A node that fails when a precondition stays unmet, or a teammate unconnected, for `timeout`.
     #[must_use]
     pub const fn new(timeout: Duration) -> Self {
         Self { timeout, preference: None, unmet_since: None }
@@ -58,22 +58,24 @@ impl<T: Task> InferenceNode<T> {
         // From the first tick of an unmet precondition; a choice that may be executed clears it.
         let since = *self.unmet_since.get_or_insert(now);
         match decided.policy {
-            Some(policy) if task.is_connected(peers) => task.execute(policy, &decided.candidates, peers), // 31-32
-            Some(_) => task.wait(), // 34-36
-            None if now.since(since) >= self.timeout => {
-                self.forget();
-                task.wait();
-                return Status::Failure; // 26-28
+            Some(policy) if task.is_connected(peers) => {
+                task.execute(policy, &decided.candidates, peers); // 31-32
+                self.forget(); // 33: the temporary preference is dropped, the base is the task's own
+                return Status::Running; // 40-41
             }
-            None => {
-                // What was raised so far is kept: the loop goes on at the next tick.
-                self.preference = Some(preference);
-                task.wait();
-                return Status::Running;
-            }
+            _ if now.since(since) >= self.timeout => self.forget(), // 26-28
+            Some(_) => return self.wait(task, None),                // 34-36
+            // What was raised so far is kept: the loop goes on at the next tick.
+            None => return self.wait(task, Some(preference)),
         }
-        self.forget(); // 33: the temporary preference is dropped, the base is the task's own
-        Status::Running // 40-41
+        task.wait();
+        Status::Failure
+    }
+
+    fn wait(&mut self, task: &mut T, raised: Option<T::Preference>) -> Status {
+        self.preference = raised;
+        task.wait();
+        Status::Running
     }
 
     /// Stops an unfinished precondition loop, rolls back its raises, and lets the task wait.

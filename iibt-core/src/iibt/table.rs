@@ -94,7 +94,7 @@
 //! // The sizes of the task are those of its tables.
 //! type Porter = TableTask<'static, { DOOR.states() }, { DOOR.robots() }, { DOOR.policies() }>;
 //!
-//! let mut task = Porter::new(&DOOR, RobotId(0))?;
+//! let mut task = Porter::new(&DOOR, RobotId(0), 1)?;
 //! let mut node = InferenceNode::new(Duration(100));
 //! let alone = Roster::new(Member::new(RobotId(0), 1)?, Limits::for_beacons(Duration(1))?);
 //! let (mut place, mut door, mut begun) = (FAR, SHUT, vec![]);
@@ -141,15 +141,20 @@ mod announcement;
 mod check;
 mod definition;
 mod error;
+mod joint;
 mod model;
+mod own;
+mod rounds;
 mod tables;
 mod task;
 
-pub use announcement::Announcement;
+pub use announcement::{Announcement, TableMessage};
 pub use definition::{
     Accuracy, Aim, Effect, Fact, Given, HiddenFactor, Holds, JointOutcome, Labels, MAX_FACTORS, MAX_FACTS,
     MAX_OPERATORS, MAX_SENSORS, MAX_STATES, Operator, Postcondition, Reads, Remedy, Role, Sensor, To, Wish,
 };
 pub use error::TablesError;
+pub use joint::MAX_POLICIES;
+pub use rounds::TeamRounds;
 pub use tables::Tables;
 pub use task::{Command, JointDecision, Percept, Plan, TableTask, Wanted};

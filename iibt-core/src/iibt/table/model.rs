@@ -7,6 +7,7 @@ use super::definition::{
 };
 use super::tables::Tables;
 use crate::actions::Action;
+use crate::bounded::up_to;
 use crate::inference::likelihood::DenseLikelihood;
 use crate::inference::{
     Beliefs, Candidates, Control, Evaluation, Evidence, Factor, Habits, IdentityNoise, Likelihood, Modality,
@@ -257,40 +258,70 @@ pub(super) type Answer<const S: usize, const N: usize, const P: usize> = ([[f32;
 impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
     /// Algorithm 2 over the joint policies.
     pub(super) fn answer<const P: usize>(&self) -> Option<Answer<S, N, P>> {
-        self.with_model(|model| {
-            let mut beliefs = Beliefs::<S, N>::try_prior(model).ok()?;
-            beliefs.set(model, self.own, self.states).ok()?;
-            for (robot, announced) in self.announced.iter().enumerate().take(self.tables.robots()) {
-                if let Some(state) = announced {
-                    // A message is read like a sensor; the flat prior leaves no outcome impossible
-                    // that the sensor can read.
-                    let _ = beliefs.observe(model, robot, Evidence::Outcome(*state));
+        let mut answer = None;
+        self.with_model(None, &mut |model| {
+            answer = self.beliefs(model).and_then(|beliefs| {
+                let mut rows = [[0.0; S]; N];
+                for (robot, row) in rows.iter_mut().enumerate() {
+                    crate::math::assign(row, beliefs.part(model, robot));
                 }
-            }
-            let mut rows = [[0.0; S]; N];
-            for (robot, row) in rows.iter_mut().enumerate() {
-                crate::math::assign(row, beliefs.part(model, robot));
-            }
-            Some((rows, self.posterior(model, &beliefs)?))
-        })?
+                let posterior = self.evaluate::<P>(model, &beliefs, self.preferences)?.posterior();
+                Some((rows, flat(posterior.as_flattened(), |&p| p)))
+            });
+        })?;
+        answer
     }
 
-    fn posterior<const P: usize>(&self, model: &Model, beliefs: &Beliefs<S, N>) -> Option<[f32; P]> {
-        let mut sequences = Vec::<&[Policy], MAX_TEAM>::new();
-        let (mut habits, mut values) = (Vec::<_, MAX_TEAM>::new(), Vec::<_, MAX_TEAM>::new());
-        for (role, preference) in self.tables.roles().iter().zip(self.preferences) {
+    /// -G of every joint policy by what this robot itself prefers: its own states, and the outcome.
+    /// What the teammates prefer they say themselves.
+    pub(super) fn own_values<const P: usize>(&self) -> Option<[f32; P]> {
+        let mut believed = None;
+        self.with_model(None, &mut |model| believed = self.beliefs(model))?;
+        let (beliefs, own) = (believed?, self.preferences.get(self.own..=self.own)?);
+        let mut values = None;
+        self.with_model(Some(self.own), &mut |model| {
+            let evaluation = self.evaluate::<P>(model, &beliefs, own);
+            values = evaluation.map(|of| flat(of.terms(), |terms| -terms.expected_free_energy()));
+        })?;
+        values
+    }
+
+    /// q(s) of all robots: the own, and those that were announced.
+    fn beliefs(&self, model: &Model) -> Option<Beliefs<S, N>> {
+        let mut beliefs = Beliefs::<S, N>::try_prior(model).ok()?;
+        beliefs.set(model, self.own, self.states).ok()?;
+        for (robot, announced) in self.announced.iter().enumerate().take(self.tables.robots()) {
+            if let Some(state) = announced {
+                // A message is read like a sensor; the flat prior leaves no outcome impossible
+                // that the sensor can read.
+                let _ = beliefs.observe(model, robot, Evidence::Outcome(*state));
+            }
+        }
+        Some(beliefs)
+    }
+
+    /// Scores all joint policies, with these preferences for the first modalities of the model.
+    fn evaluate<const P: usize>(
+        &self,
+        model: &Model,
+        beliefs: &Beliefs<S, N>,
+        wanted: &[Preference<S>],
+    ) -> Option<Evaluation<S, N, 1, P>> {
+        let (mut sequences, mut habits) = (Vec::<&[Policy], MAX_TEAM>::new(), Vec::<_, MAX_TEAM>::new());
+        for role in self.tables.roles() {
             let mut habit = Vec::<f32, MAX_OPERATORS>::new();
             for operator in role.operators {
                 let _ = habit.push(operator.habit);
             }
             // There is room for every operator and for every robot of the team.
             let _ = sequences.push(EACH_ONCE.get(..role.operators.len()).unwrap_or(&[]));
-            let _ = (habits.push(habit), values.push((preference.values(), role.states.names.len())));
+            let _ = habits.push(habit);
         }
-        let (mut ln_e, mut preferences) = (Vec::<&[f32], MAX_TEAM>::new(), Vec::<&[f32], MAX_TEAM>::new());
-        for (habit, (values, states)) in habits.iter().zip(&values) {
-            let _ = (ln_e.push(habit), preferences.push(values.get(..*states).unwrap_or(&[])));
-        }
+        let ln_e: Vec<&[f32], MAX_TEAM> = up_to(habits.iter().map(Vec::as_slice));
+        let values: Vec<_, MAX_TEAM> = up_to(wanted.iter().map(Preference::values));
+        let states = model.modalities().iter().map(|modality| modality.preference().len());
+        let preferences: Vec<&[f32], MAX_TEAM> =
+            up_to(values.iter().zip(states).map(|(values, states)| values.get(..states).unwrap_or(&[])));
         let scoring = Scoring { precision: self.tables.precision(), ..Scoring::DEFAULT };
         let habits = Habits::PerSequence(&ln_e);
         let candidates = Candidates { habits, ..Candidates::all(&sequences) };
@@ -298,13 +329,12 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
             Problem { preferences: &preferences, ..Problem::new(model, beliefs, candidates, scoring) };
         let mut evaluation = Evaluation::<S, N, 1, P>::new();
         evaluation.evaluate(&problem).ok()?;
-        let posterior = evaluation.posterior();
-        Some(core::array::from_fn(|policy| posterior.as_flattened().get(policy).copied().unwrap_or(0.0)))
+        Some(evaluation)
     }
 
     /// Builds the model of a decision, and calls `then` with it: a factor and a modality for each
-    /// robot, and the outcome.
-    fn with_model<T>(&self, then: impl FnOnce(&Model) -> T) -> Option<T> {
+    /// robot, or only the modality of one, and the outcome.
+    fn with_model(&self, only: Option<usize>, then: &mut dyn FnMut(&Model)) -> Option<()> {
         let roles = self.tables.roles();
         let mut parts = Vec::<_, MAX_TEAM>::new();
         for role in roles {
@@ -326,6 +356,9 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
         for ((brought, noise, shape, prior), number) in parts.iter().zip(NUMBERS.chunks(1)) {
             let states = shape.values();
             factors.push(Factor::try_new(brought, *shape, prior.get(..states)?)?).ok()?;
+            if only.is_some_and(|only| number != [only]) {
+                continue;
+            }
             let modality = Modality::try_new(noise.form(), *shape, number, indifferent.get(..states)?)?;
             modalities.push(modality).ok()?;
         }
@@ -336,6 +369,12 @@ impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
                 .push(Modality::try_new(together, shape, numbers, together.outcome.preference)?)
                 .ok()?;
         }
-        Some(then(&Model::try_new(&factors, &modalities).ok()?))
+        then(&Model::try_new(&factors, &modalities).ok()?);
+        Some(())
     }
+}
+
+/// A number for each joint policy, zero beyond the last.
+fn flat<T, const P: usize>(of: &[T], number: impl Fn(&T) -> f32) -> [f32; P] {
+    core::array::from_fn(|policy| of.get(policy).map_or(0.0, &number))
 }

@@ -1,7 +1,7 @@
 //! A team's tables, checked as a whole.
 
 use super::check::check;
-use super::definition::Role;
+use super::definition::{Fact, Holds, Operator, Role};
 use super::error::TablesError;
 use crate::team::Fnv1a;
 
@@ -46,7 +46,7 @@ impl<'a> Tables<'a> {
         match check(roles) {
             Ok(()) => {
                 let (precision, confidence) = (Self::PRECISION, Self::CONFIDENCE);
-                Ok(Self { roles, precision, confidence, mission: mission(roles) })
+                Ok(Self { roles, precision, confidence, mission: mission(roles, precision) })
             }
             Err(error) => Err(error),
         }
@@ -58,7 +58,7 @@ impl<'a> Tables<'a> {
     /// [`TablesError`] when it is negative or not finite.
     pub const fn with_precision(self, precision: f32) -> Result<Self, TablesError> {
         if precision >= 0.0 && precision.is_finite() {
-            Ok(Self { precision, ..self })
+            Ok(Self { precision, mission: mission(self.roles, precision), ..self })
         } else {
             Err(TablesError::of_team("precision", "it is negative or not finite"))
         }
@@ -100,7 +100,8 @@ impl<'a> Tables<'a> {
         self.confidence
     }
 
-    /// A hash of the names in these tables, for the firmware's `Robot::mission`.
+    /// A hash of the names in these tables and of all that the joint policies of a round depend on,
+    /// for the firmware's `Robot::mission`. Robots with other tables reject each other's frames.
     #[must_use]
     pub const fn mission(&self) -> u64 {
         self.mission
@@ -137,12 +138,13 @@ impl<'a> Tables<'a> {
     }
 }
 
-/// The hash of everything that announcements refer to.
-const fn mission(roles: &[Role]) -> u64 {
-    let (mut hash, mut at) = (Fnv1a::EMPTY, 0);
+/// The hash of everything that announcements refer to, and that a team's list of joint policies
+/// depends on.
+const fn mission(roles: &[Role], precision: f32) -> u64 {
+    let (mut hash, mut at) = (Fnv1a::EMPTY.write(&precision.to_le_bytes()), 0);
     while at < roles.len() {
         let (role, mut row) = (&roles[at], 0);
-        hash = hash.write(role.name.as_bytes()).write(&[0]);
+        hash = hash.write(role.name.as_bytes()).write(&[0, role.idle]);
         while row < role.factors.len() {
             let (states, mut state) = (role.factors[row].states, 0);
             while state < states.len() {
@@ -151,12 +153,31 @@ const fn mission(roles: &[Role]) -> u64 {
             }
             row += 1;
         }
-        let mut row = 0;
+        row = 0;
         while row < role.operators.len() {
-            hash = hash.write(role.operators[row].name.as_bytes()).write(&[2]);
+            hash = with_operator(hash, &role.operators[row]);
+            row += 1;
+        }
+        row = 0;
+        while row < role.facts.len() {
+            hash = with_fact(hash, &role.facts[row]);
             row += 1;
         }
         at += 1;
     }
     hash.finish()
+}
+
+const fn with_operator(hash: Fnv1a, operator: &Operator) -> Fnv1a {
+    let hash = hash.write(operator.name.as_bytes()).write(&operator.habit.to_le_bytes());
+    hash.write(&[2]).write(operator.requires).write(&[u8::MAX]).write(operator.forbids)
+}
+
+const fn with_fact(hash: Fnv1a, fact: &Fact) -> Fnv1a {
+    match fact.holds {
+        Holds::Sure { factor, states } => hash.write(&[3, factor]).write(states),
+        Holds::AtTarget { factor } => hash.write(&[4, factor]),
+        Holds::Announced { robot, factor, states } => hash.write(&[5, robot, factor]).write(states),
+        Holds::Doing { robot, operators } => hash.write(&[6, robot]).write(operators),
+    }
 }

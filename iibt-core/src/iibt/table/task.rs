@@ -1,9 +1,11 @@
 //! A task described by tables: the lines of Algorithm 1.
 
-use super::announcement::Announcement;
-use super::definition::{Aim, Fact, HiddenFactor, Holds, MAX_SENSORS, Operator, Postcondition, Role, Wish};
+use super::announcement::{Announcement, TableMessage};
+use super::definition::{Aim, Fact, HiddenFactor, Holds, MAX_SENSORS, Operator, Role};
 use super::error::TablesError;
-use super::model::{Question, prior, track};
+use super::joint::{holds_of_teammate, operator_of};
+use super::model::{prior, track};
+use super::rounds::TeamRounds;
 use super::tables::Tables;
 use crate::iibt::{Condition, Literal, Logic, Task};
 use crate::inference::{Beliefs, ObservationError, Preference};
@@ -55,13 +57,13 @@ pub struct Wanted<const S: usize, const N: usize> {
     pub target: Option<u8>,
 }
 
-/// The candidates of a decision: all operators of all robots, less what teammates have excluded by
-/// announcing another.
+/// The candidates of a robot's own decision: all operators of all robots, less what teammates have
+/// excluded by announcing another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offered<const N: usize> {
     target: Option<u8>,
     /// The operator that each teammate has under way, if it was heard.
-    announced: [Option<u8>; N],
+    pub(super) announced: [Option<u8>; N],
 }
 
 /// The last decision: its input and its result.
@@ -73,7 +75,8 @@ pub struct JointDecision<const S: usize, const N: usize, const P: usize> {
     pub beliefs: [[f32; S]; N],
     /// The posterior over all joint policies, by their numbers.
     pub posterior: [f32; P],
-    /// The most probable joint policy in which the teammates do what they have announced.
+    /// The joint policy that the team has chosen. As long as it has not, the most probable one in
+    /// which the teammates do what they have announced.
     pub choice: u16,
 }
 
@@ -81,16 +84,18 @@ pub struct JointDecision<const S: usize, const N: usize, const P: usize> {
 ///
 /// `S`, `N` and `P` are the [`states`](Tables::states), [`robots`](Tables::robots) and
 /// [`policies`](Tables::policies) of the tables, or more. `X` is what the robots add to their
-/// [`Announcement`] for uses of their own.
+/// [`TableMessage`] for uses of their own.
+///
+/// A team decides in [rounds](crate::team::rounds); a robot that is alone decides by itself.
 #[derive(Clone, Debug)]
 pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, X = ()> {
-    tables: &'a Tables<'a>,
-    role: &'a Role<'a>,
-    own: usize,
-    aim: &'a Aim<'a>,
+    pub(super) tables: &'a Tables<'a>,
+    pub(super) role: &'a Role<'a>,
+    pub(super) own: usize,
+    pub(super) aim: &'a Aim<'a>,
     beliefs: Beliefs<S, 1>,
     surprise: Result<f32, ObservationError>,
-    /// The last announcement of each teammate.
+    /// What each teammate in the view has announced.
     said: [Option<Announcement>; N],
     observed: Option<Instant>,
     busy: bool,
@@ -98,16 +103,26 @@ pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, X = ()>
     pending: Option<Command>,
     command: Option<Command>,
     decision: Option<JointDecision<S, N, P>>,
+    /// The operator that the robot would choose by itself.
+    intends: u8,
+    /// What it wanted when it was last sure, with the operator for that.
+    wanted: Option<(Wanted<S, N>, u8)>,
+    /// Whether a node has asked for a choice since the last percept.
+    is_asked: bool,
+    /// Whether the choice of this tick is what the team has decided, or needs nobody else.
+    is_agreed: bool,
+    pub(super) rounds: TeamRounds<'a, N>,
     addition: PhantomData<fn(X)>,
 }
 
 impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, P, X> {
-    /// Robot `robot` of the team at the start of the task, with its first aim.
+    /// Robot `robot` of the team at the start of the task, with its first aim, switched on for the
+    /// `epoch`-th time: the epoch of its frames.
     ///
     /// # Errors
     /// [`TablesError`] when the tables have no such role, or need more room than `S`, `N` and `P`
     /// give.
-    pub fn new(tables: &'a Tables<'a>, robot: RobotId) -> Result<Self, TablesError> {
+    pub fn new(tables: &'a Tables<'a>, robot: RobotId, epoch: u32) -> Result<Self, TablesError> {
         let role = tables.role(robot.index());
         let role = role.ok_or(TablesError::of_team("roles", "there is none for this robot"))?;
         if tables.states() > S {
@@ -133,6 +148,11 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
             pending: None,
             command: None,
             decision: None,
+            intends: role.idle,
+            wanted: None,
+            is_asked: false,
+            is_agreed: false,
+            rounds: TeamRounds::new(tables, robot, epoch, at_start(role, tables.confidence()))?,
             addition: PhantomData,
         })
     }
@@ -150,9 +170,25 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
         self.role
     }
 
+    /// Takes the readings of a tick into the belief, and no more: lines 5 and 6 for a robot that
+    /// decides otherwise. Returns whether they were new.
+    pub fn sense(&mut self, percept: &Percept) -> bool {
+        if self.observed == Some(percept.at) {
+            return false;
+        }
+        self.observed = Some(percept.at);
+        (self.busy, self.command, self.decision) = (percept.busy, None, None);
+        if !percept.busy {
+            let ended = self.pending.take();
+            self.rounds.end();
+            self.surprise = track(&mut self.beliefs, self.role, ended, &percept.readings);
+        }
+        true
+    }
+
     /// Begins an operator that something else than the node has chosen: a plain leaf of the tree.
     pub fn begin(&mut self, command: Command) {
-        (self.command, self.pending) = (Some(command), Some(command));
+        (self.command, self.pending, self.wanted) = (Some(command), Some(command), None);
     }
 
     /// Returns the command for the body, once; `None` for nothing new.
@@ -161,14 +197,38 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
         self.command
     }
 
-    /// The announcement of this robot to its teammates.
+    /// What the robot would announce now: the fact of a round that begins now.
     #[must_use]
     pub fn announcement(&self) -> Announcement {
-        let operator = self.pending.map_or(self.role.idle, |command| command.operator);
-        let moving = |factor| self.operator(operator).is_some_and(|operator| operator.changes(factor));
+        let under_way = self.pending.map_or(self.role.idle, |command| command.operator);
+        let moving = |factor| self.operator(under_way).is_some_and(|operator| operator.changes(factor));
         let sure = |factor: usize| self.sure(factor).filter(|_| !moving(factor));
         let states = (0..self.role.factors.len()).map(|factor| sure(factor).map(|state| state as u8));
-        Announcement::new(states, operator, self.probability())
+        let intends = if self.pending.is_some() { under_way } else { self.intends };
+        Announcement::new(states, under_way, intends)
+    }
+
+    /// Takes part in the team's round by what this tick has come to, and returns what to announce.
+    ///
+    /// Call it once a tick, after the tree.
+    #[must_use]
+    pub fn announce(&mut self, peers: Peers<'_, TableMessage<X>>) -> TableMessage
+    where
+        X: Message,
+    {
+        let is_free = self.pending.is_none() && self.is_settled();
+        if let Some((wanted, operator)) = self.wanted.filter(|_| self.is_asked) {
+            // The others need not wait until it is sure again, or its loop done: it wants what it wanted.
+            self.score(&wanted, operator, peers);
+        }
+        self.rounds.conclude(self.announcement(), is_free, peers);
+        TableMessage { round: self.rounds.message(peers), own: () }
+    }
+
+    /// The team's rounds: the list of joint policies, the posterior over them, what is waited for.
+    #[must_use]
+    pub const fn rounds(&self) -> &TeamRounds<'a, N> {
+        &self.rounds
     }
 
     /// The decision of this tick, if one was made.
@@ -237,12 +297,14 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
     /// Checks a teammate's message against the tables, for the firmware's `Robot::accepts`.
     ///
     /// # Errors
-    /// [`Invalid`] when no role has the states and the operator that it names.
-    pub fn accepts(&self, said: &Announcement<X>) -> Result<(), Invalid> {
-        if self.tables.roles().iter().any(|role| is_of(said, role)) {
+    /// [`Invalid`] when no role has the states and the operators that it names, or its round is not
+    /// one of this team.
+    pub fn accepts(&self, said: &TableMessage<X>) -> Result<(), Invalid> {
+        said.round.validate(self.tables.robots())?;
+        if self.tables.roles().iter().any(|role| is_of(said.fact(), role)) {
             Ok(())
         } else {
-            Err(Invalid("no role has these states and this operator"))
+            Err(Invalid("no role has these states and these operators"))
         }
     }
 
@@ -254,22 +316,33 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
         self.surprise
     }
 
-    /// The last announcement of a teammate, while it is fresh.
+    /// What a teammate has announced for its newest round; `None` before it was heard, and while it
+    /// is left out.
     #[must_use]
     pub fn teammate(&self, robot: usize) -> Option<Announcement> {
         self.said.get(robot).copied().flatten()
     }
 
     /// The facts that hold now, for a target.
+    ///
+    /// A teammate counts as doing its part of what the team has decided, else what it has announced.
     #[must_use]
     pub fn logic(&self, target: Option<u8>) -> Logic {
-        let facts = self.role.facts.iter().zip(0..);
-        facts.fold(Logic::NONE, |logic, (fact, number)| logic.with(number, self.holds(fact, target)))
+        self.logic_in(self.rounds.policy(), target)
     }
 
-    fn holds(&self, fact: &Fact<'_>, target: Option<u8>) -> bool {
+    /// The facts that hold while the teammates do their parts of a joint policy.
+    fn logic_in(&self, policy: Option<u16>, target: Option<u8>) -> Logic {
+        let facts = self.role.facts.iter().zip(0..);
+        facts.fold(Logic::NONE, |logic, (fact, number)| logic.with(number, self.holds(fact, policy, target)))
+    }
+
+    fn holds(&self, fact: &Fact<'_>, policy: Option<u16>, target: Option<u8>) -> bool {
         let among = |list: &[u8], state: usize| list.iter().any(|&of| usize::from(of) == state);
-        let said = |robot: u8| self.teammate(usize::from(robot));
+        let doing = |robot: usize| match policy {
+            Some(policy) => operator_of(self.tables, policy, robot),
+            None => self.teammate(robot).map_or(0, |said| said.operator()),
+        };
         match fact.holds {
             Holds::Sure { factor, states } => {
                 self.sure(usize::from(factor)).is_some_and(|state| among(states, state))
@@ -277,11 +350,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
             Holds::AtTarget { factor } => {
                 self.sure(usize::from(factor)).is_some_and(|state| target.map(usize::from) == Some(state))
             }
-            Holds::Announced { robot, factor, states } => said(robot)
-                .and_then(|said| said.state(usize::from(factor)))
-                .is_some_and(|state| states.contains(&state)),
-            Holds::Doing { robot, operators } => {
-                said(robot).is_some_and(|said| operators.contains(&said.operator()))
+            Holds::Announced { .. } | Holds::Doing { .. } => {
+                holds_of_teammate(fact, &self.said, doing).unwrap_or(false)
             }
         }
     }
@@ -290,105 +360,32 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
         self.role.operators.get(usize::from(operator))
     }
 
-    fn unmet_of(&self, operator: u8, target: Option<u8>) -> Option<Literal> {
+    pub(super) fn unmet_of(&self, operator: u8, policy: Option<u16>, target: Option<u8>) -> Option<Literal> {
         let operator = self.operator(operator)?;
         let condition = Condition { all: Logic::of(operator.requires), none: Logic::of(operator.forbids) };
-        condition.unmet(self.logic(target))
+        condition.unmet(self.logic_in(policy, target))
     }
 
-    fn part_of(&self, plan: Plan) -> u8 {
-        match plan {
-            Plan::Take(policy) => self.part(policy),
-            Plan::Continue | Plan::Look => self.role.idle,
-        }
-    }
-
-    /// The posterior probability of the last choice; one before the first.
-    fn probability(&self) -> f32 {
-        let of =
-            |decision: &JointDecision<S, N, P>| decision.posterior.get(usize::from(decision.choice)).copied();
-        self.decision.as_ref().and_then(of).unwrap_or(1.0)
-    }
-
-    /// The semantic state in a teammate's announcement.
-    fn announced_state(&self, robot: usize) -> Option<usize> {
-        let (said, role) = (self.teammate(robot)?, self.tables.role(robot)?);
-        let known = |factor: &u8| said.state(usize::from(*factor)).is_some();
-        let state = |factor| said.state(factor).map_or(0, usize::from);
-        role.states.factors.iter().all(known).then(|| role.states.of(role.factors, state))
-    }
-
-    /// C of a teammate.
-    fn wish(&self, robot: usize, role: &Role<'_>) -> Preference<S> {
-        match self.aim.teammates {
-            Wish::Rows(rows) => row(rows.get(robot).copied().unwrap_or(&[])),
-            Wish::AsAnnounced => {
-                let operator = self.teammate(robot).map_or(role.idle, |said| said.operator());
-                let brings = role.operators.get(usize::from(operator)).map(|operator| operator.brings);
-                let Some(Postcondition::State(state, _) | Postcondition::Reset(state, ..)) = brings else {
-                    return row(&[]);
-                };
-                Preference::from_fn(|of| if of == usize::from(state) { 1.0 } else { 0.0 })
-            }
-        }
-    }
-
-    /// The best of the joint policies in which the teammates do what they announced; the first of
-    /// equals.
-    fn best(&self, posterior: &[f32; P], announced: &[Option<u8>; N]) -> Option<u16> {
-        let mut best: Option<(u16, f32)> = None;
-        for (policy, &p) in (0..).zip(posterior.iter().take(self.tables.policies())) {
-            let fits = |(robot, announced): (usize, &Option<u8>)| {
-                announced.is_none_or(|announced| announced == operator_of(self.tables, policy, robot))
-            };
-            if best.is_none_or(|(_, most)| p > most) && announced.iter().enumerate().all(fits) {
-                best = Some((policy, p));
-            }
-        }
-        best.map(|(policy, _)| policy)
-    }
-
-    fn decide(&self, offered: &Offered<N>, wanted: &Wanted<S, N>) -> Option<JointDecision<S, N, P>> {
-        let states = self.states();
-        let possible = |operator: u8| self.unmet_of(operator, offered.target).is_none();
-        let outcome = self.role.outcome.as_ref().filter(|outcome| outcome.possible.is_none_or(possible));
-        let question = Question {
-            tables: self.tables,
-            own: self.own,
-            states: states.get(..self.role.states.names.len())?,
-            announced: &core::array::from_fn(|robot| self.announced_state(robot)),
-            preferences: &wanted.rows,
-            outcome,
-        };
-        let (beliefs, posterior) = question.answer()?;
-        let choice = self.best(&posterior, &offered.announced)?;
-        let preferences = wanted.rows.each_ref().map(Preference::values);
-        Some(JointDecision { preferences, beliefs, posterior, choice })
+    /// What is missing for the own part of a joint policy.
+    pub(super) fn unmet_in(&self, policy: u16, target: Option<u8>) -> Option<Literal> {
+        self.unmet_of(self.part(policy), Some(policy), target)
     }
 }
 
 impl<const S: usize, const N: usize, const P: usize, X: Message> Task for TableTask<'_, S, N, P, X> {
     type Percept = Percept;
-    type Message = Announcement<X>;
+    type Message = TableMessage<X>;
     type Preference = Wanted<S, N>;
     type Candidates = Offered<N>;
     type Policy = Plan;
 
-    fn observe(&mut self, percept: &Percept, peers: Peers<'_, Announcement<X>>) {
-        if self.observed == Some(percept.at) {
-            return;
-        }
-        self.observed = Some(percept.at);
-        (self.busy, self.command, self.decision) = (percept.busy, None, None);
-        self.said = [None; N];
-        for peer in peers.fresh() {
-            if let Some(slot) = self.said.get_mut(peer.sender().index()) {
-                *slot = Some(peer.message().with(()));
-            }
-        }
-        if !percept.busy {
-            let ended = self.pending.take();
-            self.surprise = track(&mut self.beliefs, self.role, ended, &percept.readings);
+    fn observe(&mut self, percept: &Percept, peers: Peers<'_, TableMessage<X>>) {
+        if self.sense(percept) {
+            self.rounds.attend(self.announcement(), peers);
+            self.said = self.rounds.said(peers);
+            self.intends = self.role.idle;
+            let is_asked = core::mem::take(&mut self.is_asked);
+            self.wanted = self.wanted.filter(|_| is_asked);
         }
     }
 
@@ -407,35 +404,47 @@ impl<const S: usize, const N: usize, const P: usize, X: Message> Task for TableT
     }
 
     /// All operators, always: which of them may be begun, the preconditions say.
-    fn candidates(&mut self, preference: &Wanted<S, N>, peers: Peers<'_, Announcement<X>>) -> Offered<N> {
-        let mut offered = Offered { target: preference.target, announced: [None; N] };
-        for peer in peers.fresh() {
-            if let Some(slot) = offered.announced.get_mut(peer.sender().index()) {
-                *slot = Some(peer.message().operator());
-            }
-        }
-        offered
+    fn candidates(&mut self, preference: &Wanted<S, N>, _: Peers<'_, TableMessage<X>>) -> Offered<N> {
+        let announced = self.said.each_ref().map(|said| said.as_ref().map(Announcement::operator));
+        Offered { target: preference.target, announced }
     }
 
+    /// The robot's own choice, until nothing is missing for that; then it scores the policies of the
+    /// round, and takes what the team has chosen.
     fn infer(
         &mut self,
         offered: &Offered<N>,
         preference: &Wanted<S, N>,
-        _: Peers<'_, Announcement<X>>,
+        peers: Peers<'_, TableMessage<X>>,
     ) -> Option<Plan> {
-        self.decision = None;
+        (self.decision, self.is_asked) = (None, true);
+        self.is_agreed = self.busy || !self.is_settled() || self.rounds.is_alone();
         if self.busy {
             return Some(Plan::Continue);
         }
         if !self.is_settled() {
             return Some(Plan::Look);
         }
-        self.decision = self.decide(offered, preference);
-        self.decision.as_ref().map(|decision| Plan::Take(decision.choice))
+        let mut decision = self.decide(offered, preference)?;
+        if self.unmet_in(decision.choice, offered.target).is_none() && !self.rounds.is_alone() {
+            self.intends = self.part(decision.choice);
+            self.wanted = Some((*preference, self.intends));
+            self.score(preference, self.intends, peers);
+            if let Some(policy) = self.rounds.due().filter(|&of| self.unmet_in(of, offered.target).is_none())
+            {
+                (decision.choice, self.is_agreed) = (policy, true);
+            }
+        }
+        let choice = decision.choice;
+        self.decision = Some(decision);
+        Some(Plan::Take(choice))
     }
 
     fn unmet(&self, plan: Plan, offered: &Offered<N>) -> Option<Literal> {
-        self.unmet_of(self.part_of(plan), offered.target)
+        match plan {
+            Plan::Take(policy) => self.unmet_in(policy, offered.target),
+            Plan::Continue | Plan::Look => None,
+        }
     }
 
     fn raise(&mut self, missing: Literal, _: &Offered<N>, preference: &mut Wanted<S, N>) {
@@ -448,12 +457,18 @@ impl<const S: usize, const N: usize, const P: usize, X: Message> Task for TableT
         }
     }
 
-    fn execute(&mut self, plan: Plan, offered: &Offered<N>, _: Peers<'_, Announcement<X>>) {
-        let operator = self.part_of(plan);
+    fn is_connected(&self, _: Peers<'_, TableMessage<X>>) -> bool {
+        self.is_agreed
+    }
+
+    fn execute(&mut self, plan: Plan, offered: &Offered<N>, _: Peers<'_, TableMessage<X>>) {
+        let Plan::Take(policy) = plan else { return };
+        let operator = self.part(policy);
         if operator != self.role.idle {
             let target =
                 offered.target.filter(|_| self.operator(operator).is_some_and(Operator::is_targeted));
             self.begin(Command { operator, target });
+            self.rounds.begin();
         }
     }
 
@@ -462,22 +477,24 @@ impl<const S: usize, const N: usize, const P: usize, X: Message> Task for TableT
     }
 }
 
-fn row<const S: usize>(values: &[f32]) -> Preference<S> {
+pub(super) fn row<const S: usize>(values: &[f32]) -> Preference<S> {
     Preference::from_fn(|state| values.get(state).copied().unwrap_or(0.0))
 }
 
-/// A robot's part of a joint policy: the last robot's operators run fastest.
-fn operator_of(tables: &Tables<'_>, policy: u16, robot: usize) -> u8 {
-    let later = tables.roles().iter().skip(robot + 1).map(|role| role.operators.len());
-    let own = tables.role(robot).map_or(1, |role| role.operators.len().max(1));
-    let rest = usize::from(policy) / later.product::<usize>().max(1);
-    (rest % own) as u8
+/// What a robot is sure of at the start.
+fn at_start(role: &Role<'_>, confidence: f32) -> Announcement {
+    let known = |factor: &HiddenFactor<'_>| {
+        let state = math::argmax(factor.prior);
+        factor.prior.get(state).filter(|&&p| p >= confidence).map(|_| state as u8)
+    };
+    Announcement::new(role.factors.iter().map(known), role.idle, role.idle)
 }
 
 /// Whether a role has all that an announcement names.
-fn is_of<X>(said: &Announcement<X>, role: &Role<'_>) -> bool {
+fn is_of(said: &Announcement, role: &Role<'_>) -> bool {
     let known = |(number, factor): (usize, &HiddenFactor<'_>)| {
         said.state(number).is_none_or(|state| usize::from(state) < factor.states.len())
     };
-    usize::from(said.operator()) < role.operators.len() && role.factors.iter().enumerate().all(known)
+    usize::from(said.operator().max(said.intends())) < role.operators.len()
+        && role.factors.iter().enumerate().all(known)
 }
