@@ -130,6 +130,7 @@
 //! # use iibt_core::iibt::table::*;
 //! static WRONG: Tables = Tables::new(&[Role {
 //!     name: "porter",
+//!     sensors: &[Sensor::even("camera", Reads::Factor(0), 0.9)],
 //!     facts: &[Fact::sure("open", 2, &[1])],
 //!     aims: &[Aim::new("open it", &[0], &[0.0, 1.0])],
 //!     ..Role::of(&[HiddenFactor::unknown("door", &["shut", "open"])])

@@ -158,7 +158,7 @@ const fn operator_names(role: &Role) -> Flaw {
 
 const fn sensors(role: &Role) -> Flaw {
     let rows = role.sensors;
-    refuse!(rows.len() > MAX_SENSORS, rows.len(), "a role has at most 8 sensors");
+    refuse!(rows.is_empty() || rows.len() > MAX_SENSORS, rows.len(), "a role has 1 to 8 sensors");
     each!(at in rows, {
         let outcomes = match &rows[at].reads {
             Reads::Factor(factor) => {
@@ -513,6 +513,7 @@ mod tests {
         said!(factors: VALVE, VALVE => "factors[1]: its name is taken");
         said!(factors: HiddenFactor { name: "", ..VALVE } => "factors[0]: its name is empty");
         said!(factors: HiddenFactor { states: &["a", "a"], ..VALVE } => "factors[0]: a name is there twice");
+        said!(sensors: => "sensors[0]: a role has 1 to 8 sensors");
         said!(sensors: Sensor { accuracy: Accuracy::Even(1.1), ..READ } => "sensors[0]: its accuracy is no probability");
         said!(sensors: READ, Sensor { name: "eye", reads: Reads::Factor(3), ..READ }
             => "sensors[1]: it reads a factor that does not exist");

@@ -24,7 +24,7 @@ pub struct Role<'a> {
     pub factors: &'a [HiddenFactor<'a>],
     /// The semantic states that decisions and preferences are about, s^i in the paper.
     pub states: Labels<'a>,
-    /// A: its sensors, read in each tick, at most [`MAX_SENSORS`].
+    /// A: its sensors, read in each tick, 1 to [`MAX_SENSORS`].
     pub sensors: &'a [Sensor<'a>],
     /// U with table 5: its operators, 1 to [`MAX_OPERATORS`]; a joint policy has one of each robot.
     pub operators: &'a [Operator<'a>],
