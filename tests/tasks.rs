@@ -107,21 +107,29 @@ fn what_is_wrong_is_said_with_line_and_column() {
     let cases = [
         ("title = \"Two", "titel = \"Two", "my.toml:1:1: unknown field `titel`"),
         ("limit = 300", "limit = 0", "my.toml:2:9: limit = 0 is not between 1 and 100000"),
-        ("prior = [0.5, 0.5]", "prior = [0.5, 0.4]", "my.toml:9:1: its prior is no distribution"),
+        (
+            "prior = [0.5, 0.5]",
+            "prior = [0.5, 0.4]",
+            "my.toml:9:1: factor \"valve\": its prior is no distribution",
+        ),
         (
             "start = \"open\"",
             "start = \"ajar\"",
             "my.toml:13:9: there is no state \"ajar\": there are open, closed",
         ),
         ("reads = \"valve\"", "reads = \"tap\"", "my.toml:17:9: there is no factor \"tap\": there are valve"),
-        ("right = 0.9", "right = 1.9", "my.toml:15:1: its accuracy is no probability"),
+        ("right = 0.9", "right = 1.9", "my.toml:15:1: sensor \"position\": its accuracy is no probability"),
         (
             "is = [\"closed\"]",
             "is = [\"shut\"]",
             "my.toml:23:7: there is no state \"shut\": there are open, closed",
         ),
         ("robot = \"R2\"", "robot = \"R3\"", "my.toml:27:9: there is no robot \"R3\": there are R1, R2"),
-        ("robot = \"R2\"", "robot = \"R1\"", "my.toml:25:1: it is about a robot that is no teammate"),
+        (
+            "robot = \"R2\"",
+            "robot = \"R1\"",
+            "my.toml:25:1: fact \"R2 idle\": it is about a robot that is no teammate",
+        ),
         (
             "doing = [\"idle\"]",
             "doing = [\"nap\"]",
@@ -135,18 +143,33 @@ fn what_is_wrong_is_said_with_line_and_column() {
         (
             "needs = [\"R2 idle\"]",
             "needs = [\"closed\"]",
-            "my.toml:30:1: it both requires and forbids one fact",
+            "my.toml:30:1: action \"turn\": it both requires and forbids one fact",
         ),
         ("success = 0.8", "success = 8.0", "my.toml:36:11: success = 8 is not between 0 and 1"),
         ("to = \"closed\"", "to = \"target\"", ""),
         ("prefer = { closed = 1.0 }", "prefer = { shut = 1.0 }", "my.toml:50:19: there is no state \"shut\""),
-        ("done = [\"closed\"]", "done = []", "my.toml:47:1: nothing says when it is reached"),
+        ("done = [\"closed\"]", "done = []", "my.toml:47:1: aim \"close\": nothing says when it is reached"),
         (
             "\"R1.valve\" = \"closed\"",
             "\"R1.tap\" = \"closed\"",
             "there is no factor \"tap\": there are valve",
         ),
-        ("name = \"R2\"", "name = \"R1\"", "there is no robot \"R2\": there are R1, R1"),
+        ("name = \"R2\"", "name = \"R1\"", "my.toml:53:8: two robots are called \"R1\""),
+        ("name = \"R2 idle\"", "name = \"closed\"", "my.toml:26:8: two facts are called \"closed\""),
+        ("name = \"idle\"", "name = \"turn\"", "two actions are called \"turn\""),
+        ("[\"open\", \"closed\"]", "[\"open\", \"open\"]", "my.toml:11:19: two states are called \"open\""),
+        ("name = \"R1\"", "name = \"R\\n1\"", "my.toml:7:8: a name is not one line of 1 to 60 characters"),
+        ("title = \"Two", "title = \"\\tTwo", "my.toml:1:9: title is not one line of 1 to 120 characters"),
+        ("is = [\"closed\"]", "is = []", "my.toml:21:8: `is` names no state, so the fact can never hold"),
+        ("doing = [\"idle\"]", "doing = []", "my.toml:26:8: `doing` names no action"),
+        ("limit = 300", "precision = -1", "my.toml:2:13: precision = -1: it is negative or not finite"),
+        ("limit = 300", "confidence = 1", "my.toml:2:14: confidence = 1: it is not between 0.5 and 1"),
+        ("closed = 1.0 }", "closed = 1e9 }", "closed = 1000000000 is not between -1000000 and 1000000"),
+        (
+            "[[robot.sensor]]\nname = \"position\"\nreads = \"valve\"\nright = 0.9\n",
+            "",
+            "a robot needs a [[robot.sensor]]",
+        ),
     ];
     for (from, to, reason) in cases {
         let said = refusal("valves", from, to);
@@ -156,6 +179,39 @@ fn what_is_wrong_is_said_with_line_and_column() {
     assert!(said.contains("there is no state \"goal D\": there are elsewhere, goal A"), "{said}");
     let said = refusal("bottle-and-plate", "\"failure\", \"success\",", "\"failure\",");
     assert!(said.contains("the table lacks an entry per combination of states"), "{said}");
+}
+
+/// A task of robots that each have as many actions as they are told.
+fn crowd(actions: &[usize]) -> String {
+    let mut text = "title = 'A crowd'\n".to_owned();
+    for (robot, &actions) in actions.iter().enumerate() {
+        let others: String = (1..actions).map(|at| format!(", {{ name = 'a{at}', brings = 'b' }}")).collect();
+        text += &format!(
+            "[[robot]]\nname = 'r{robot}'\nfactor = [{{ name = 'f', states = ['a', 'b'] }}]\n\
+             sensor = [{{ name = 's', reads = 'f', right = 0.9 }}]\nfact = [{{ name = 'b', factor = 'f', is = ['b'] }}]\n\
+             action = [{{ name = 'idle' }}{others}]\naim = [{{ name = 'x', done = ['b'], prefer = {{ b = 1.0 }} }}]\n"
+        );
+    }
+    text + "[[goal]]\nrobot = 'r0'\nfactor = 'f'\nis = ['b']\n"
+}
+
+#[test]
+fn a_task_for_which_there_is_no_room_is_refused_with_its_size() {
+    let arena = Bump::new();
+    let said = |actions: &[usize]| {
+        let read = TableMission::parse(&arena, "my.toml", &crowd(actions));
+        read.map_or_else(
+            |error| error.to_string(),
+            |task| task.fly(0, Trouble::default()).err().map_or_else(String::new, |error| error.to_string()),
+        )
+    };
+    assert_eq!(said(&[4, 4, 4, 4]), "", "the largest that fits");
+    assert_eq!(said(&[16, 16]), "", "the largest that fits");
+    assert!(said(&[2; 5]).ends_with(": a task has 1 to 4 robots, not 5"), "{}", said(&[2; 5]));
+    let policies =
+        "my.toml:2:1: the robots' actions make 16 x 16 x 2 = 512 joint policies: there is room for 256";
+    assert_eq!(said(&[16, 16, 2]), policies);
+    assert_eq!(said(&[17]), "my.toml:2:1: robot \"r0\": a robot has 1 to 16 actions");
 }
 
 #[rustfmt::skip]

@@ -16,6 +16,7 @@ mod mission;
 mod names;
 mod read;
 mod robot;
+mod room;
 mod station;
 mod world;
 
@@ -53,5 +54,5 @@ pub fn is_task(text: &str) -> bool {
     })
 }
 
-/// A table task with room for any task file: 64 states, 4 robots, 256 joint policies.
-pub(crate) type HostTask<'t> = TableTask<'t, 64, 4, 256>;
+/// A table task with room for any task file.
+pub(crate) type HostTask<'t> = TableTask<'t, { room::STATES }, { room::ROBOTS }, { room::POLICIES }>;

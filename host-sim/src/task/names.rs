@@ -1,7 +1,46 @@
 //! The names of a task file.
 
 use super::file;
-use crate::input::{Fault, Read, Text, refuse};
+use crate::input::{Fault, Read, Text, line_of_text, refuse};
+use std::collections::BTreeSet;
+
+/// No name is longer, in characters.
+const LONGEST: usize = 60;
+
+/// Checks that all things of a kind have a name each. Otherwise a name would mean the first of them.
+pub(super) fn check_names(file: &file::File) -> Read<()> {
+    distinct("robots", file.robots.iter().map(|robot| &robot.get_ref().name))?;
+    for robot in file.robots.iter().map(toml::Spanned::get_ref) {
+        distinct("factors", robot.factors.iter().map(|factor| &factor.get_ref().name))?;
+        distinct("sensors", robot.sensors.iter().map(|sensor| &sensor.get_ref().name))?;
+        distinct("actions", robot.actions.iter().map(|action| &action.get_ref().name))?;
+        distinct("facts", robot.facts.iter().map(|fact| &fact.get_ref().name))?;
+        distinct("aims", robot.aims.iter().map(|aim| &aim.get_ref().name))?;
+        for factor in &robot.factors {
+            distinct("states", &factor.get_ref().states)?;
+        }
+        let labels = robot.sensors.iter().filter_map(|sensor| sensor.get_ref().labels.as_ref());
+        for labels in labels.chain(robot.state.iter().map(toml::Spanned::get_ref)) {
+            distinct("states", &labels.names)?;
+        }
+        if let Some(outcome) = &robot.outcome {
+            distinct("outcomes", &outcome.get_ref().names)?;
+        }
+    }
+    Ok(())
+}
+
+fn distinct<'n>(things: &str, names: impl IntoIterator<Item = &'n Text>) -> Read<()> {
+    let mut taken = BTreeSet::new();
+    for name in names {
+        let text = line_of_text("a name", name, LONGEST)?;
+        if taken.contains(&text) {
+            return refuse(name.span(), format!("two {things} are called \"{text}\""));
+        }
+        taken.insert(text);
+    }
+    Ok(())
+}
 
 pub(super) fn is_idle(action: &file::Action) -> bool {
     action.needs.is_empty() && action.forbids.is_empty() && action.effects.is_empty()

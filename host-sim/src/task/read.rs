@@ -2,10 +2,12 @@
 
 use super::file::{self, File};
 use super::names::{
-    action_names, fact_names, factor_names, index, is_idle, state_names, states_of, target, texts, unknown,
+    action_names, check_names, fact_names, factor_names, index, is_idle, state_names, states_of, target,
+    texts, unknown,
 };
+use super::room;
 use super::world::{Goal, Truth};
-use crate::input::{Fault, FileError, Read, RealNumber, Text, real, refuse, share, whole};
+use crate::input::{Fault, FileError, Read, RealNumber, Text, line_of_text, real, refuse, share, whole};
 use crate::scenario::Radio;
 use bumpalo::Bump;
 use iibt_core::iibt::Literal;
@@ -15,7 +17,6 @@ use iibt_core::iibt::table::{
     Reads, Remedy, Role, Sensor, Tables, TablesError, To, Wish,
 };
 use std::collections::BTreeMap;
-use std::ops::Range;
 use toml::Spanned;
 
 /// A task to fly: its tables, and the true world.
@@ -55,19 +56,21 @@ struct Reader<'a, 'f> {
 impl<'a, 'f> Reader<'a, 'f> {
     fn mission(&self, name: &str) -> Read<TableMission<'a>> {
         let file = self.file;
+        check_names(file)?;
+        room::check(file)?;
         let roles = self.each(&file.robots, |robot| self.role(robot))?;
         let mut tables = Tables::try_new(roles).map_err(|error| self.misfit(error))?;
         if let Some(precision) = &file.precision {
             let with = tables.with_precision(*precision.get_ref() as f32);
-            tables = with.map_err(|error| Fault::new(precision.span(), error.reason))?;
+            tables = with.map_err(|error| unfit("precision", precision, error))?;
         }
         if let Some(confidence) = &file.confidence {
             let with = tables.with_confidence(*confidence.get_ref() as f32);
-            tables = with.map_err(|error| Fault::new(confidence.span(), error.reason))?;
+            tables = with.map_err(|error| unfit("confidence", confidence, error))?;
         }
         Ok(TableMission {
             name: name.to_owned(),
-            title: file.title.get_ref().clone(),
+            title: line_of_text("title", &file.title, 120)?,
             truth: self.truth(&tables)?,
             tables,
             limit: whole("limit", file.limit.as_ref(), 1..=100_000, 1000)?,
@@ -204,6 +207,9 @@ impl<'a, 'f> Reader<'a, 'f> {
         let (robot, holder) = self.holder(fact.robot.as_ref(), own)?;
         let factor = |factor: &Text| index("factor", factor, &factor_names(holder));
         let holds = match (robot, &fact.factor, &fact.is, &fact.doing) {
+            (_, Some(_), Some(is), None) if is.is_empty() => {
+                return refuse(fact.name.span(), "`is` names no state, so the fact can never hold");
+            }
             (_, Some(name), Some(is), None) => {
                 let factor = factor(name)?;
                 let states = self.each(is, |state| index("state", state, &states_of(holder, factor)))?;
@@ -213,6 +219,9 @@ impl<'a, 'f> Reader<'a, 'f> {
                 }
             }
             (None, Some(name), None, None) => Holds::AtTarget { factor: factor(name)? },
+            (Some(_), None, None, Some(doing)) if doing.is_empty() => {
+                return refuse(fact.name.span(), "`doing` names no action, so the fact can never hold");
+            }
             (Some(robot), None, None, Some(doing)) => Holds::Doing {
                 robot,
                 operators: self.each(doing, |action| index("action", action, &action_names(holder)))?,
@@ -245,7 +254,7 @@ impl<'a, 'f> Reader<'a, 'f> {
         Ok(Aim {
             name: self.text(&aim.name),
             done: self.each(&aim.done, |fact| index("fact", fact, &fact_names(robot)))?,
-            preference: self.preference(&aim.prefer, &state_names(robot), aim.name.span())?,
+            preference: self.preference(&aim.prefer, &state_names(robot))?,
             teammates,
             target: target(aim.target.as_ref(), robot)?,
         })
@@ -267,8 +276,8 @@ impl<'a, 'f> Reader<'a, 'f> {
         }
         let row = |of: &Spanned<file::Robot>| match wishes.get(of.get_ref().name.get_ref()) {
             _ if of.get_ref().name.get_ref() == own => Ok(&[][..]),
-            Some(wish) => self.preference(wish, &state_names(of.get_ref()), aim.name.span()),
-            None => self.preference(&BTreeMap::new(), &state_names(of.get_ref()), aim.name.span()),
+            Some(wish) => self.preference(wish, &state_names(of.get_ref())),
+            None => self.preference(&BTreeMap::new(), &state_names(of.get_ref())),
         };
         self.each(&self.file.robots, row).map(Wish::Rows)
     }
@@ -276,30 +285,22 @@ impl<'a, 'f> Reader<'a, 'f> {
     fn outcome(&self, outcome: &file::OutcomeTable, robot: &file::Robot) -> Read<JointOutcome<'a>> {
         let names = texts(&outcome.names);
         let possible = outcome.possible.as_ref();
-        let at = outcome.names.first().map_or(robot.name.span(), Spanned::span);
         Ok(JointOutcome {
             names: self.each(&outcome.names, |name| Ok(self.text(name)))?,
-            preference: self.preference(&outcome.prefer, &names, at)?,
+            preference: self.preference(&outcome.prefer, &names)?,
             table: self.each(&outcome.table, |label| index("outcome", label, &names))?,
             possible: possible.map(|action| index("action", action, &action_names(robot))).transpose()?,
         })
     }
 
     /// A preference by the names of states, zero for one that is not named.
-    fn preference(
-        &self,
-        values: &BTreeMap<String, RealNumber>,
-        names: &[&str],
-        at: Range<usize>,
-    ) -> Read<&'a [f32]> {
+    fn preference(&self, values: &BTreeMap<String, RealNumber>, names: &[&str]) -> Read<&'a [f32]> {
         let mut row = vec![0.0; names.len()];
         for (name, value) in values {
             let Some(place) = names.iter().position(|known| known == name) else {
                 return refuse(value.span(), unknown("state", name, names));
             };
-            row[place] = real("a preference", Some(value), -1e6..=1e6, 0.0).map_err(|_| {
-                Fault::new(at.clone(), format!("the preference for \"{name}\" is not between -1e6 and 1e6"))
-            })? as f32;
+            row[place] = real(name, Some(value), -1e6..=1e6, 0.0)? as f32;
         }
         Ok(self.arena.alloc_slice_copy(&row))
     }
@@ -323,6 +324,9 @@ impl<'a, 'f> Reader<'a, 'f> {
         for goal in &self.file.goals {
             let goal = goal.get_ref();
             let (robot, holder) = self.robot(&goal.robot)?;
+            if goal.is.is_empty() {
+                return refuse(goal.factor.span(), "`is` names no state, so the goal can never be reached");
+            }
             let factor = index("factor", &goal.factor, &factor_names(holder))?;
             let states: Result<_, _> =
                 goal.is.iter().map(|state| index("state", state, &states_of(holder, factor))).collect();
@@ -331,23 +335,26 @@ impl<'a, 'f> Reader<'a, 'f> {
         Ok(truth)
     }
 
-    /// The fault of tables that do not fit, at the row in the file.
+    /// The fault of tables that do not fit, at the row in the file and with its name.
     fn misfit(&self, error: TablesError) -> Fault {
         let robot = error.role.and_then(|role| self.file.robots.get(usize::from(role)));
         let Some(robot) = robot else { return Fault::new(0..0, error.to_string()) };
         let (of, row) = (robot.get_ref(), usize::from(error.row.unwrap_or(0)));
-        let span = match error.table {
-            "factors" => of.factors.get(row).map(Spanned::span),
-            "sensors" => of.sensors.get(row).map(Spanned::span),
-            "operators" | "idle" => of.actions.get(row).map(Spanned::span),
-            "facts" => of.facts.get(row).map(Spanned::span),
-            "remedies" => of.remedies.get(row).map(Spanned::span),
-            "aims" => of.aims.get(row).map(Spanned::span),
-            "states" => of.state.as_ref().map(Spanned::span),
-            "outcome" => of.outcome.as_ref().map(Spanned::span),
+        let place = match error.table {
+            "factors" => of.factors.get(row).map(|at| (at.span(), "factor", &at.get_ref().name)),
+            "sensors" => of.sensors.get(row).map(|at| (at.span(), "sensor", &at.get_ref().name)),
+            "operators" | "idle" => of.actions.get(row).map(|at| (at.span(), "action", &at.get_ref().name)),
+            "facts" => of.facts.get(row).map(|at| (at.span(), "fact", &at.get_ref().name)),
+            "remedies" => of.remedies.get(row).map(|at| (at.span(), "the remedy of", &at.get_ref().missing)),
+            "aims" => of.aims.get(row).map(|at| (at.span(), "aim", &at.get_ref().name)),
+            "states" => of.state.as_ref().map(|at| (at.span(), "the states of", &of.name)),
+            "outcome" => of.outcome.as_ref().map(|at| (at.span(), "the outcome of", &of.name)),
             _ => None,
         };
-        Fault::new(span.unwrap_or_else(|| robot.span()), error.reason)
+        let (span, what, name) = place.unwrap_or_else(|| (robot.span(), "robot", &of.name));
+        // The words of the file for those of the tables.
+        let reason = error.reason.replace("a role", "a robot").replace("operator", "action");
+        Fault::new(span, format!("{what} \"{}\": {reason}", name.get_ref()))
     }
 
     /// The number and the tables of a robot by its name.
@@ -376,4 +383,9 @@ impl<'a, 'f> Reader<'a, 'f> {
         let rows: Vec<T> = rows.iter().map(of).collect::<Result<_, _>>()?;
         Ok(self.arena.alloc_slice_copy(&rows))
     }
+}
+
+/// The fault of a number for the whole task.
+fn unfit(key: &str, number: &RealNumber, error: TablesError) -> Fault {
+    Fault::new(number.span(), format!("{key} = {}: {}", number.get_ref(), error.reason))
 }
