@@ -93,6 +93,80 @@ fn the_example_of_the_readme_opens_its_door() {
     }
 }
 
+/// What `valves` tells of a flight in which `from` is replaced by `to`, its actions left out.
+fn end(from: &str, to: &str, trouble: Trouble) -> String {
+    let text = text("valves");
+    assert!(text.contains(from), "{from}");
+    let arena = Bump::new();
+    let text = text.replacen(from, to, 1);
+    let task = TableMission::parse(&arena, "my.toml", &text).expect("it is sound");
+    let flown = task.fly(0, trouble).expect("it fits");
+    assert_eq!(flown.missing.is_empty(), flown.success, "{flown:?}");
+    task.narrate(&flown).lines().skip_while(|line| line.starts_with("tick ")).skip(1).collect()
+}
+
+#[test]
+fn what_keeps_a_robot_is_said_at_the_end() {
+    let calm = Trouble { wrong: Some(0.0), fails: Some(0.0), loss: None };
+    assert_eq!(end("title", "title", calm), "");
+    let deaf = Trouble { loss: Some(1.0), ..calm };
+    assert_eq!(end("title", "title", deaf), "  R1 does not hear R2  R2 does not hear R1");
+    let wrong = end("right = 0.9", "right = 0.5", calm);
+    assert!(wrong.contains("  R1 is not sure of \"valve\": \"open\" 0."), "{wrong}");
+    // R1 waits for R2 to turn its valve, and R2 for R1 to have closed its own.
+    let waits = end("doing = [\"idle\"]", "doing = [\"turn\"]", calm);
+    assert!(waits.contains("  R1 prefers to do nothing until \"R2 idle\" holds"), "{waits}");
+    assert!(waits.contains("  R2 prefers to do nothing until \"inlet closed\" holds"), "{waits}");
+    let goal = |state: &str| format!("[[goal]]\nrobot = \"R1\"\nfactor = \"valve\"\nis = [\"{state}\"]");
+    let wrong = end(&goal("closed"), &goal("open"), calm);
+    assert_eq!(wrong, "  R1: \"valve\" is in truth \"closed\"");
+}
+
+#[test]
+fn an_action_that_another_one_makes_possible_needs_a_remedy() {
+    let arena = Bump::new();
+    let steps = r#"
+title = "A robot fetches a crate"
+limit = 60
+[[robot]]
+name = "porter"
+factor = [{ name = "crate", states = ["shelf", "held", "bench"] }]
+sensor = [{ name = "scales", reads = "crate", right = 0.9 }]
+fact = [
+    { name = "held", factor = "crate", is = ["held"] },
+    { name = "there", factor = "crate", is = ["bench"] },
+]
+action = [
+    { name = "idle" },
+    { name = "lift", brings = "held", effect = [{ factor = "crate", to = "held" }] },
+    { name = "put", needs = ["held"], brings = "bench", effect = [{ factor = "crate", to = "bench" }] },
+]
+aim = [{ name = "deliver", done = ["there"], prefer = { held = 1.0, bench = 2.0 } }]
+REMEDY
+[[goal]]
+robot = "porter"
+factor = "crate"
+is = ["bench"]
+"#;
+    let told = |remedy: &str| {
+        let text = steps.replace("REMEDY", remedy);
+        let task = TableMission::parse(&arena, "steps.toml", &text).expect("it is sound");
+        task.narrate(&task.fly(0, Trouble::default()).expect("it fits"))
+    };
+    let stuck = told("");
+    assert!(
+        stuck.ends_with(
+            "  porter does not begin \"put\" until \"held\" holds: no remedy says what to do until then\n"
+        ),
+        "{stuck}"
+    );
+    let remedied = told("remedy = [{ missing = \"held\", prefer = \"held\" }]");
+    assert!(
+        remedied.contains("porter begins lift") && remedied.contains("All goals are reached"),
+        "{remedied}"
+    );
+}
+
 /// What is said about a task file in which `from` is replaced by `to`.
 fn refusal(name: &str, from: &str, to: &str) -> String {
     let text = text(name);

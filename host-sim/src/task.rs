@@ -18,11 +18,12 @@ mod read;
 mod robot;
 mod room;
 mod station;
+mod waiting;
 mod world;
 
 pub use campaign::{LEVELS, Level, level_table};
 pub use flight::{Flown, Operated};
-pub use mission::{TaskError, Trouble};
+pub use mission::{TaskError, Trouble, outcome_line};
 pub use read::TableMission;
 pub use world::{Goal, Truth};
 
@@ -30,7 +31,7 @@ pub(crate) use flight::{TaskFlight, Worker};
 pub(crate) use robot::{HostRobot, TIMEOUT};
 pub(crate) use station::Station;
 
-use iibt_core::iibt::table::TableTask;
+use iibt_core::iibt::table::{TableTask, Wanted};
 
 /// The tasks that are built in.
 pub const NAMES: [&str; 2] = ["bottle-and-plate", "valves"];
@@ -56,3 +57,6 @@ pub fn is_task(text: &str) -> bool {
 
 /// A table task with room for any task file.
 pub(crate) type HostTask<'t> = TableTask<'t, { room::STATES }, { room::ROBOTS }, { room::POLICIES }>;
+
+/// What such a task prefers.
+pub(crate) type HostWanted = Wanted<{ room::STATES }, { room::ROBOTS }>;

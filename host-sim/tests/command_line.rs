@@ -152,6 +152,14 @@ fn what_a_robot_waits_for_is_printed() {
 }
 
 #[test]
+fn what_keeps_a_robot_of_a_task_is_printed_after_the_outcome() {
+    let outcome = "The robots are not done: 300 ticks, 0 actions, 600 frames of which 600 were lost.\n";
+    let run = host_sim("run valves --loss 1").assert().code(1);
+    run.stdout(format!("{outcome}  R1 does not hear R2\n  R2 does not hear R1\n"));
+    host_sim("run valves --loss 1 --quiet").assert().code(1).stdout(outcome);
+}
+
+#[test]
 fn output_that_is_not_read_to_its_end_is_no_error() {
     let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin!("host-sim"));
     command

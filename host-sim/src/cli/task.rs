@@ -4,7 +4,7 @@ use super::{Failure, MAX_BYTES, RunArgs, about, exit_status, print, read, report
 use bumpalo::Bump;
 use host_sim::Pilot;
 use host_sim::campaign::Disturbance;
-use host_sim::task::{TableMission, Trouble, built_in, is_task, level_table};
+use host_sim::task::{TableMission, Trouble, built_in, is_task, level_table, outcome_line};
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::ExitCode;
@@ -38,9 +38,9 @@ pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
     let mission = TableMission::parse(&arena, name, text)?;
     let trouble = Trouble { loss: of.loss, ..Trouble::default() };
     let flown = mission.fly(of.seed, trouble).map_err(about(name))?;
-    report(of.json, &flown, || match (mission.narrate(&flown), of.quiet) {
-        (text, true) => text.lines().last().unwrap_or_default().to_owned() + "\n",
-        (text, false) => text,
+    report(of.json, &flown, || match of.quiet {
+        true => outcome_line(&flown) + "\n",
+        false => mission.narrate(&flown),
     })?;
     Ok(exit_status(flown.success))
 }

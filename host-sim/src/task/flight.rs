@@ -1,8 +1,9 @@
 //! A flight: the loop in which the world, the robots and the radio take turns.
 
-use super::HostTask;
 use super::station::Station;
+use super::waiting;
 use super::world::{TaskWorld, Truth};
+use super::{HostTask, HostWanted};
 use crate::radio::Traffic;
 use crate::scenario;
 use crate::testbed::Testbed;
@@ -16,6 +17,11 @@ use serde::Serialize;
 pub(crate) trait Worker<'t>: Robot<Station> {
     /// The task behind its inference nodes, if there are any.
     fn task(&self) -> Option<&HostTask<'t>>;
+
+    /// What its inference node has raised while a precondition is missing.
+    fn raised(&self) -> Option<&HostWanted> {
+        None
+    }
 }
 
 /// An operator that a robot began.
@@ -45,10 +51,11 @@ pub struct Flown {
     pub ticks: u32,
     /// The operators that were begun, in order.
     pub operated: Vec<Operated>,
+    /// What is missing at the end, a line each: what the robots wait for, or where they err. Empty
+    /// after a success.
+    pub missing: Vec<String>,
     /// The frames of all robots.
     pub frames: Traffic,
-    /// What each robot waits for at the end, if it does.
-    pub waiting: Vec<Option<String>>,
 }
 
 /// A flight under way.
@@ -90,15 +97,26 @@ impl<'t, R: Worker<'t>> TaskFlight<'t, R> {
             self.world.pass();
         }
         let believed = done(&self.statuses);
-        let waiting = |robot: &R| robot.task().and_then(|task| task.rounds().waiting());
         Flown {
-            waiting: self.robots().map(|robot| waiting(robot).map(|waiting| waiting.to_string())).collect(),
             success: believed && self.world.is_accomplished(),
             believed,
             ticks: self.testbed.ticks(),
+            missing: if believed { self.world.open_goals() } else { self.waits() },
             operated: self.operated,
             frames: self.testbed.traffic(),
         }
+    }
+
+    /// What each robot waits for that is not done.
+    fn waits(&self) -> Vec<String> {
+        let tables = self.world.tables();
+        let robots = self.robots().zip(tables.roles()).zip(&self.statuses).enumerate();
+        let waiting = robots.filter(|(_, (_, status))| **status != Status::Success);
+        let line = waiting.filter_map(|(number, ((robot, role), _))| {
+            let waits = waiting::of_robot(robot.task()?, robot.raised())?;
+            Some(format!("{} {waits}", role.name))
+        });
+        line.collect()
     }
 
     fn tick(&mut self) {

@@ -59,9 +59,14 @@ impl TableMission<'_> {
         Ok(flight.fly(self.limit, done, &mut |_| ()))
     }
 
-    /// Narrates a flight line by line.
+    /// Narrates a flight line by line: the actions, the outcome, and what is missing.
     #[must_use]
     pub fn narrate(&self, flown: &Flown) -> String {
+        let missing: String = flown.missing.iter().map(|line| format!("  {line}\n")).collect();
+        self.actions(flown) + &outcome_line(flown) + "\n" + &missing
+    }
+
+    fn actions(&self, flown: &Flown) -> String {
         let mut text = String::new();
         for one in &flown.operated {
             let role = &self.tables.roles()[one.robot];
@@ -77,20 +82,19 @@ impl TableMission<'_> {
             let (tick, target) = (one.tick, target.unwrap_or_default());
             text += &format!("tick {tick:>3}  {} begins {}{target}{why}\n", role.name, operator.name);
         }
-        for (role, waiting) in self.tables.roles().iter().zip(&flown.waiting) {
-            if let Some(waiting) = waiting.as_ref().filter(|_| !flown.believed) {
-                text += &format!("{} is {waiting}\n", role.name);
-            }
-        }
-        let came = match (flown.success, flown.believed) {
-            (true, _) => "All goals are reached",
-            (false, true) => "The robots believe that they are done, and they are not",
-            (false, false) => "The robots are not done",
-        };
-        let (ticks, actions, lost) = (flown.ticks, flown.operated.len(), flown.frames.lost);
-        let frames = flown.frames.sent;
-        text + &format!(
-            "{came}: {ticks} ticks, {actions} actions, {frames} frames of which {lost} were lost.\n"
-        )
+        text
     }
+}
+
+/// The outcome of a flight in one line.
+#[must_use]
+pub fn outcome_line(flown: &Flown) -> String {
+    let came = match (flown.success, flown.believed) {
+        (true, _) => "All goals are reached",
+        (false, true) => "The robots believe that they are done, and they are not",
+        (false, false) => "The robots are not done",
+    };
+    let (ticks, actions, frames) = (flown.ticks, flown.operated.len(), flown.frames);
+    let (sent, lost) = (frames.sent, frames.lost);
+    format!("{came}: {ticks} ticks, {actions} actions, {sent} frames of which {lost} were lost.")
 }

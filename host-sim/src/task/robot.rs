@@ -1,7 +1,7 @@
 //! A robot that works on a table task, with a tree that is only known at run time.
 
 use super::flight::Worker;
-use super::{HostTask, Station};
+use super::{HostTask, HostWanted, Station};
 use firmware::{Skills, TableRobot, TaskLeaf, Turn};
 use iibt_core::iibt::table::{Aim, TablesError};
 use iibt_core::time::Duration;
@@ -16,6 +16,10 @@ pub(crate) type HostRobot<'t, K> = TableRobot<'t, Station, K, Vec<NodeMemory<Ful
 impl<'t, K: Skills<Station, Message = ()>> Worker<'t> for HostRobot<'t, K> {
     fn task(&self) -> Option<&HostTask<'t>> {
         Some(self.task())
+    }
+
+    fn raised(&self) -> Option<&HostWanted> {
+        self.node().raised()
     }
 }
 

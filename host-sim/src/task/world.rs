@@ -105,8 +105,27 @@ impl<'t> TaskWorld<'t> {
 
     /// Whether all goals are reached.
     pub(crate) fn is_accomplished(&self) -> bool {
-        let reached = |goal: &Goal| goal.states.contains(&(self.state(goal.robot, goal.factor) as u8));
-        self.truth.goals.iter().all(reached)
+        self.truth.goals.iter().all(|goal| self.is_reached(goal))
+    }
+
+    pub(super) fn tables(&self) -> &'t Tables<'t> {
+        self.tables
+    }
+
+    /// The goals that are not reached, in words.
+    pub(super) fn open_goals(&self) -> Vec<String> {
+        let open = self.truth.goals.iter().filter(|goal| !self.is_reached(goal));
+        let line = open.map(|goal| {
+            let role = self.role(goal.robot);
+            let factor = &role.factors[goal.factor];
+            let state = factor.states[self.state(goal.robot, goal.factor)];
+            format!("{}: \"{}\" is in truth \"{state}\"", role.name, factor.name)
+        });
+        line.collect()
+    }
+
+    fn is_reached(&self, goal: &Goal) -> bool {
+        goal.states.contains(&(self.state(goal.robot, goal.factor) as u8))
     }
 
     /// The readings of a robot's sensors. Drawn in every tick, so that the luck of a tick does not
