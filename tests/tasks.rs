@@ -2,7 +2,7 @@
 
 use bumpalo::Bump;
 use host_sim::manipulation::tables::IN_TURN;
-use host_sim::task::{LEVELS, NAMES, TableMission, Trouble, built_in};
+use host_sim::task::{LEVELS, NAMES, TableMission, Trouble, built_in, level_table};
 use std::num::NonZeroUsize;
 use tests::package::{Package, assert_is_kept};
 
@@ -160,6 +160,11 @@ is = ["bench"]
         ),
         "{stuck}"
     );
+    let text = steps.replace("REMEDY", "");
+    let task = TableMission::parse(&arena, "steps.toml", &text).expect("it is sound");
+    let table = level_table(&task.campaign(2, None).expect("it fits"));
+    let row: Vec<_> = table.lines().nth(1).expect("a row").split_whitespace().collect();
+    assert_eq!(row[row.len() - 2..], ["-", "-"], "no means of no successes: {table}");
     let remedied = told("remedy = [{ missing = \"held\", prefer = \"held\" }]");
     assert!(
         remedied.contains("porter begins lift") && remedied.contains("All goals are reached"),

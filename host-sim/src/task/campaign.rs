@@ -59,17 +59,22 @@ pub fn level_table(levels: &[Level]) -> String {
     let line = |of: &Level| {
         let [low, high] = of.success.interval.map(|bound| 100.0 * bound);
         let [soon, late] = of.ticks.interval;
+        let (ticks, actions) = match of.success.count {
+            0 => ("-".to_owned(), "-".to_owned()),
+            _ => {
+                (format!("{:.2} ({soon:.2} to {late:.2})", of.ticks.mean), format!("{:.2}", of.actions.mean))
+            }
+        };
         format!(
-            "{:<5}  {:<22}  {:<10.2}  {:<24}  {:.2}\n",
+            "{:<5}  {:<22}  {:<10.2}  {ticks:<24}  {actions}\n",
             of.level,
             format!("{:.1} ({low:.1} to {high:.1})", 100.0 * of.success.ratio),
-            100.0 * of.mistaken.ratio,
-            format!("{:.2} ({soon:.2} to {late:.2})", of.ticks.mean),
-            of.actions.mean
+            100.0 * of.mistaken.ratio
         )
     };
     let head =
         format!("{:<5}  {:<22}  {:<10}  {:<24}  actions\n", "level", "success %", "mistaken %", "ticks");
     head + &levels.iter().map(line).collect::<String>()
         + "In brackets: 95 % intervals. The level is the share of readings that are wrong and of actions that fail.\n"
+        + "Ticks and actions are means of the flights that succeeded.\n"
 }
