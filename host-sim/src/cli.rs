@@ -74,6 +74,9 @@ A scenario of your own:
 '.' is free, '#' blocked, '1' to '8' are robots, 'G' goals.
 host-sim/scenarios/README.md tells what else a scenario can say.
 
+A task written as tables is flown in the same way: `host-sim run valves`, `host-sim run my-task.toml`.
+host-sim/tasks/README.md tells what such a file says. --tree, --log and --frames are for scenarios.
+
 Exit status:
   0  the mission was accomplished, or there was nothing to do
   1  it was not
@@ -94,10 +97,10 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// List the built-in scenarios
+    /// List the built-in scenarios and tasks
     #[command(after_help = "Example:\n  host-sim list")]
     List,
-    /// Fly a scenario
+    /// Fly a scenario or a task
     #[command(after_help = RUN_EXAMPLES)]
     Run(RunArgs),
     /// Put the paper's results beside ours: a table, and a page to look at
@@ -112,7 +115,7 @@ enum Verb {
     /// Run a model from a notebook: beliefs, expected free energies and a decision, as JSON
     #[command(after_help = notebook::INFER_EXAMPLES)]
     Infer(notebook::Infer),
-    /// Write a model from a notebook as Rust source for firmware
+    /// Write a model from a notebook, or the tables of a task, as Rust source for firmware
     #[command(after_help = notebook::EXPORT_EXAMPLES)]
     Export(notebook::Export),
     /// Tell from recorded frames who goes where, when and how surely
@@ -130,7 +133,7 @@ enum Verb {
 
 #[derive(Args, Debug, PartialEq)]
 struct RunArgs {
-    /// A built-in scenario, or a scenario file
+    /// A built-in scenario or task, or a file with one
     #[arg(value_name = "NAME|FILE.toml", default_value = library::DEFAULT)]
     scenario: String,
     /// The seed of all random numbers; the same seed gives the same flight
@@ -312,8 +315,12 @@ fn scenario(name: &str) -> Result<Scenario, Failure> {
     if let Some(scenario) = library::find(name) {
         return Ok(scenario?);
     }
+    if host_sim::task::NAMES.contains(&name) {
+        return Err(format!("{name}: a scenario is wanted here, and this is a task").into());
+    }
     if !is_path(name) {
-        let unknown = unknown("no scenario", name, library::nearest(name), library::names());
+        let names = library::names().chain(host_sim::task::NAMES);
+        let unknown = unknown("no scenario or task", name, library::nearest(name), names);
         return Err((unknown + "toml").into());
     }
     Ok(Scenario::read(name, &read(name, MAX_BYTES)?)?)
@@ -421,8 +428,15 @@ mod tests {
     #[test]
     fn an_unknown_name_gets_a_suggestion_and_a_missing_file_its_name() {
         let refusal = |name: &str| scenario(name).map_or_else(|error| error.to_string(), |_| String::new());
-        assert!(refusal("factry").starts_with("no scenario is called 'factry': did you mean 'factory'?"));
-        assert!(refusal("xyzzy").starts_with("no scenario is called 'xyzzy': built in are factory"));
+        assert!(
+            refusal("factry").starts_with("no scenario or task is called 'factry': did you mean 'factory'?")
+        );
+        assert!(refusal("xyzzy").starts_with("no scenario or task is called 'xyzzy': built in are factory"));
+        assert!(
+            refusal("valvs").starts_with("no scenario or task is called 'valvs': did you mean 'valves'?")
+        );
+        assert!(refusal("valves").starts_with("valves: a scenario is wanted here"));
+        assert!(refusal("xyzzy").contains("deliveries, bottle-and-plate, valves; "));
         assert!(refusal("nowhere/mine.toml").starts_with("nowhere/mine.toml: "));
     }
 }

@@ -32,10 +32,11 @@ pub(crate) fn built_in(name: &str) -> Scenario {
     find(name).expect("it is built in").expect("it is sound")
 }
 
-/// Returns the built-in name that is closest to `name`, for an error message.
+/// Returns the built-in name that is closest to `name`, of a scenario or a task, for an error
+/// message.
 #[must_use]
 pub fn nearest(name: &str) -> Option<&'static str> {
-    text::nearest(names(), name)
+    text::nearest(names().chain(crate::task::NAMES), name)
 }
 
 #[cfg(test)]

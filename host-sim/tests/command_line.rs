@@ -152,6 +152,21 @@ fn what_a_robot_waits_for_is_printed() {
 }
 
 #[test]
+fn a_task_is_flown_and_exported_without_what_is_for_scenarios_and_models() {
+    for option in ["--frames x.bin", "--log x.csv", "--tree conventional"] {
+        let reason = "valves: a task is flown without --tree, --log and --frames";
+        refuses(&mut host_sim(&format!("run valves {option}")), reason);
+    }
+    for option in ["--name x", "--dense"] {
+        let reason = "valves: a task is exported without --name and --dense";
+        refuses(&mut host_sim(&format!("export valves {option}")), reason);
+    }
+    let mut frames = host_sim("frames --mission valves");
+    refuses(frames.arg(file("any.bin", "")), "valves: a scenario is wanted here");
+    refuses(&mut host_sim("run valvs"), "did you mean 'valves'? built in are factory");
+}
+
+#[test]
 fn what_keeps_a_robot_of_a_task_is_printed_after_the_outcome() {
     let outcome = "The robots are not done: 300 ticks, 0 actions, 600 frames of which 600 were lost.\n";
     let run = host_sim("run valves --loss 1").assert().code(1);

@@ -27,9 +27,12 @@ Disturbances, drawn from the seed and the same for both trees:
   battery    the battery of one robot falls to 15 %
   pause      one robot stops for 20 to 39 ticks
   stop       one robot stops for good
-  all        all of them but bursts and stop, in one flight
+  all        all of them but bursts and stop, in one flight of up to three times the limit
 
 In a folder, the first seed flies the first file by name, and after the last file the first again.
+
+A task file is flown at levels of 0, 10, 20 and 30 % of wrong readings and of failed actions, without
+--tree and --disturbance. Its exit status is 0 at any share of success.
 
 Exit status:
   0  no flight of the inference node had a collision
@@ -41,7 +44,7 @@ const SEEDS: u32 = 500;
 
 #[derive(Args, Debug)]
 pub(super) struct FlyMany {
-    /// A built-in scenario, a scenario file, or a folder of scenario files
+    /// A built-in scenario or task, a file with one, or a folder of scenario files
     #[arg(value_name = "NAME|FILE.toml|FOLDER")]
     scenario: String,
     /// How many seeds, from zero on; 500 unless set, and of a folder as many as it has files

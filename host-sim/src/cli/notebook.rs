@@ -28,8 +28,10 @@ pub(super) const EXPORT_EXAMPLES: &str = "\
 Examples:
   host-sim export model.json > src/model.rs
   host-sim export model.json --name gripper > src/gripper.rs
+  host-sim export my-task.toml > src/task.rs      the tables of a task file
 
-The source depends on iibt-core and on nothing else. docs/notebook.md shows how firmware uses it.
+The source depends on iibt-core and on nothing else. docs/notebook.md shows how firmware uses a
+model, docs/your-robot.md how it uses the tables of a task.
 
 Exit status:
   0  the source was written
@@ -95,6 +97,9 @@ impl Infer {
 impl Export {
     pub(super) fn run(&self) -> Result<(), Failure> {
         if let Some(text) = super::task::text_of(&self.model)? {
+            if self.name.is_some() || self.dense {
+                return Err(format!("{}: a task is exported without --name and --dense", self.model).into());
+            }
             return super::task::export(&self.model, &text);
         }
         let mut notebook = notebook(&self.model)?;
