@@ -23,6 +23,18 @@ fn malformed_files_get_a_precise_error_each() {
         "f:2:3: error: there is no kind of node called 'Sequenc'; did you mean 'Sequence'?",
     );
     refuses(
+        &file("\n<Lift/>"),
+        "f:2:1: error: there is no kind of node called 'Lift'; declare it in <TreeNodesModel>: <Action ID=\"Lift\"/>, or <Condition ID=\"Lift\"/>",
+    );
+    refuses(
+        &file("\n<GoTo name=\"home\" place=\"dock\"/>"),
+        "f:2:1: error: there is no kind of node called 'GoTo'; declare it in <TreeNodesModel>: <Action ID=\"GoTo\"><input_port name=\"place\"/></Action>, or <Condition ID=\"GoTo\"><input_port name=\"place\"/></Condition>",
+    );
+    refuses(
+        &file(&format!("\n<Vote>{leaf}</Vote>")),
+        "f:2:1: error: there is no kind of node called 'Vote'; declare it in <TreeNodesModel>",
+    );
+    refuses(
         &file("\n<SequenceStar/>"),
         "f:2:1: error: there is no kind of node called 'SequenceStar'; version 4 calls it SequenceWithMemory",
     );

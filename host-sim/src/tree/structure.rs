@@ -140,7 +140,7 @@ fn known_node(element: &Element, id: &str, models: &Models, remarks: &mut Remark
         let hint = if !old.is_empty() {
             old.to_owned()
         } else if nearest.is_empty() {
-            "; declare it in <TreeNodesModel>".to_owned()
+            format!("; declare it in <TreeNodesModel>{}", declaration(element, id))
         } else {
             nearest
         };
@@ -151,6 +151,21 @@ fn known_node(element: &Element, id: &str, models: &Models, remarks: &mut Remark
     if id == "ReactiveSequence" {
         children_of_reactive_sequence(element, models, remarks);
     }
+}
+
+/// How a leaf is declared that has the ports that it is given here.
+fn declaration(element: &Element, id: &str) -> String {
+    if !element.children.is_empty() {
+        return String::new();
+    }
+    let names = element.attributes.iter().map(|attribute| attribute.name.as_str());
+    let ports = names.filter(|name| !name.starts_with('_') && !["ID", "name"].contains(name));
+    let ports: String = ports.map(|name| format!("<input_port name=\"{name}\"/>")).collect();
+    let leaf = |tag: &str| match ports.as_str() {
+        "" => format!("<{tag} ID=\"{id}\"/>"),
+        ports => format!("<{tag} ID=\"{id}\">{ports}</{tag}>"),
+    };
+    format!(": {}, or {}", leaf("Action"), leaf("Condition"))
 }
 
 fn nearest<'m>(id: &str, models: &'m Models) -> Option<&'m str> {
