@@ -8,7 +8,7 @@ pub use iibt_core::iibt::table::{
     TablesError, To, Wish,
 };
 pub use iibt_core::iibt::{Literal, rules::Raise};
-pub use iibt_core::team::{Invalid, Message, Peers, RobotId};
+pub use iibt_core::team::{Invalid, Key, Member, MemberError, Message, Peers, RobotId};
 pub use iibt_core::time::{Duration, Instant};
 pub use iibt_core::tree;
 pub use iibt_core::tree::{Basic, Full, Halt, Memory, Status, Tree};

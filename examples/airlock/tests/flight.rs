@@ -77,3 +77,66 @@ fn nothing_moves_without_charge() -> Result<(), Box<dyn Error>> {
     assert_eq!(fly(0.0, 10)?, None);
     Ok(())
 }
+
+const KEY: Key = Key::new(*b"sixteen bytes...");
+const TICK: core::num::NonZero<u16> = core::num::NonZero::new(100).unwrap(); // in milliseconds
+
+/// The controller of a door; `None` for a robot that the team of two does not have.
+fn controller<H>(robot: u8, epoch: u32, hardware: H) -> Option<Controller<Door<H>, H>>
+where
+    H: Link + Clock + Equipment + Battery,
+{
+    let member = Member::new(RobotId(robot), 2).ok()?;
+    let door = Door::new(&AIRLOCK, member.robot(), &TREE, DoorSkills::default(), Duration(20_000)).ok()?;
+    Some(Controller::new(door, Settings::new(member, KEY, epoch, TICK), hardware))
+}
+
+/// A board whose battery is full and whose teammate is silent.
+#[derive(Default)]
+struct Board {
+    now: u32,
+}
+
+impl Link for Board {
+    fn receive(&mut self) -> Option<u8> {
+        None
+    }
+    fn send(&mut self, _: &[u8]) -> bool {
+        true
+    }
+}
+
+impl Clock for Board {
+    fn now(&mut self) -> Instant {
+        self.now += u32::from(TICK.get());
+        Instant(self.now)
+    }
+}
+
+impl Equipment for Board {
+    fn read(&mut self, _: usize) -> Option<u8> {
+        Some(0)
+    }
+    fn is_busy(&mut self) -> bool {
+        false
+    }
+    fn begin(&mut self, command: Command) {
+        panic!("{command:?} without having heard the other door")
+    }
+}
+
+impl Battery for Board {
+    fn charge(&mut self) -> u8 {
+        100
+    }
+}
+
+#[test]
+fn a_door_on_a_board_announces_itself_and_waits_for_the_other() {
+    assert!(controller(2, 1, Board::default()).is_none());
+    let mut door = controller(0, 1, Board::default()).expect("robot 0 of 2");
+    for _ in 0..50 {
+        assert_eq!(door.tick(), Status::Running);
+    }
+    assert_eq!(door.link_report().sent, 50);
+}

@@ -32,7 +32,7 @@ Disturbances, drawn from the seed and the same for both trees:
 In a folder, the first seed flies the first file by name, and after the last file the first again.
 
 A task file is flown at levels of 0, 10, 20 and 30 % of wrong readings and of failed actions, without
---tree and --disturbance. Its exit status is 0 at any share of success.
+--tree, --budget and --disturbance. Its exit status is 0 at any share of success.
 
 Exit status:
   0  no flight of the inference node had a collision

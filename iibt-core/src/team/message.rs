@@ -44,7 +44,11 @@ pub trait Message: Clone + Serialize + DeserializeOwned {
     const PART_SCHEMA: &'static str = "";
 
     /// The longest encoding in bytes. More than [`MAX_MESSAGE`](super::MAX_MESSAGE) fails the
-    /// build.
+    /// build. A message that takes more bytes than this says is not sent.
+    ///
+    /// The encoding is [postcard](https://postcard.jamesmunns.com/wire-format)'s: a `bool`, `u8`
+    /// or `i8` takes one byte, a `u16` up to three, a `u32` up to five, an `f32` four. An `Option`
+    /// takes one byte more than its value, and so does an enum.
     const MAX_BYTES: usize;
 
     /// Checks that every value is in its range, where the types alone do not ensure it.
