@@ -86,9 +86,9 @@ fn controller<H>(robot: u8, epoch: u32, hardware: H) -> Option<Controller<Door<H
 where
     H: Link + Clock + Equipment + Battery,
 {
-    let member = Member::new(RobotId(robot), 2).ok()?;
-    let door = Door::new(&AIRLOCK, member.robot(), &TREE, DoorSkills::default(), Duration(20_000)).ok()?;
-    Some(Controller::new(door, Settings::new(member, KEY, epoch, TICK), hardware))
+    let settings = Settings::new(Member::new(RobotId(robot), 2).ok()?, KEY, epoch, TICK);
+    let door = Door::new(&AIRLOCK, &settings, &TREE, DoorSkills::default(), Duration(20_000)).ok()?;
+    Some(Controller::new(door, settings, hardware))
 }
 
 /// A board whose battery is full and whose teammate is silent.

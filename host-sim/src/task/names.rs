@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 /// No name is longer, in characters.
 const LONGEST: usize = 60;
 
-/// Checks that all things of a kind have a name each. Otherwise a name would mean the first of them.
+/// Checks that all things of a kind have a name each, so that a name means one thing.
 pub(super) fn check_names(file: &file::File) -> Read<()> {
     distinct("robots", file.robots.iter().map(|robot| &robot.get_ref().name))?;
     for robot in file.robots.iter().map(toml::Spanned::get_ref) {
