@@ -391,8 +391,8 @@ fn a_team_decides_two_ticks_after_an_effect_and_the_others_a_tick_later() {
     for tick in 0..40 {
         let before = team.begun();
         team.tick();
-        for robot in 0..2 {
-            if team.begun()[robot] > before[robot] {
+        for (robot, (after, before)) in team.begun().into_iter().zip(before).enumerate() {
+            if after > before {
                 starts.push((tick, robot));
             }
         }

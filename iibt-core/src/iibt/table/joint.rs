@@ -230,3 +230,63 @@ pub(super) fn prices(list: &[u16], value: impl Fn(u16) -> Option<f32>) -> Vec<Sc
     };
     crate::bounded::up_to(list.iter().map(price))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Aim, HiddenFactor, Operator};
+    use super::*;
+
+    const IDLE: u8 = 0;
+    const TURN: u8 = 1;
+
+    /// A robot that turns its valve by habit, while the other is idle.
+    const fn valve(name: &'static str, facts: &'static [Fact<'static>]) -> Role<'static> {
+        const OPERATORS: &[Operator<'static>] =
+            &[Operator::IDLE, Operator { requires: &[1], habit: 1.0, ..Operator::bringing("turn", 1, 0.9) }];
+        const FACTORS: &[HiddenFactor<'static>] = &[HiddenFactor::known("valve", &["open", "closed"])];
+        const AIMS: &[Aim<'static>] = &[Aim::new("close", &[0], &[0.0, 1.0])];
+        Role { name, facts, operators: OPERATORS, aims: AIMS, ..Role::of(FACTORS) }
+    }
+
+    static TWO: Tables = Tables::new(&[
+        valve("one", &[Fact::sure("closed", 0, &[1]), Fact::doing("other idle", 1, &[IDLE])]),
+        valve("two", &[Fact::sure("closed", 0, &[1]), Fact::doing("other idle", 0, &[IDLE])]),
+    ]);
+
+    fn said(operator: u8) -> Option<Announcement> {
+        Some(Announcement::new([Some(0)], operator, TURN))
+    }
+
+    fn list(said: [Option<Announcement>; 2]) -> List {
+        Known { tables: &TWO, said: &said }.list()
+    }
+
+    #[test]
+    fn a_list_has_what_the_facts_allow_and_at_last_all_as_it_is() {
+        assert_eq!(list([said(IDLE), said(IDLE)]), [1, 2, 0], "not both at once");
+        assert_eq!(list([said(TURN), said(IDLE)]), [2], "one goes on, so the other may not begin");
+        assert_eq!(list([said(IDLE), None]), [0], "nothing is known of a robot left out");
+        assert_eq!(list([said(9), said(IDLE)]), [1, 2, 0], "an operator that its role does not have");
+    }
+
+    #[test]
+    fn the_habits_of_all_robots_count_in_eighths_of_a_nat_over_the_precision() {
+        let keen = TWO.with_precision(2.0).expect("it is a precision");
+        for (tables, eighths) in [(&TWO, 8), (&keen, 4)] {
+            let policies = OnTables { tables, policies: &[0, 1, 2, 3] };
+            let habits = [0, 1, 2, 3].map(|policy| policies.habit(policy));
+            assert_eq!(habits, [2 * eighths, eighths, eighths, 0]);
+            let even = [Score::default(); 4];
+            let choice = policies.choose([(RobotId(0), &even[..]), (RobotId(1), &even[..])].into_iter());
+            assert_eq!(choice, Some(3), "the likeliest, where nothing else speaks");
+        }
+    }
+
+    #[test]
+    fn prices_are_against_the_cheapest_and_what_cannot_be_done_is_impossible() {
+        let value =
+            |policy: u16| [Some(1.0), Some(1.5), None, Some(-99.0)].get(usize::from(policy)).copied()?;
+        let prices = prices(&[0, 1, 2, 3], value).iter().map(|score| score.price).collect::<Vec<_, 4>>();
+        assert_eq!(prices, [4, 0, Score::IMPOSSIBLE, Score::IMPOSSIBLE - 1]);
+    }
+}
