@@ -2,8 +2,8 @@
 
 use iibt_core::grid::joint::{Errand, JointPlan, JointPlanner, PolicyList, Problem, Target};
 use iibt_core::grid::{Cell, CellSet, Map};
-use iibt_core::navigation::Mission;
 use iibt_core::inference::{PolicyCost, WeighedPolicies};
+use iibt_core::navigation::Mission;
 
 /// The planner of an image: 64 cells, horizon 32, eight robots.
 pub type Planner = JointPlanner<2, 33, 8, 64>;

@@ -30,7 +30,9 @@ pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
     let name = &of.scenario;
     let is_flight = of.log.is_some() || of.frames.is_some() || of.disturbance != Disturbance::None;
     if of.tree != Pilot::default() || is_flight {
-        return Err(format!("{name}: a task is flown without --tree, --disturbance, --log and --frames").into());
+        return Err(
+            format!("{name}: a task is flown without --tree, --disturbance, --log and --frames").into()
+        );
     }
     let arena = Bump::new();
     let mission = TableMission::parse(&arena, name, text)?;

@@ -4,7 +4,8 @@
 use super::announcement::Announcement;
 use super::definition::{Fact, Holds, Role};
 use super::tables::Tables;
-use crate::inference::{Eighths, PolicyCost, WeighedPolicies};
+use crate::iibt::{cheapest_policy, weigh};
+use crate::inference::{Eighths, WeighedPolicies, worth_of_nats};
 use crate::team::RobotId;
 use crate::team::rounds::{JointPolicies, Score};
 use heapless::Vec;
@@ -153,23 +154,7 @@ impl OnTables<'_> {
         &self,
         members: impl Iterator<Item = (RobotId, &'s [Score])> + Clone,
     ) -> WeighedPolicies<MAX_POLICIES> {
-        let costs = (0..self.len()).map(|policy| self.cost_of(policy, members.clone()));
-        // There is room: a list has no more.
-        WeighedPolicies::new(costs, self.tables.precision()).unwrap_or_default()
-    }
-
-    fn cost_of<'s>(
-        &self,
-        policy: usize,
-        members: impl Iterator<Item = (RobotId, &'s [Score])>,
-    ) -> PolicyCost {
-        let mut cost = PolicyCost { habit: self.habit(policy), ..PolicyCost::FREE };
-        for (_, scores) in members {
-            let score = scores.get(policy).copied().unwrap_or(Score::CANNOT);
-            cost.is_impossible |= score.price == Score::IMPOSSIBLE;
-            cost.price = cost.price.saturating_add(score.price.into());
-        }
-        cost
+        weigh(self, members, self.tables.precision())
     }
 
     /// -ln E of a robot's operator, against the likeliest of its role.
@@ -198,7 +183,7 @@ impl JointPolicies for OnTables<'_> {
         let roles = self.tables.roles().iter().enumerate();
         let nats: f32 =
             roles.map(|(robot, role)| Self::unlikely(role, operator_of(self.tables, policy, robot))).sum();
-        (8.0 * nats / self.tables.precision() + 0.5) as Eighths // saturates, and a NaN becomes zero
+        worth_of_nats(nats, self.tables.precision())
     }
 
     fn claim(&self, _: usize, _: RobotId, _: u16) {}
@@ -213,7 +198,7 @@ impl JointPolicies for OnTables<'_> {
     }
 
     fn choose<'s>(&self, members: impl Iterator<Item = (RobotId, &'s [Score])> + Clone) -> Option<usize> {
-        self.weigh(members).choose().map(|choice| choice.policy)
+        cheapest_policy(self, members)
     }
 }
 
@@ -233,7 +218,7 @@ pub(super) fn prices(list: &[u16], value: impl Fn(u16) -> Option<f32>) -> Vec<Sc
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Aim, HiddenFactor, Operator};
+    use super::super::{Aim, HiddenFactor, Operator, Reads, Sensor};
     use super::*;
 
     const IDLE: u8 = 0;
@@ -245,7 +230,8 @@ mod tests {
             &[Operator::IDLE, Operator { requires: &[1], habit: 1.0, ..Operator::bringing("turn", 1, 0.9) }];
         const FACTORS: &[HiddenFactor<'static>] = &[HiddenFactor::known("valve", &["open", "closed"])];
         const AIMS: &[Aim<'static>] = &[Aim::new("close", &[0], &[0.0, 1.0])];
-        Role { name, facts, operators: OPERATORS, aims: AIMS, ..Role::of(FACTORS) }
+        const SENSORS: &[Sensor<'static>] = &[Sensor::even("eye", Reads::Factor(0), 0.9)];
+        Role { name, facts, sensors: SENSORS, operators: OPERATORS, aims: AIMS, ..Role::of(FACTORS) }
     }
 
     static TWO: Tables = Tables::new(&[

@@ -151,8 +151,7 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         if self.is_alone() {
             return;
         }
-        let (teammates, own) =
-            (Teammates::from(peers), Own { fact: &fact, is_standing: true, want: Want::Nothing });
+        let (teammates, own) = (Teammates::from(peers), Own { fact: &fact, is_standing: true });
         let list = OnTables { tables: self.tables, policies: &self.list };
         let event = self.rounds.tick(own, &teammates, &list);
         self.note(event, &teammates);
@@ -190,7 +189,7 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
     /// of it are missing.
     pub(super) fn prepare<X: Message>(&mut self, peers: Peers<'_, TableMessage<X>>) -> bool {
         let teammates = Teammates::from(peers);
-        let Some(digest) = self.rounds.wanted(&teammates) else { return false };
+        let Some(digest) = self.rounds.protocol().wanted(&teammates) else { return false };
         if self.listed != Some(digest) {
             let mut said = [None; N];
             for (robot, fact) in self.rounds.protocol().facts(&teammates) {
@@ -217,7 +216,7 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         let is_open =
             |(&policy, score): (&u16, &Score)| self.part(policy) == operator && *score != Score::CANNOT;
         let is_for = self.list.iter().zip(&scores).any(is_open);
-        if self.rounds.give(digest, scores, &list, &teammates).is_ok() {
+        if self.rounds.protocol_mut().give(digest, scores, &list, &teammates).is_ok() {
             self.scored_for = if is_for { operator } else { self.fact().operator() };
         }
         if self.rounds.protocol().has_decided() {
@@ -273,6 +272,6 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         let policy = self.rounds.protocol().policy();
         let probability = policy.map_or(0.0, |policy| self.weighed.probability(policy));
         let probability = (255.0 * probability + 0.5) as u8; // saturates
-        self.rounds.message(&Teammates::from(peers), self.list.len() as u8, probability)
+        self.rounds.protocol().message(&Teammates::from(peers), self.list.len() as u8, probability)
     }
 }
