@@ -48,7 +48,8 @@ impl Equipment for Crate {
 #[test]
 fn a_remedy_lets_the_porter_lift_what_it_is_to_put_down() -> Result<(), Box<dyn Error>> {
     type Porter = table_robot!(PORTER, Crate, (), 2);
-    let porter = Porter::new(&PORTER, RobotId(0), &TREE, (), Duration(100))?;
+    let settings = testbed::settings(RobotId(0), 1)?;
+    let porter = Porter::new(&PORTER, &settings, &TREE, (), Duration(100))?;
     let mut testbed = Testbed::new([(porter, Crate::default())], Radio::default(), 7)?;
     let ticks = (0..50).find(|_| testbed.tick() == [Status::Success]);
     assert!(ticks.is_some_and(|ticks| ticks < 20), "{ticks:?}");

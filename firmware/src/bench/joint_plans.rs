@@ -129,7 +129,7 @@ impl Instance {
     /// that is chosen and the work units that it took, or `None` where not all goals can be
     /// reached.
     pub fn decide(&self, list: &mut List) -> Option<(JointPlan<8>, u32)> {
-        let Self { map, errands, goals, robots } = self;
+        let Self { map, errands, goals, robots, .. } = self;
         let (errands, goals) = (errands.get(..*robots)?, goals.get(..*robots)?);
         let problem = Problem { map, closed: CellSet::EMPTY, errands, goals, need: *robots };
         let mut budget = u32::MAX;

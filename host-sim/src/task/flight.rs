@@ -110,9 +110,9 @@ impl<'t, R: Worker<'t>> TaskFlight<'t, R> {
     /// What each robot waits for that is not done.
     fn waits(&self) -> Vec<String> {
         let tables = self.world.tables();
-        let robots = self.robots().zip(tables.roles()).zip(&self.statuses).enumerate();
-        let waiting = robots.filter(|(_, (_, status))| **status != Status::Success);
-        let line = waiting.filter_map(|(number, ((robot, role), _))| {
+        let robots = self.robots().zip(tables.roles()).zip(&self.statuses);
+        let waiting = robots.filter(|(_, status)| **status != Status::Success);
+        let line = waiting.filter_map(|((robot, role), _)| {
             let waits = waiting::of_robot(robot.task()?, robot.raised())?;
             Some(format!("{} {waits}", role.name))
         });
