@@ -1,5 +1,5 @@
-//! Robots of teams of two, four and eight on the chip, in step with their teammates on the host: the
-//! same frames bit for bit, and what their ticks take.
+//! Robots of teams of two, four and eight on the chip, in step with their teammates on the host:
+//! the same frames bit for bit, and what their ticks take.
 
 use firmware::bench::joint_plans::Planner;
 use firmware::bench::lockstep::{self, CELLS, KEY, WORDS, problem, robot};

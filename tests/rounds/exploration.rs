@@ -1,9 +1,10 @@
 //! Everything that can happen to a team, as far as the bounds go. Every state is checked, and from
-//! some of them the team flies on undisturbed and must arrive: whole, and without a robot that dies.
+//! some of them the team flies on undisturbed and must arrive: whole, and without a robot that
+//! dies.
 //!
 //! A move begins and ends by actions of its own, and the robot is in both places in between; so it
-//! takes as long as the exploration likes, and a pace of one, two or three ticks is inside. The team
-//! that flies on has such paces, a draw for each robot.
+//! takes as long as the exploration likes, and a pace of one, two or three ticks is inside. The
+//! team that flies on has such paces, a draw for each robot.
 //!
 //! The bounds are those of a minute. `IIBT_ROUNDS` multiplies states and walks.
 
@@ -37,8 +38,8 @@ struct Seen {
 }
 
 impl Seen {
-    /// Flies on from a state: whole, and if one of a team that has not started again may die, without
-    /// it.
+    /// Flies on from a state: whole, and if one of a team that has not started again may die,
+    /// without it.
     fn fly_on(
         &mut self,
         world: &World,
@@ -224,8 +225,8 @@ fn square_of_six() -> Grid {
     Grid::new(3, 2, [&[5, 3, 1], &[2, 0, 4]])
 }
 
-/// Walks of three robots, of up to 300 actions, with eight openings and these restarts. At the end all fly on; where none
-/// starts again, a robot may die, if the others know where it can be.
+/// Walks of three robots, of up to 300 actions, with eight openings and these restarts. At the end
+/// all fly on; where none starts again, a robot may die, if the others know where it can be.
 fn walks(grid: Grid, restarts: &[u8]) -> Seen {
     let (grid, mut seen, mut lengths) = (Rc::new(grid), Seen::default(), [0; 4]);
     let count = 1500 * scale();

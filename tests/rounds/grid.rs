@@ -119,7 +119,8 @@ impl Grid {
     }
 }
 
-/// Whether all arrive that keep the order of a plan and wait for each other before their last moves.
+/// Whether all arrive that keep the order of a plan and wait for each other before their last
+/// moves.
 fn passes_barrier(joint: &Joint) -> bool {
     let list = List(vec![joint.clone()]);
     let robots: Vec<RobotId> = (0..joint.paths.len() as u8).map(RobotId).collect();

@@ -1,8 +1,8 @@
-//! The guards on which the rounds rest. Each is taken out of a copy of the code in turn, and the test
-//! that names what it is for must fail.
+//! The guards on which the rounds rest. Each is taken out of a copy of the code in turn, and the
+//! test that names what it is for must fail.
 //!
-//! That takes a build for each guard, so `tests/nightly` does it. The table itself is checked with the
-//! other tests.
+//! That takes a build for each guard, so `tests/nightly` does it. The table itself is checked with
+//! the other tests.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
-//! Rounds of a team: the rules one by one, their ticks, and all that a hostile radio can do to them.
+//! Rounds of a team: the rules one by one, their ticks, and all that a hostile radio can do to
+//! them.
 
 mod exploration;
 mod grid;

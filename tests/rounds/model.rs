@@ -125,8 +125,8 @@ impl World {
         world.forget(kept)
     }
 
-    /// How often an action is taken at random: so that much is heard, and openings and restarts come
-    /// in between.
+    /// How often an action is taken at random: so that much is heard, and openings and restarts
+    /// come in between.
     pub(super) fn weight(&self, action: Action) -> usize {
         match action {
             Action::Hear(_, other, place, _) if place + 1 == self.bodies[other].sent.len() => 30,
@@ -237,8 +237,8 @@ impl World {
         None
     }
 
-    /// Whether the others, and they alone, could go on if this robot died now: they know where it can
-    /// be, and are a quorum.
+    /// Whether the others, and they alone, could go on if this robot died now: they know where it
+    /// can be, and are a quorum.
     pub(super) fn can_lose(&self, robot: usize) -> bool {
         let others = || self.bodies.iter().enumerate().filter(|&(other, _)| other != robot);
         let lost = RobotId(robot as u8);
@@ -285,7 +285,8 @@ impl Body {
         let score = |policy| Score { delay: 0, price: u8::from(policy != favourite) };
         let scores: Scores<K> = (0..self.list.len()).map(score).collect();
         let given = self.protocol.give(digest, scores, &*self.list, &mates);
-        // What it has heard since it last did anything can show that a robot left out may be elsewhere.
+        // What it has heard since it last did anything can show that a robot left out may be
+        // elsewhere.
         assert!(matches!(given, Ok(()) | Err(Waiting::Wall(_))), "{given:?}");
     }
 
@@ -340,14 +341,15 @@ impl Body {
         both && views.0.contains(other.id()) && views.1.contains(self.id()) && plan(self) != plan(other)
     }
 
-    /// Whether its plan has all make their last moves together, and it has yet to make the one before.
+    /// Whether its plan has all make their last moves together, and it has yet to make the one
+    /// before.
     pub(super) fn is_before_barrier(&self) -> bool {
         let policy = self.protocol.policy().filter(|&policy| self.list.is_together(policy));
         policy.is_some_and(|policy| self.protocol.step() + 1 < self.list.moves(policy, self.id()))
     }
 
-    /// Whether it has begun the last move of a plan, which all make together, before another that has
-    /// scored the same plan has made all its moves but the last.
+    /// Whether it has begun the last move of a plan, which all make together, before another that
+    /// has scored the same plan has made all its moves but the last.
     fn outruns(&self, other: &Self) -> bool {
         let plan = self.protocol.policy().filter(|&policy| self.list.is_together(policy));
         let Some(policy) = plan.filter(|_| self.protocol.digest() == other.protocol.digest()) else {

@@ -1,7 +1,7 @@
 //! The porter of docs/your-robot.md: an operator that makes another one possible, by a remedy.
 
 use firmware::prelude::*;
-use host_sim::{Radio, Testbed};
+use host_sim::{Radio, Testbed, settings};
 use std::error::Error;
 
 /// Two of the states of a crate.
@@ -48,7 +48,7 @@ impl Equipment for Crate {
 #[test]
 fn a_remedy_lets_the_porter_lift_what_it_is_to_put_down() -> Result<(), Box<dyn Error>> {
     type Porter = table_robot!(PORTER, Crate, (), 2);
-    let settings = testbed::settings(RobotId(0), 1)?;
+    let settings = settings(RobotId(0), 1)?;
     let porter = Porter::new(&PORTER, &settings, &TREE, (), Duration(100))?;
     let mut testbed = Testbed::new([(porter, Crate::default())], Radio::default(), 7)?;
     let ticks = (0..50).find(|_| testbed.tick() == [Status::Success]);

@@ -1,5 +1,6 @@
-//! A robot of a team on 8 x 8 cells that ticks when it is told to, with what it is told to sense and
-//! hear: the same on the host and on the target, so that frames can be compared and ticks counted.
+//! A robot of a team on 8 x 8 cells that ticks when it is told to, with what it is told to sense
+//! and hear: the same on the host and on the target, so that frames can be compared and ticks
+//! counted.
 
 use super::joint_plans::{Instance, Problems};
 use crate::adapters::Body;

@@ -56,8 +56,8 @@ impl PolicyCost {
         self.time as u32 + self.habit as u32 + self.delay as u32 + self.price as u32
     }
 
-    /// Returns this cost with what one more robot adds to it: delays combine by their maximum, since
-    /// the last to arrive ends the policy, and prices by their sum.
+    /// Returns this cost with what one more robot adds to it: delays combine by their maximum,
+    /// since the last to arrive ends the policy, and prices by their sum.
     ///
     /// ```
     /// use iibt_core::inference::{PolicyCost, PrivateCost};
@@ -109,11 +109,12 @@ pub fn cheapest(costs: impl IntoIterator<Item = PolicyCost>) -> Option<usize> {
     possible.min_by_key(|(_, cost)| cost.total()).map(|(policy, _)| policy)
 }
 
-/// Returns the time that counts as much as some nats at a precision of β nats per tick, nats / β, in
-/// eighths of a tick: what a [habit](PolicyCost::habit) -ln E or a missed preference adds to a cost.
+/// Returns the time that counts as much as some nats at a precision of β nats per tick, nats / β,
+/// in eighths of a tick: what a [habit](PolicyCost::habit) -ln E or a missed preference adds to a
+/// cost.
 ///
-/// The result is rounded to the nearest eighth and at most [`Eighths::MAX`]. Nats below zero and NaN
-/// are worth nothing.
+/// The result is rounded to the nearest eighth and at most [`Eighths::MAX`]. Nats below zero and
+/// NaN are worth nothing.
 ///
 /// ```
 /// use iibt_core::inference::worth_of_nats;

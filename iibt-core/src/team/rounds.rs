@@ -2,8 +2,9 @@
 //!
 //! In a round every member stands and announces a [`Fact`]. From the facts all derive the same
 //! [list of joint policies](JointPolicies). Each gives two bytes a policy: what only it knows. Who
-//! has all scores knows the [choice](JointPolicies::choose), and that all others will make the same. Without loss
-//! that takes three ticks, whatever the size of the team, and two for the first of two robots.
+//! has all scores knows the [choice](JointPolicies::choose), and that all others will make the
+//! same. Without loss that takes three ticks, whatever the size of the team, and two for the first
+//! of two robots.
 //!
 //! ```text
 //! tick 0  a robot opens a round          Proposal: number, View, walls; its fact

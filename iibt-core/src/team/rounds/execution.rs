@@ -16,7 +16,8 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         self.step() < moves && self.others().all(|robot| self.obstacle(robot, teammates, list).is_none())
     }
 
-    /// What the robot waits for; `None` if it [may move](Self::may_move), or has nothing more to do.
+    /// What the robot waits for; `None` if it [may move](Self::may_move), or has nothing more to
+    /// do.
     ///
     /// A member that does not follow the plan is named before one that has yet to make its moves.
     pub fn waiting<L>(&self, teammates: &Teammates<'_, F, K>, list: &L) -> Option<Waiting>

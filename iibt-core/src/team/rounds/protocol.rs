@@ -113,9 +113,9 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         self.plan().map_or(0, |plan| plan.step)
     }
 
-    /// Hears the teammates; then joins a newer round, if the robot stands at the place of `fact`, or
-    /// decides, if it can. `list` is the one that was scored in this round; before, it is not looked
-    /// at.
+    /// Hears the teammates; then joins a newer round, if the robot stands at the place of `fact`,
+    /// or decides, if it can. `list` is the one that was scored in this round; before, it is not
+    /// looked at.
     pub fn attend<L>(
         &mut self,
         fact: &F,
@@ -168,8 +168,8 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     ///
     /// # Errors
     /// What the robot waits for if it may not: the view is [no quorum](Waiting::Quorum) or [without
-    /// it](Waiting::Members), a robot left out may be [anywhere](Waiting::Unheard), or [no number is
-    /// left](Waiting::Rounds).
+    /// it](Waiting::Members), a robot left out may be [anywhere](Waiting::Unheard), or [no number
+    /// is left](Waiting::Rounds).
     pub fn may_open(&self, view: View) -> Result<u32, Waiting> {
         self.is_seated(view)?;
         let left_out = View::full(self.member.team()).difference(view);

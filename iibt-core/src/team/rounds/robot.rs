@@ -127,12 +127,14 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
         Self { protocol, patience }
     }
 
-    /// Hears the teammates; joins a round, learns the choice, or opens a round where there is trouble.
+    /// Hears the teammates; joins a round, learns the choice, or opens a round where there is
+    /// trouble.
     ///
-    /// Call it once in every tick; then [ask](Self::ask) for another decision if there is reason to,
+    /// Call it once in every tick; then [ask](Self::ask) for another decision if there is reason
+    /// to,
     /// [work on the list](Protocol::wanted), [move](Protocol::may_move) and
-    /// [announce](Protocol::message). `list` is the one that was scored in this round; before, it is
-    /// not looked at.
+    /// [announce](Protocol::message). `list` is the one that was scored in this round; before, it
+    /// is not looked at.
     pub fn tick<L>(&mut self, own: Own<'_, F>, teammates: &Teammates<'_, F, K>, list: &L) -> Option<Event>
     where
         L: JointPolicies<Claim = F::Claim>,
@@ -146,8 +148,8 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
         self.open(view, own.fact)
     }
 
-    /// Opens a round because the robot wants another decision, if it may now; `fact` is that of now,
-    /// and the robot stands at its place.
+    /// Opens a round because the robot wants another decision, if it may now; `fact` is that of
+    /// now, and the robot stands at its place.
     pub fn ask(&mut self, want: Want, fact: &F) -> Option<Event> {
         let view = self.patience.wish(want, &self.protocol)?;
         self.open(view, fact)
