@@ -171,11 +171,6 @@ impl<R: Robot<T>, T> Testbed<R, T> {
         statuses
     }
 
-    /// Turns a robot's transmitter off or on.
-    pub fn silence(&mut self, robot: usize, silent: bool) {
-        self.radio.silence(robot, silent);
-    }
-
     /// The ticks flown.
     #[must_use]
     pub const fn ticks(&self) -> u32 {
