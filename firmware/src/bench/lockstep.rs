@@ -35,7 +35,9 @@ pub type Hardware = Body<Line, Ticks, Still, Told>;
 #[must_use]
 pub fn problem(robots: usize, draw: usize) -> Option<Instance> {
     let mut problems = Problems::new(2026);
-    (0..draw).for_each(|_| drop(problems.next(robots)));
+    for _ in 0..draw {
+        let _ = problems.next(robots);
+    }
     problems.next(robots)
 }
 
