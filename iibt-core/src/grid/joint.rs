@@ -45,6 +45,7 @@ mod trials;
 mod walk;
 
 pub use assignment::own_targets;
+pub(crate) use attempt::LATER_TOGETHER;
 pub use execution::Execution;
 pub use lacam::Lacam;
 pub use list::{PolicyList, VERSION};

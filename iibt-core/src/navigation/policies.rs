@@ -19,6 +19,10 @@ pub type TeamPlan = JointPlan<MAX_TEAM>;
 /// What it costs, in eighths of a tick, to end on a goal less than needed.
 const SHORT: usize = 8 * 32;
 
+/// What it costs, in eighths of a tick, not to arrive together: more than the steps by which a plan
+/// may be longer for it, and an idle end.
+const APART: usize = 8 * (LATER_TOGETHER + 1);
+
 /// The members of a round with their facts, in the order of their numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Members<'a, const W: usize> {
@@ -292,12 +296,13 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
     }
 
     /// The steps of the plan, an eighth of a tick for each step that the first robot to arrive
-    /// waits for the last, and the goals that are missed.
+    /// waits for the last, five ticks if they do not arrive together, and the goals that are missed.
     fn cost(&self, policy: usize) -> u16 {
         let Some(plan) = self.plans.get(policy) else { return u16::MAX };
         let arrivals = plan.paths().iter().filter_map(|path| Some(made(path).last()?.0 + 1));
         let idle = plan.steps() - arrivals.min().unwrap_or(plan.steps()).min(plan.steps());
-        let cost = 8 * plan.steps() + idle + SHORT * plan.short_by();
+        let apart = if plan.is_together() { 0 } else { APART };
+        let cost = 8 * plan.steps() + idle + apart + SHORT * plan.short_by();
         u16::try_from(cost).unwrap_or(u16::MAX)
     }
 
@@ -393,11 +398,13 @@ mod tests {
         let plans = [even, uneven, even.with_short_by(1)];
         let mission = mission();
         let policies = OnMap::<2, 16>::new(&mission, &plans, View::full(3));
-        assert_eq!([0, 1, 2, 3].map(|policy| policies.cost(policy)), [16, 17, 16 + 256, u16::MAX]);
+        assert_eq!([0, 1, 2, 3].map(|policy| policies.cost(policy)), [56, 57, 56 + 256, u16::MAX]);
         assert!(policies.needs(0, RobotId(0)) && !policies.needs(0, RobotId(1)));
         assert!(!policies.is_together(0));
         let joint = [even.arriving(Arrival::Together)];
-        assert!(OnMap { plans: &joint, ..policies }.is_together(0));
+        let policies = OnMap { plans: &joint, ..policies };
+        assert!(policies.is_together(0));
+        assert_eq!(policies.cost(0), 16);
     }
 
     #[test]
