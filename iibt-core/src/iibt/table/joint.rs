@@ -255,6 +255,33 @@ mod tests {
         assert_eq!(list([said(9), said(IDLE)]), [1, 2, 0], "an operator that its role does not have");
     }
 
+    /// A robot with five operators: 25 joint policies for two.
+    const fn handy(name: &'static str) -> Role<'static> {
+        const fn named(name: &'static str) -> Operator<'static> {
+            Operator { name, ..Operator::bringing("", 1, 0.9) }
+        }
+        const OPERATORS: &[Operator<'static>] =
+            &[Operator::IDLE, named("a"), named("b"), named("c"), named("d")];
+        Role { name, operators: OPERATORS, ..valve(name, FACTS) }
+    }
+
+    const FACTS: &[Fact<'static>] = &[Fact::sure("closed", 0, &[1])];
+
+    static HANDY: Tables = Tables::new(&[handy("one"), handy("two")]);
+
+    #[test]
+    fn a_list_without_room_for_all_has_what_the_robots_intend() {
+        let intends = |operator| Some(Announcement::new([Some(0)], IDLE, operator));
+        let list = Known { tables: &HANDY, said: &[intends(4), intends(3)] }.list();
+        assert_eq!((list.len(), list.first(), list.last()), (MAX_POLICIES, Some(&(4 * 5 + 3)), Some(&0)));
+        let one_of_them = |&policy: &u16| policy / 5 == 4 || policy % 5 == 3;
+        assert_eq!(
+            list.iter().filter(|policy| one_of_them(policy)).count(),
+            9,
+            "both, and each with the other's four"
+        );
+    }
+
     #[test]
     fn the_habits_of_all_robots_count_in_eighths_of_a_nat_over_the_precision() {
         let keen = TWO.with_precision(2.0).expect("it is a precision");
