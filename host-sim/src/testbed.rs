@@ -9,8 +9,8 @@ use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 use std::num::NonZero;
 
-/// The settings of a robot in a [`Testbed`] with a team of `team`: it has been switched on once, and
-/// ticks every millisecond.
+/// The settings of a robot in a [`Testbed`] with a team of `team`: it has been switched on once,
+/// and ticks every millisecond.
 ///
 /// # Errors
 /// [`MemberError`] when there is no such team, or the robot is not in it.

@@ -151,8 +151,8 @@ impl Bench {
         status
     }
 
-    /// Lets the robots tell each other what is so, then ticks the robot until it begins something or
-    /// stops; for as long as a round takes, twice.
+    /// Lets the robots tell each other what is so, then ticks the robot until it begins something
+    /// or stops; for as long as a round takes, twice.
     pub fn tick(&mut self, teammate: Option<Said>) -> Status {
         for _ in 0..4 {
             self.listen(teammate);

@@ -6,8 +6,8 @@ use crate::team::rounds::{self, RoundMessage};
 use crate::team::{Invalid, Message};
 use serde::{Deserialize, Serialize};
 
-/// The states that a robot is sure of, the operator that it has under way, and the one that it would
-/// choose by itself: 3 to 7 bytes in a frame.
+/// The states that a robot is sure of, the operator that it has under way, and the one that it
+/// would choose by itself: 3 to 7 bytes in a frame.
 ///
 /// In a round of a team it is frozen, so that all decide from the same. Robots with table tasks
 /// share no space, so it claims nothing.
@@ -32,8 +32,9 @@ pub struct Announcement {
 }
 
 impl Announcement {
-    /// An announcement of the state of each factor, `None` for one that the robot is not sure of, of
-    /// the operator under way, the idle one if there is none, and of the one that it would choose.
+    /// An announcement of the state of each factor, `None` for one that the robot is not sure of,
+    /// of the operator under way, the idle one if there is none, and of the one that it would
+    /// choose.
     #[must_use]
     pub fn new(states: impl IntoIterator<Item = Option<u8>>, operator: u8, intends: u8) -> Self {
         let packed = states.into_iter().take(MAX_FACTORS).zip(0..).fold(0, |packed, (state, factor)| {

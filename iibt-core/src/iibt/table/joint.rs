@@ -55,8 +55,8 @@ pub(super) struct Known<'a, const N: usize> {
 }
 
 impl<const N: usize> Known<'_, N> {
-    /// The joint policies that all preconditions allow: at most [`MAX_POLICIES`], those in which the
-    /// most robots do what they intend; the last one leaves all as they are.
+    /// The joint policies that all preconditions allow: at most [`MAX_POLICIES`], those in which
+    /// the most robots do what they intend; the last one leaves all as they are.
     pub(super) fn list(&self) -> List {
         let policies = || (0..self.tables.policies()).map(|policy| policy as u16);
         let stays = |policy: u16| self.each(policy).all(|(robot, _, part)| part == self.under_way(robot));
@@ -121,7 +121,8 @@ impl<const N: usize> Known<'_, N> {
         let Some(operator) = role.operators.get(usize::from(part)) else { return false };
         let is = |fact: &u8, value: bool| {
             let fact = role.facts.get(usize::from(*fact));
-            // What only the robot itself knows speaks against nothing here: it goes into its scores.
+            // What only the robot itself knows speaks against nothing here: it goes into its
+            // scores.
             fact.and_then(|fact| self.holds(robot, fact, policy)).is_none_or(|holds| holds == value)
         };
         operator.requires.iter().all(|fact| is(fact, true))

@@ -21,8 +21,9 @@ use crate::team::{Member, Message, Peers, RobotId};
 /// | claim | nothing |
 ///
 /// A robot opens a round when it is sure of something else than it has announced, when its part is
-/// done, successful or not, when it would choose what it has not told the team, and when a plain leaf
-/// of its tree has begun an operator. An operator that is under way stays in every policy of the list.
+/// done, successful or not, when it would choose what it has not told the team, and when a plain
+/// leaf of its tree has begun an operator. An operator that is under way stays in every policy of
+/// the list.
 #[doc(alias = "joint decision")]
 #[derive(Clone, Debug)]
 pub struct TeamRounds<'a, const N: usize> {
@@ -81,8 +82,8 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         &self.list
     }
 
-    /// The posterior over the joint policies of the list, and what each costs the team; empty before
-    /// the choice.
+    /// The posterior over the joint policies of the list, and what each costs the team; empty
+    /// before the choice.
     #[must_use]
     pub const fn weighed(&self) -> &WeighedPolicies<MAX_POLICIES> {
         &self.weighed
@@ -257,8 +258,8 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         (has_begun_else || is_free && is_news).then_some(Want::Needed)
     }
 
-    /// Whether the robot would choose an operator that the choice does not have for it, and that its
-    /// scores did not speak for: it was not sure then, or the list had no room.
+    /// Whether the robot would choose an operator that the choice does not have for it, and that
+    /// its scores did not speak for: it was not sure then, or the list had no room.
     fn is_overlooked(&self, operator: u8) -> bool {
         let is_served = self.policy().is_some_and(|policy| self.part(policy) == operator);
         !is_served && self.scored_for != operator

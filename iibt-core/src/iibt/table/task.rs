@@ -218,7 +218,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
     {
         let is_free = self.pending.is_none() && self.is_settled();
         if let Some((wanted, operator)) = self.wanted.filter(|_| self.is_asked) {
-            // The others need not wait until it is sure again, or its loop done: it wants what it wanted.
+            // The others need not wait until it is sure again, or its loop done: it wants what it
+            // wanted.
             self.score(&wanted, operator, peers);
         }
         self.rounds.conclude(self.announcement(), is_free, peers);
@@ -325,7 +326,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
 
     /// The facts that hold now, for a target.
     ///
-    /// A teammate counts as doing its part of what the team has decided, else what it has announced.
+    /// A teammate counts as doing its part of what the team has decided, else what it has
+    /// announced.
     #[must_use]
     pub fn logic(&self, target: Option<u8>) -> Logic {
         self.logic_in(self.rounds.policy(), target)
@@ -409,8 +411,8 @@ impl<const S: usize, const N: usize, const P: usize, X: Message> Task for TableT
         Offered { target: preference.target, announced }
     }
 
-    /// The robot's own choice, until nothing is missing for that; then it scores the policies of the
-    /// round, and takes what the team has chosen.
+    /// The robot's own choice, until nothing is missing for that; then it scores the policies of
+    /// the round, and takes what the team has chosen.
     fn infer(
         &mut self,
         offered: &Offered<N>,
