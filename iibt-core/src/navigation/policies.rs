@@ -5,7 +5,7 @@ use super::combinations::{Combination, Combinations};
 use super::fact::{Fact, Purpose, blocked};
 use super::mission::{MAX_GOALS, Mission};
 use crate::bounded::up_to;
-use crate::grid::joint::{Errand, Failure, JointPlan, PolicyList, Problem, Target};
+use crate::grid::joint::{Errand, Failure, JointPlan, LATER_TOGETHER, PolicyList, Problem, Target};
 use crate::grid::{Cell, CellSet, Map, Move, Path};
 use crate::iibt::{cheapest_policy, weigh};
 use crate::inference::WeighedPolicies;

@@ -4,7 +4,7 @@ use super::super::Cell;
 use super::network::Turn;
 
 /// How many steps later a plan may be for all robots to arrive together.
-pub const LATER_TOGETHER: usize = 4;
+pub(crate) const LATER_TOGETHER: usize = 4;
 
 /// Which of the plans for a problem is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
