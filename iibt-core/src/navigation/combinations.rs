@@ -20,22 +20,13 @@ pub(super) struct Combinations {
     looked_at: u16,
 }
 
-/// What comes next.
-pub(super) enum Combination {
-    /// A plan without conflicts, to goals.
-    Plan(TeamPlan),
-    /// Paths that make no such plan.
-    Useless,
-    /// There are no more.
-    End,
-}
-
 impl Combinations {
     pub(super) const fn new() -> Self {
         Self { places: [0; MAX_TEAM], looked_at: 0 }
     }
 
-    /// Looks at the next combination of open paths.
+    /// Looks at the next combination of open paths: `Some(None)` when it is no plan without
+    /// conflicts to goals, `None` when there are no more.
     ///
     /// Cost: that of looking for conflicts once.
     pub(super) fn next<const W: usize>(
@@ -43,9 +34,9 @@ impl Combinations {
         mission: &Mission<'_, W>,
         members: &Members<'_, W>,
         closed: &CellSet<W>,
-    ) -> Combination {
+    ) -> Option<Option<TeamPlan>> {
         if self.looked_at == MOST || !self.turn(mission, members, closed) {
-            return Combination::End;
+            return None;
         }
         self.looked_at += 1;
         let places = members.iter().zip(self.places);
@@ -57,7 +48,7 @@ impl Combinations {
             .zip(&paths)
             .all(|((robot, _), path)| mission.is_goal_of(members.view, robot, path.end(&mission.map)));
         let plan = TeamPlan::new(&paths).filter(|plan| are_goals && plan.conflict(&mission.map).is_none());
-        plan.map_or(Combination::Useless, |plan| Combination::Plan(plan.arriving(arrival(&plan))))
+        Some(plan.map(|plan| plan.arriving(arrival(&plan))))
     }
 
     /// Goes on to the next combination, or to the first one; returns whether there is one.
@@ -128,13 +119,10 @@ mod tests {
         let look = |closed: &CellSet<1>| {
             let mut combinations = Combinations::new();
             let mut seen = std::vec::Vec::new();
-            loop {
-                match combinations.next(&mission, &members, closed) {
-                    Combination::Plan(plan) => seen.push(plan.paths().to_vec()),
-                    Combination::Useless => seen.push(std::vec::Vec::new()),
-                    Combination::End => return seen,
-                }
+            while let Some(plan) = combinations.next(&mission, &members, closed) {
+                seen.push(plan.map_or(std::vec![], |plan| plan.paths().to_vec()));
             }
+            seen
         };
         // Both to cell 2, and the fourth path of the first robot, to no goal, with either.
         let whole: [std::vec::Vec<Path>; 6] = [

@@ -1,7 +1,7 @@
 //! The list of joint policies of a round: made from its facts, alike in every robot.
 
 use super::claim::Cells;
-use super::combinations::{Combination, Combinations};
+use super::combinations::Combinations;
 use super::fact::{Fact, Purpose, blocked};
 use super::mission::{MAX_GOALS, Mission};
 use crate::bounded::up_to;
@@ -163,12 +163,8 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
         let is_for_goals = members.facts().all(|fact| fact.purpose == Purpose::Goal);
         while let Some(combinations) = self.combinations.as_mut().filter(|_| is_for_goals) {
             *budget = budget.checked_sub(1)?;
-            let is_last = match combinations.next(mission, members, closed) {
-                Combination::Plan(plan) => !self.list.offer(plan),
-                Combination::Useless => false,
-                Combination::End => true,
-            };
-            if is_last {
+            let Some(plan) = combinations.next(mission, members, closed) else { break };
+            if plan.is_some_and(|plan| !self.list.offer(plan)) {
                 break;
             }
         }
