@@ -154,7 +154,7 @@ fn what_a_robot_waits_for_is_printed() {
 #[test]
 fn a_task_is_flown_and_exported_without_what_is_for_scenarios_and_models() {
     for option in ["--frames x.bin", "--log x.csv", "--tree conventional"] {
-        let reason = "valves: a task is flown without --tree, --log and --frames";
+        let reason = "valves: a task is flown without --tree, --disturbance, --log and --frames";
         refuses(&mut host_sim(&format!("run valves {option}")), reason);
     }
     for option in ["--name x", "--dense"] {
@@ -170,7 +170,9 @@ fn a_task_is_flown_and_exported_without_what_is_for_scenarios_and_models() {
 fn what_keeps_a_robot_of_a_task_is_printed_after_the_outcome() {
     let outcome = "The robots are not done: 300 ticks, 0 actions, 600 frames of which 600 were lost.\n";
     let run = host_sim("run valves --loss 1").assert().code(1);
-    run.stdout(format!("{outcome}  R1 does not hear R2\n  R2 does not hear R1\n"));
+    let first = "R1 waits for R2: it was never heard, so it may be anywhere";
+    let second = "R2 waits for R1: it is lost, and the others are no quorum";
+    run.stdout(format!("{outcome}  {first}\n  {second}\n"));
     host_sim("run valves --loss 1 --quiet").assert().code(1).stdout(outcome);
 }
 

@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn shows_plans_and_says_who_has_one() {
-        let (early, late) = (photograph(0, Palette::Plain), photograph(3, Palette::Plain));
+        let (early, late) = (photograph(0, Palette::Plain), photograph(4, Palette::Plain));
         assert!(early[7].contains("R1") && early[7].contains("has not chosen"), "{early:?}");
         assert_eq!(late[2], "  . 1 * G");
         assert!(late[7].contains("to 3, step 0 of 3"), "{late:?}");

@@ -113,7 +113,7 @@ impl<'t, R: Worker<'t>> TaskFlight<'t, R> {
         let robots = self.robots().zip(tables.roles()).zip(&self.statuses);
         let waiting = robots.filter(|(_, status)| **status != Status::Success);
         let line = waiting.filter_map(|((robot, role), _)| {
-            let waits = waiting::of_robot(robot.task()?, robot.raised())?;
+            let waits = waiting::of_robot(tables, robot.task()?, robot.raised())?;
             Some(format!("{} {waits}", role.name))
         });
         line.collect()

@@ -1,14 +1,22 @@
 //! What a robot of a task waits for, in words, when a flight ends without success.
 
 use super::{HostTask, HostWanted};
-use iibt_core::iibt::table::{HiddenFactor, Holds, Role};
+use iibt_core::iibt::table::{HiddenFactor, Holds, Role, Tables};
 use iibt_core::iibt::{Condition, Literal, Logic};
 
 /// What a robot waits for; `None` where it does not wait. `raised` is what its node has raised.
-pub(super) fn of_robot(task: &HostTask<'_>, raised: Option<&HostWanted>) -> Option<String> {
+pub(super) fn of_robot(
+    tables: &Tables<'_>,
+    task: &HostTask<'_>,
+    raised: Option<&HostWanted>,
+) -> Option<String> {
     let role = task.role();
-    if let Some(waiting) = task.rounds().waiting().filter(|waiting| waiting.robot().is_some()) {
-        return Some(format!("is {waiting}"));
+    if let Some(waiting) = task.rounds().waiting()
+        && let Some(awaited) = waiting.robot().and_then(|robot| tables.role(robot.index()))
+    {
+        let text = waiting.to_string();
+        let reason = text.split_once(": ").map_or(&*text, |(_, reason)| reason);
+        return Some(format!("waits for {}: {reason}", awaited.name));
     }
     let mut factors = role.factors.iter().enumerate();
     if let Some((number, factor)) = factors.find(|&(number, _)| task.sure(number).is_none()) {

@@ -240,7 +240,7 @@ mod tests {
 
     #[test]
     fn a_robot_that_slips_wants_a_second_reading() {
-        let (map, mut robot) = robot(0.95);
+        let (map, mut robot) = robot(0.99);
         let sure = |robot: &mut Localisation<49>| {
             robot.begin(Move::Right);
             (1..9).find(|_| {
