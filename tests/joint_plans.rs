@@ -9,7 +9,7 @@ use iibt_core::grid::joint::{
 use iibt_core::grid::{Cell, CellSet, Map};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use tests::budgets::assert_within;
-use tests::qemu::{Robot, image, number};
+use tests::qemu::{Robot, image, number, printed_on_riscv};
 
 type List = PolicyList<4, 33, 8, 64, 16>;
 
@@ -555,6 +555,22 @@ fn check_image(robot: &mut Robot, what: &str, robots: usize, on_the_host: &joint
     assert!(line.ends_with(&expected), "{line}; on the host {expected}");
     assert_within("joint_plans", &format!("{what}_{robots}"), instructions("took "));
     assert_within("joint_plans", &format!("{what}_{robots}_worst"), instructions("worst "));
+}
+
+/// A processor of another make, without a floating-point unit.
+#[test]
+fn plans_on_risc_v_are_those_of_the_host() {
+    let (mut planner, mut list) = (joint_plans::Planner::new(), Box::new(joint_plans::List::new()));
+    let mut expected = String::new();
+    for robots in [2, 4, 8] {
+        let plans = joint_plans::plan_all(robots, |problem| (problem.plan(&mut planner), 0));
+        let decisions = joint_plans::plan_all(robots, |problem| (problem.decide(&mut list), 0));
+        for (what, plans) in [("plans", plans), ("decisions", decisions)] {
+            let joint_plans::Plans { units, digest, .. } = plans;
+            expected += &format!("{what} of {robots} robots: {units} units, digest {digest:08x}\n");
+        }
+    }
+    assert_eq!(printed_on_riscv("joint_plans_riscv"), expected);
 }
 
 /// The digests tell generators apart whose plans differ.

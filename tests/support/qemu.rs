@@ -33,9 +33,41 @@ pub fn image(name: &str) -> PathBuf {
 /// As [`image`].
 #[must_use]
 pub fn image_with(name: &str, profile: &str) -> PathBuf {
+    build(name, profile, "thumbv7em-none-eabihf", "stm32f405")
+}
+
+/// What the image `name` for QEMU's RISC-V machine prints on its serial port until it ends.
+///
+/// # Panics
+/// When it does not build, does not end, or ends with an error.
+#[must_use]
+pub fn printed_on_riscv(name: &str) -> String {
+    let image = build(name, "firmware", "riscv32imc-unknown-none-elf", "riscv-virt");
+    let mut machine = Command::new("qemu-system-riscv32")
+        .args(["-machine", "virt", "-bios", "none", "-display", "none", "-monitor", "none"])
+        .args(["-serial", "stdio", "-no-reboot", "-kernel"])
+        .arg(image)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("qemu-system-riscv32 starts: `tests/run` installs it");
+    let since = Instant::now();
+    while machine.try_wait().expect("it is a child").is_none() {
+        if since.elapsed() > PATIENCE {
+            machine.kill().expect("it is a child");
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let output = machine.wait_with_output().expect("it has ended");
+    let text = String::from_utf8(output.stdout).expect("the image prints text");
+    assert!(output.status.success(), "{name}: {}: {text}", output.status);
+    text
+}
+
+fn build(name: &str, profile: &str, target: &str, board: &str) -> PathBuf {
     let output = Command::new(env!("CARGO"))
         .args(["build", "-p", "firmware", "--profile", profile])
-        .args(["--target", "thumbv7em-none-eabihf", "--features", "stm32f405"])
+        .args(["--target", target, "--features", board])
         .args(["--bin", name, "--message-format", "json-render-diagnostics"])
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
         .stderr(Stdio::inherit())
