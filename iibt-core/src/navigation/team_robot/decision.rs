@@ -182,7 +182,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// Notes what the robot waits for: whenever it has heard or done something.
     fn note_waiting(&mut self, teammates: &Teammates<'_, Fact<W>, K>) {
         let waiting = self.rounds.as_ref().zip(self.on_map());
-        self.waiting = waiting.and_then(|(rounds, list)| rounds.waiting(teammates, &list));
+        let waiting = waiting.and_then(|(rounds, list)| rounds.waiting(teammates, &list));
+        self.waiting = waiting.filter(|_| !self.has_arrived());
     }
 
     /// Whether every other member of the round follows the same plan, by its newest message. How old

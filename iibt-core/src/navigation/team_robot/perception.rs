@@ -82,7 +82,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.obstacles.yield_to(of, vetoed);
         let told = peers.iter().flat_map(|peer| peer.message().as_ref().fact.evidence.iter());
         let told = told.filter(|known| known.weight > 0).map(|known| known.cell);
-        self.watched = told.chain(self.obstacles.blocked()).collect();
+        self.watched = told.chain(self.obstacles.suspected()).collect();
     }
 
     /// Where a teammate may be, it may be the teammate that is seen; but not in the cell that the plan
