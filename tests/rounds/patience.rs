@@ -84,15 +84,57 @@ fn rule_8_who_blocks_in_silence_is_left_out_and_taken_in_again() {
     assert_eq!(team.robots[1].rounds.proposal().view, View::full(3));
 }
 
+/// Ticks until robot 1 is left out of a round, which robot 0 wants, when it can be heard no more, or
+/// when it is the one that hears nothing.
+fn left_out_after(team: &mut Team, dead: &[(usize, usize)]) -> u32 {
+    team.robots[0].want = Some(Want::Better);
+    team.radio.dead = dead.to_vec();
+    let ticks = team.fly(200, |team| team.robots[0].rounds.proposal().view != View::full(3));
+    team.radio.dead.clear();
+    ticks.expect("it blocks the others")
+}
+
+const UNHEARD: [(usize, usize); 2] = [(1, 0), (1, 2)];
+const DEAF: [(usize, usize); 2] = [(0, 1), (2, 1)];
+
+#[test]
+fn rule_8_who_was_silent_long_and_came_back_is_waited_for_longer() {
+    let after = |silence: u32, dead: &[_]| {
+        let mut team = arrived();
+        team.radio.dead = UNHEARD.to_vec();
+        team.fly(silence, |_| false);
+        team.radio.dead.clear();
+        team.fly(3, |_| false);
+        left_out_after(&mut team, dead)
+    };
+    let usual = after(0, &UNHEARD);
+    assert!((20..30).contains(&usual), "{usual}");
+    assert_eq!(after(5, &UNHEARD), usual, "as without bursts");
+    let longer = [10, 15, 100].map(|silence| after(silence, &UNHEARD) - usual);
+    assert_eq!(longer, [10, 25, 60], "thrice the silence, within four times the usual");
+    assert_eq!(after(15, &DEAF) - after(0, &DEAF), 50, "twice as many if it is heard");
+}
+
+#[test]
+fn rule_8_the_silence_before_a_new_start_is_none_from_which_a_robot_came_back() {
+    let usual = left_out_after(&mut arrived(), &UNHEARD);
+    let mut team = arrived();
+    team.robots[1].is_alive = false;
+    team.fly(100, |_| false);
+    let member = Member::new(R1, 3).unwrap();
+    let place = Place { at: team.robots[1].at, errand: 0 };
+    team.robots[1] = Robot::new(Rounds::new(member, 2, 7, place, Timing::DEFAULT), 2);
+    team.fly(30, Team::has_arrived).expect("it is answered");
+    let after = left_out_after(&mut team, &UNHEARD);
+    assert!(after.abs_diff(usual) <= 2, "{after} ticks, {usual} without the start");
+}
+
 #[test]
 fn rule_8_a_robot_that_is_lost_again_and_again_waits_longer_each_time() {
     let mut team = arrived();
     let mut out = Vec::new();
     for _ in 0..4 {
-        team.robots[0].want = Some(Want::Better);
-        team.radio.dead = vec![(0, 1), (2, 1)]; // it hears nobody, and is heard
-        team.fly(200, |team| team.robots[0].rounds.proposal().view != View::full(3)).expect("it is left out");
-        team.radio.dead.clear();
+        left_out_after(&mut team, &DEAF);
         // It must not drive in between, which would show that it works again.
         out.push(
             team.fly(400, |team| team.robots[0].rounds.proposal().view == View::full(3)).expect("it is back"),

@@ -26,9 +26,14 @@ impl Timing {
     /// The least time before a teammate is left out.
     pub const LEAST: u16 = 20;
 
+    /// The most that silences make of the time before a teammate is left out, as a multiple.
+    const MOST_PATIENCE: u16 = 4;
+
     /// A teammate that blocks is left out after so many ticks in which it was not heard, or twice
-    /// as many in which it was heard without progress. After a round that a robot opened by its own
-    /// wish, it opens no other before it has moved or the refractory time is over.
+    /// as many in which it was heard without progress. Where teammates came back from silences of
+    /// more than a third of that time, as on a radio that loses frames in bursts, it is thrice the
+    /// longest such silence, up to four times as long. After a round that a robot opened by its
+    /// own wish, it opens no other before it has moved or the refractory time is over.
     ///
     /// `None` if the first is below [`LEAST`](Self::LEAST).
     #[must_use]
@@ -36,7 +41,7 @@ impl Timing {
         if lost_after < Self::LEAST { None } else { Some(Self { lost_after, refractory }) }
     }
 
-    /// How long a teammate that blocks may be silent.
+    /// How long a teammate that blocks may be silent, before longer silences were seen.
     #[must_use]
     pub const fn lost_after(self) -> u16 {
         self.lost_after
@@ -64,6 +69,8 @@ pub(super) struct Patience {
     trouble: u16,
     /// Ticks until the next wish is granted.
     refractory: u16,
+    /// The most ticks of silence after which a teammate was heard again, in the same epoch.
+    longest_silence: u16,
 }
 
 /// One teammate over time.
@@ -71,6 +78,8 @@ pub(super) struct Patience {
 struct Acquaintance {
     stamp: Stamp,
     progress: (u32, u8, u16),
+    /// Ticks since it was heard.
+    silence: u16,
     /// Grows while the teammate blocks without progress: by two for a tick in silence, else by one.
     quiet: u16,
     /// Ticks that it has stood in this round, left out.
@@ -85,10 +94,21 @@ impl Acquaintance {
     const NEW: Self = Self {
         stamp: Stamp { epoch: 0, sequence: 0 },
         progress: (0, 0, 0),
+        silence: 0,
         quiet: 0,
         standing: 0,
         backoff: 0,
     };
+
+    /// Takes in the newest stamp; returns the ticks of silence that it ends. A new start ends none:
+    /// the teammate was not there before.
+    fn hear(&mut self, stamp: Stamp) -> u16 {
+        let is_known = self.stamp.epoch == stamp.epoch;
+        let ended = if is_known && stamp != self.stamp { self.silence } else { 0 };
+        self.silence = if stamp == self.stamp { self.silence.saturating_add(1) } else { 0 };
+        self.stamp = stamp;
+        ended
+    }
 
     /// Waits longer before the next readmission.
     fn back_off(&mut self) {
@@ -100,7 +120,7 @@ impl Acquaintance {
 impl Patience {
     pub(super) const fn new(timing: Timing, view: View) -> Self {
         let teammates = [Acquaintance::NEW; MAX_TEAM];
-        Self { timing, teammates, view, trouble: 0, refractory: 0 }
+        Self { timing, teammates, view, trouble: 0, refractory: 0, longest_silence: 0 }
     }
 
     /// Takes in a tick, after the newest messages were heard; returns the trouble in it.
@@ -128,12 +148,13 @@ impl Patience {
             if stamp.epoch != acquaintance.stamp.epoch || works {
                 acquaintance.backoff = 0;
             }
-            let silence = if stamp == acquaintance.stamp { 2 } else { 1 };
+            self.longest_silence = self.longest_silence.max(acquaintance.hear(stamp));
+            let weight = if acquaintance.silence > 0 { 2 } else { 1 };
             let is_stuck = trouble.blocking.contains(robot) && progress == acquaintance.progress;
-            acquaintance.quiet = if is_stuck { acquaintance.quiet.saturating_add(silence) } else { 0 };
+            acquaintance.quiet = if is_stuck { acquaintance.quiet.saturating_add(weight) } else { 0 };
             let is_outside = !view.contains(robot) && protocol.is_in_round(robot, teammates).is_ok();
             acquaintance.standing = if is_outside { acquaintance.standing.saturating_add(1) } else { 0 };
-            (acquaintance.stamp, acquaintance.progress) = (stamp, progress);
+            acquaintance.progress = progress;
         }
         self.view = view;
         trouble
@@ -195,9 +216,16 @@ impl Patience {
     }
 
     fn lost<F: Fact, const K: usize>(&self, protocol: &Protocol<F, K>) -> View {
-        let limit = self.timing.lost_after.saturating_mul(2);
+        let limit = self.lost_after().saturating_mul(2);
         let lost = self.those(|acquaintance| acquaintance.quiet >= limit);
         protocol.others().filter(|&robot| lost.contains(robot)).collect()
+    }
+
+    /// How long a teammate that blocks may be silent: thrice the longest silence from which one has
+    /// come back, within limits. A link in a burst of losses is then not taken for a lost robot.
+    fn lost_after(&self) -> u16 {
+        let usual = self.timing.lost_after;
+        self.longest_silence.saturating_mul(3).clamp(usual, usual.saturating_mul(Timing::MOST_PATIENCE))
     }
 
     fn those(&self, is_one: impl Fn(&Acquaintance) -> bool) -> View {
