@@ -6,7 +6,7 @@
 //! | what is the best plan | [`JointPlanner`] |
 //! | what else could the team do | [`PolicyList`]: up to `K` plans, the best one first |
 //! | why is there no plan | [`Failure`]; a plan for a part of the targets says [by how many it is short](JointPlan::short_by) |
-//! | what if every robot owns its target | [`Prioritised`], and where that fails [`Lacam`] |
+//! | what if every robot owns its target | [`Prioritised`], and where that fails [`Lacam`]; of few joint states, all of them |
 //! | when are the robots there | [`JointPlan::execution`], messages counted |
 //! | do two robots plan alike | [`PolicyList::digest`] |
 //!
@@ -23,6 +23,7 @@ mod assignment;
 mod attempt;
 mod distances;
 mod execution;
+mod exhaustive;
 mod fixed_paths;
 mod flow;
 mod flow_planner;

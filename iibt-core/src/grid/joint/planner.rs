@@ -2,6 +2,7 @@
 
 use super::super::{Cell, Map};
 use super::attempt::Choice;
+use super::exhaustive::Exhaustive;
 use super::flow_planner::{FlowPlanner, Outcome};
 use super::network::Turn;
 use super::table::Table;
@@ -54,8 +55,10 @@ enum Search<const W: usize, const L: usize, const N: usize, const M: usize> {
     Flow(FlowPlanner<W, L, N>),
     /// Robots plan one after the other.
     Prioritised(Prioritised<W, L, N>),
-    /// Over the states of all robots.
+    /// Over the states of all robots, those first that look best.
     Lacam(Lacam<W, N, M>),
+    /// Over all states.
+    Exhaustive(Exhaustive<W, N, M>),
 }
 
 impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanner<W, L, N, M> {
@@ -109,22 +112,40 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         problem: &Problem<'_, W>,
         budget: &mut u32,
     ) -> Option<Result<JointPlan<N>, Failure>> {
-        if let Search::Prioritised(search) = &mut self.search {
-            if let Ok(plan) = search.work(problem, &self.targets, budget)? {
-                return Some(Ok(self.finished(plan, problem.map)));
+        loop {
+            let answer = match &mut self.search {
+                Search::Flow(_) => return Some(Err(Failure::NotFound)),
+                Search::Prioritised(search) => search.work(problem, &self.targets, budget)?,
+                Search::Lacam(search) => search.work(problem, &self.targets, budget)?,
+                Search::Exhaustive(search) => search.work(problem, &self.targets, budget)?,
+            };
+            match answer {
+                Err(failure) if self.go_on(failure) => {}
+                answer => return Some(answer.map(|plan| self.finished(plan, problem.map))),
             }
-            self.search_states();
         }
-        let Search::Lacam(search) = &mut self.search else { return Some(Err(Failure::NotFound)) };
-        let plan = search.work(problem, &self.targets, budget)?;
-        Some(plan.map(|plan| self.finished(plan, problem.map)))
+    }
+
+    /// Goes on with the next search after one that failed; returns whether there is one.
+    ///
+    /// All states are searched at once where that takes no longer than a search that is cut off, and
+    /// after that one if they are more and there is room for them.
+    fn go_on(&mut self, failure: Failure) -> bool {
+        match (&self.search, failure) {
+            (Search::Prioritised(_), Failure::NotFound) => self.search_all_states(Self::MOST_CALLS),
+            (Search::Prioritised(_), _) => self.search_states(),
+            (Search::Exhaustive(search), Failure::NotFound) if search.is_limited() => self.search_states(),
+            (Search::Lacam(_), Failure::NotFound) => self.search_all_states(u32::MAX),
+            _ => return false,
+        }
+        true
     }
 
     /// Begins anew with one of the plans for a problem.
     pub(super) fn start_with(&mut self, choice: Choice) {
         match &mut self.search {
             Search::Flow(flow) => flow.start(choice),
-            Search::Prioritised(_) | Search::Lacam(_) => self.search_flows(choice),
+            _ => self.search_flows(choice),
         }
     }
 
@@ -146,6 +167,11 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         self.search = Search::Lacam(Lacam::new(Self::MOST_CALLS));
     }
 
+    #[inline(never)]
+    fn search_all_states(&mut self, most: u32) {
+        self.search = Search::Exhaustive(Exhaustive::new(most));
+    }
+
     /// The plan of a search in which every robot had a target of its own.
     #[inline(never)]
     fn finished(&self, plan: JointPlan<N>, map: &Map<W>) -> JointPlan<N> {
@@ -163,7 +189,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
     pub(super) fn turn(&self) -> Turn {
         match &self.search {
             Search::Flow(flow) => flow.turn(),
-            Search::Prioritised(_) | Search::Lacam(_) => Turn::default(),
+            _ => Turn::default(),
         }
     }
 }
