@@ -11,6 +11,11 @@ use super::{Failure, JointPlan, Lacam, Prioritised, Problem, assignment};
 /// Finds the joint plan of fewest steps in which robots take turns by the colour of their cells;
 /// see the [module](super).
 ///
+/// Robots of which more own their targets than such a search can serve plan one by one; where that
+/// fails, their joint states are searched, all of them if they are at most `160 M`. A team of so few
+/// states is served whenever there is a plan, and [`Failure::Impossible`] where there is none, unless
+/// a path would be longer than [`HORIZON`](crate::actions::HORIZON).
+///
 /// `W` are the words of a set of cells, `L` one more than the most steps, `N` the most robots, `M`
 /// the nodes of the search for targets that several robots own.
 ///
@@ -81,8 +86,8 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
 
     /// Goes on with the plan for a problem, which must be the same from one start to the next.
     ///
-    /// Takes one unit from the budget for each layer of a search, for each change of a path, and
-    /// for each execution. Returns `None` when the budget is used up; the result does not depend on
+    /// Takes one unit from the budget for each layer of a search, for each change of a path, for
+    /// each joint state, and for each execution. Returns `None` when the budget is used up; the result does not depend on
     /// how the work was cut.
     ///
     /// # Errors
