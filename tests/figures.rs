@@ -18,7 +18,7 @@ fn missions() -> u64 {
     }
 }
 
-/// The missions of a narrow map with so many robots.
+/// The missions of a narrow map with this many robots.
 fn on(name: &str, robots: usize) -> RandomMissions {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("figures/maps/{name}.toml"));
     let text = std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -91,7 +91,8 @@ fn on_narrow_maps_all_robots_arrive_and_mostly_together_where_the_planner_has_su
                 "{name}, {robots} robots: {arrived} of {all} arrive, {together} together; planned so: {possible}, but apart: {apart:?}"
             );
             assert_eq!(arrived, all, "{name}, {robots} robots");
-            // A plan in which they come apart is preferred if it is shorter by more than its idle ends cost.
+            // A plan in which they come apart is preferred if it is shorter by more than its idle
+            // ends cost.
             assert!(possible > 0 && apart.len() as u64 * 2 <= possible, "{name}, {robots} robots: {apart:?}");
         }
     }

@@ -1,5 +1,5 @@
-//! Joint plans held against what they claim: a checker of its own looks at every cell of every plan, a search over
-//! joint states knows the fewest steps, and another simulation executes them.
+//! Joint plans held against what they claim: a checker of its own looks at every cell of every
+//! plan, a search over joint states knows the fewest steps, and another simulation executes them.
 
 use firmware::bench::joint_plans;
 use host_sim::Random;
@@ -29,8 +29,8 @@ impl Case {
         Problem { map, closed: *closed, errands, goals, need: *need }
     }
 
-    /// A map of up to `side` x `side` cells of which up to half are blocked, with up to `robots` robots and goals
-    /// for all of them, or up to two more.
+    /// A map of up to `side` x `side` cells of which up to half are blocked, with up to `robots`
+    /// robots and goals for all of them, or up to two more.
     fn random(random: &mut Random, side: usize, robots: usize) -> Self {
         loop {
             let (width, height) = (1 + random.below(side) as u16, 1 + random.below(side) as u16);
@@ -50,7 +50,8 @@ impl Case {
         }
     }
 
-    /// The same with fewer goals needed, closed cells, robots that stand and up to two that own their targets.
+    /// The same with fewer goals needed, closed cells, robots that stand and up to two that own
+    /// their targets.
     fn with_everything(mut self, random: &mut Random) -> Self {
         let free: Vec<Cell> = self.map.free_cells().iter().collect();
         self.need = 1 + random.below(self.need);
@@ -74,7 +75,8 @@ fn draw(random: &mut Random, from: &mut Vec<Cell>, count: usize) -> Vec<Cell> {
     (0..count).map(|_| from.swap_remove(random.below(from.len()))).collect()
 }
 
-/// The list of up to `count` policies, made with so many work units at a time, and the units that it took.
+/// The list of up to `count` policies, made with this many work units at a time, and the units that
+/// it took.
 fn listed(list: &mut List, case: &Case, count: usize, cut: u32) -> (Vec<JointPlan<8>>, Option<Failure>, u64) {
     let mut units = 0;
     list.start();
@@ -98,8 +100,8 @@ fn timelines(case: &Case, plan: &JointPlan<8>) -> Vec<Vec<Cell>> {
     plan.paths().iter().map(|path| path.timeline(&case.map).take(plan.steps() + 2).collect()).collect()
 }
 
-/// What is wrong with a plan: moves, cells, conflicts, ends. Of plans for a part of the targets only, the owned
-/// ones are not asked for.
+/// What is wrong with a plan: moves, cells, conflicts, ends. Of plans for a part of the targets
+/// only, the owned ones are not asked for.
 fn fault(case: &Case, plan: &JointPlan<8>, is_for_all: bool) -> Option<String> {
     let robots = timelines(case, plan);
     if robots.len() != case.errands.len() {
@@ -134,8 +136,8 @@ fn moves_fault(case: &Case, robots: &[Vec<Cell>]) -> Option<String> {
     None
 }
 
-/// Whether robots may follow each other closely: the search for robots that own their targets lets them, as long as
-/// they neither swap nor rotate.
+/// Whether robots may follow each other closely: the search for robots that own their targets lets
+/// them, as long as they neither swap nor rotate.
 fn may_follow(case: &Case) -> bool {
     case.errands.iter().any(|errand| matches!(errand.target, Target::Own(_)))
 }
@@ -199,8 +201,8 @@ fn ends_fault(case: &Case, plan: &JointPlan<8>, robots: &[Vec<Cell>], is_for_all
     (missed > allowed).then(|| format!("{missed} owned targets missed"))
 }
 
-/// The fewest steps in which enough robots are on goals, without a shared cell or following; `None` when they never
-/// are.
+/// The fewest steps in which enough robots are on goals, without a shared cell or following; `None`
+/// when they never are.
 fn fewest_steps(case: &Case) -> Option<usize> {
     let mut start: Vec<Cell> = case.errands.iter().map(|errand| errand.from).collect();
     start.sort();
@@ -241,8 +243,9 @@ fn successors(map: &Map<4>, robots: &[Cell]) -> Vec<Vec<Cell>> {
     sets
 }
 
-/// Executes a plan with messages in the air: a move of tick `t` is known to its robot in `t + 1` and to the others in
-/// `t + 2`. Returns the ticks of the last moves of all that move; `None` for a standstill.
+/// Executes a plan with messages in the air: a move of tick `t` is known to its robot in `t + 1`
+/// and to the others in `t + 2`. Returns the ticks of the last moves of all that move; `None` for a
+/// standstill.
 fn executed(case: &Case, plan: &JointPlan<8>) -> Option<Vec<usize>> {
     let robots = timelines(case, plan);
     let moves = |robot: &Vec<Cell>| {
@@ -397,7 +400,8 @@ fn drawn(rows: &[&str], goals: &[u16]) -> Case {
     Case { map, closed: CellSet::EMPTY, need: errands.len().min(goals.len()), errands, goals }
 }
 
-/// Missions in which robots that chose one by one stood still for ever, or took turns for a hundred ticks.
+/// Missions in which robots that chose one by one stood still for ever, or took turns for a hundred
+/// ticks.
 #[test]
 fn missions_in_which_robots_were_stuck_have_short_plans() {
     #[rustfmt::skip]
@@ -534,8 +538,8 @@ fn the_words_of_a_set_of_cells_change_no_plan() {
     }
 }
 
-/// An image of the release profile, 200 problems of each size on 64 cells with a fifth of them blocked: one plan, and a
-/// decision among four.
+/// An image of the release profile, 200 problems of each size on 64 cells with a fifth of them
+/// blocked: one plan, and a decision among four.
 #[test]
 fn plans_on_the_chip_are_those_of_the_host() {
     let mut robot = Robot::boot_counting(&image("joint_plans"));

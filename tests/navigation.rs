@@ -1,4 +1,5 @@
-//! Navigating robots in flight: the lines of Algorithm 1, errands, teammates that come and go, obstacles that do.
+//! Navigating robots in flight: the lines of Algorithm 1, errands, teammates that come and go,
+//! obstacles that do.
 
 mod errands;
 mod lines;
@@ -99,7 +100,8 @@ fn decided_after(team: &Team<'_>, round: u32) -> bool {
     (0..team.reports().len()).all(is_later)
 }
 
-/// Ticks a team until something holds; fails when it does not within 600 ticks, or when robots collide.
+/// Ticks a team until something holds; fails when it does not within 600 ticks, or when robots
+/// collide.
 fn fly_until(team: &mut Team<'_>, what: &str, reached: impl Fn(&Team<'_>) -> bool) {
     fly_watching(team, what, |_| (), reached);
 }
@@ -123,7 +125,7 @@ fn fly_watching(
     panic!("never: {what}; {:?} on {:?}, waiting {waiting:?}", stages(team), cells(team));
 }
 
-/// Ticks a team so many times.
+/// Ticks a team this many times.
 fn tick(team: &mut Team<'_>, times: u32) {
     (0..times).for_each(|_| _ = team.tick());
 }

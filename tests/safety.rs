@@ -1,8 +1,9 @@
 //! Whatever the radio, the drive and the world do: no two robots ever share or swap a cell.
 //!
-//! How many teams must arrive is what was measured less some three standard deviations of such a count, and five
-//! where nearly all arrive: another stream of random numbers passes. Of teams for which all is within reach at most one may
-//! be held up; four where way-points can ask for plans that a search of the image's size does not find.
+//! How many teams must arrive is what was measured less some three standard deviations of such a
+//! count, and five where nearly all arrive: another stream of random numbers passes. Of teams for
+//! which all is within reach at most one may be held up; four where way-points can ask for plans
+//! that a search of the image's size does not find.
 
 use firmware::missions::{LAYERS, NODES, POLICIES};
 use host_sim::{EventEffect, Faults, NavigatorFlight, Radio, Random, reproduce};
@@ -32,7 +33,8 @@ fn team<'m>(mission: &'m Mission<'m, 2>, faults: Faults, seed: u64) -> Team<'m> 
     Team::over(mission, faults, seed).expect("a sound mission").beginning_at(Instant(u32::MAX - 50))
 }
 
-/// A radio that loses and doubles copies with these probabilities, and delays them by up to so many ticks more.
+/// A radio that loses and doubles copies with these probabilities, and delays them by up to so many
+/// ticks more.
 fn radio(loss: f64, jitter: u32, duplicate: f64) -> Radio {
     Radio { loss, jitter, duplicate, ..Radio::default() }
 }
@@ -42,7 +44,8 @@ fn radio(loss: f64, jitter: u32, duplicate: f64) -> Radio {
 enum Fate {
     /// All that are alive have arrived.
     Arrived,
-    /// What has appeared, or the cells that a dead robot may be on, cut off a goal, way-point or charger.
+    /// What has appeared, or the cells that a dead robot may be on, cut off a goal, way-point or
+    /// charger.
     CutOff,
     /// They have not arrived, though all is within reach.
     HeldUp,
@@ -100,13 +103,14 @@ fn runs() -> u64 {
     }
 }
 
-/// A random map with walls in a tenth of its cells, and a team of two to five robots with as many goals, and chargers for
-/// all but the last robot, all within reach of each other.
+/// A random map with walls in a tenth of its cells, and a team of two to five robots with as many
+/// goals, and chargers for all but the last robot, all within reach of each other.
 fn fly(seed: u64, faults: Faults) -> Fate {
     fly_at(seed, faults, [1; 5], &[])
 }
 
-/// The same with robots whose moves take so many ticks, and what they take for the steps of a plan that those are.
+/// The same with robots whose moves take so many ticks, and what they take for the steps of a plan
+/// that those are.
 fn fly_at(seed: u64, faults: Faults, ticks: [u32; 5], paces: &[u8]) -> Fate {
     let mut random = Random::new(seed);
     let size = 2 + (seed % 4) as usize;
@@ -139,8 +143,8 @@ fn fate(team: &Team<'_>, mission: &Mission<'_, 2>, robots: &[usize], outcome: Ou
     }
 }
 
-/// Whether a way-point or a charger is out of reach, or fewer goals than robots are in some part of what is free and not in
-/// the walls of the round.
+/// Whether a way-point or a charger is out of reach, or fewer goals than robots are in some part of
+/// what is free and not in the walls of the round.
 fn is_cut_off(team: &Team<'_>, mission: &Mission<'_, 2>, robots: &[usize]) -> bool {
     let walls = team.robot(robots[0]).robot().navigation().rounds().map(|rounds| {
         let walls = rounds.proposal().left_out(mission.starts.len());
@@ -182,7 +186,8 @@ fn state(team: &Team<'_>) -> String {
     robots.join("; ")
 }
 
-/// A map with walls in about a tenth of its cells, and at least so many free cells within reach of each other.
+/// A map with walls in about a tenth of its cells, and at least so many free cells within reach of
+/// each other.
 fn ground(random: &mut Random, least: usize) -> (Map<2>, Vec<Cell>) {
     let mut planner = Planner::<49>::new();
     loop {
@@ -450,8 +455,8 @@ fn with_a_teammate_that_talks_nonsense_nobody_breaks() {
 mod with_a_robot_that_dies {
     use super::*;
 
-    /// A random mission of three to six robots of which one stops for good, up to nine ticks after all others have heard it
-    /// with a vector.
+    /// A random mission of three to six robots of which one stops for good, up to nine ticks after
+    /// all others have heard it with a vector.
     fn fly(seed: u64, faults: Faults) -> Fate {
         let mut random = Random::new(seed);
         let size = 3 + (seed % 4) as usize;
@@ -480,7 +485,8 @@ mod with_a_robot_that_dies {
         fate(&team, &mission, &others, outcome)
     }
 
-    /// Whether a robot knows where a teammate can be, which it does once it has heard it with a vector.
+    /// Whether a robot knows where a teammate can be, which it does once it has heard it with a
+    /// vector.
     fn knows(team: &Team<'_>, robot: usize, teammate: usize) -> bool {
         let rounds = team.robot(robot).robot().navigation().rounds();
         rounds.is_some_and(|rounds| rounds.protocol().reach(RobotId(teammate as u8)).is_some())

@@ -67,7 +67,8 @@ pub struct Scenario {
     pub need: usize,
     /// Whether the others stand while a robot charges.
     pub waits_for_charging: bool,
-    /// The ticks after which evidence about obstacles fades by a sixteenth of a nat; zero for never.
+    /// The ticks after which evidence about obstacles fades by a sixteenth of a nat; zero for
+    /// never.
     pub forgets: u16,
     /// The probability with which each goal serves a robot that stands there at the end of a
     /// mission.
@@ -178,7 +179,8 @@ pub struct Radio {
     /// The probability that a frame does not reach a teammate, independently for each of them.
     pub loss: f64,
     /// The mean number of frames in a row that a link from a robot to a teammate loses: the burst
-    /// length of the model of Gilbert and Elliott. Zero for losses that do not depend on each other.
+    /// length of the model of Gilbert and Elliott. Zero for losses that do not depend on each
+    /// other.
     ///
     /// A link loses all frames in its bad state and none in its good one; `loss` is the share of
     /// the bad state. A length below `loss / (1 - loss)` is not possible and counts as that.

@@ -1,4 +1,5 @@
-//! Who decides with whom: teammates that are silent, dead, back, restarted, or too many for the goals.
+//! Who decides with whom: teammates that are silent, dead, back, restarted, or too many for the
+//! goals.
 
 use super::*;
 use iibt_core::navigation::Intention;
@@ -47,7 +48,8 @@ fn a_dead_robot_out_of_the_way_does_not_stop_slow_robots() {
     fly_until(&mut team, "the others arrive", |team| team.statuses()[..2] == [Status::Success; 2]);
 }
 
-/// A goal that a dead robot may be on is missed, not given up: nobody calls the mission accomplished.
+/// A goal that a dead robot may be on is missed, not given up: nobody calls the mission
+/// accomplished.
 #[test]
 fn a_team_whose_last_goal_a_dead_robot_may_hold_is_short_of_it_and_fails_at_the_timeout() {
     static GOALS: [Cell; 2] = [Cell(4), Cell(5)];
@@ -293,7 +295,8 @@ fn a_move_that_nothing_confirms_is_not_announced() {
     fly_until(&mut team, "all stop", stopped);
 }
 
-/// A localiser that lags makes a move look as if it had failed; made once more it would lead off the path.
+/// A localiser that lags makes a move look as if it had failed; made once more it would lead off
+/// the path.
 #[test]
 fn one_late_reading_does_not_have_a_move_made_twice() {
     let mission = factory();

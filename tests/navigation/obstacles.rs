@@ -37,7 +37,8 @@ fn a_door_that_closes_stops_the_team_and_one_that_opens_in_view_lets_it_through(
     assert!(on_goals(&team, &mission));
 }
 
-/// No robot looks at the door after it was closed: a robot that has restarted elsewhere does not know of it.
+/// No robot looks at the door after it was closed: a robot that has restarted elsewhere does not
+/// know of it.
 #[test]
 fn evidence_that_nobody_renews_fades_and_the_way_is_tried_again() {
     let forgetful = Mission { forgets: 1, ..with_a_door() };

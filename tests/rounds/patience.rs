@@ -84,8 +84,8 @@ fn rule_8_who_blocks_in_silence_is_left_out_and_taken_in_again() {
     assert_eq!(team.robots[1].rounds.proposal().view, View::full(3));
 }
 
-/// Ticks until robot 1 is left out of a round, which robot 0 wants, when it can be heard no more, or
-/// when it is the one that hears nothing.
+/// Ticks until robot 1 is left out of a round, which robot 0 wants, when it can be heard no more,
+/// or when it is the one that hears nothing.
 fn left_out_after(team: &mut Team, dead: &[(usize, usize)]) -> u32 {
     team.robots[0].want = Some(Want::Better);
     team.radio.dead = dead.to_vec();

@@ -113,8 +113,8 @@ impl Instance {
         Mission::new(self.map, starts.unwrap_or_default(), goals.unwrap_or_default())
     }
 
-    /// Plans, all at once; returns the plan and the work units that it took, or `None` where not all
-    /// goals can be reached.
+    /// Plans, all at once; returns the plan and the work units that it took, or `None` where not
+    /// all goals can be reached.
     pub fn plan(&self, planner: &mut Planner) -> Option<(JointPlan<8>, u32)> {
         let Self { map, errands, goals, robots, .. } = self;
         let (errands, goals) = (errands.get(..*robots)?, goals.get(..*robots)?);

@@ -1,5 +1,6 @@
-//! Joint plans on a 32-bit RISC-V without a floating-point unit: prints the digests of the plans and
-//! decisions for the random problems of `joint_plans`, to be compared with those of other targets.
+//! Joint plans on a 32-bit RISC-V without a floating-point unit: prints the digests of the plans
+//! and decisions for the random problems of `joint_plans`, to be compared with those of other
+//! targets.
 //!
 //! It runs in QEMU's machine `virt`: a serial port, and a device that ends the emulation.
 #![cfg_attr(target_os = "none", no_std, no_main)]

@@ -26,7 +26,7 @@ pub struct Preset {
 }
 
 impl Preset {
-    /// Nothing tuned: actions are judged by what they bring about, and γ is one.
+    /// Nothing tuned: actions are judged by their effects, and γ is one.
     pub const DEFAULT: Self = Self { sensor: SENSOR, success: 1.0, precision: 1.0 };
 
     /// The reported probabilities to a thousandth. The pair of success and precision is one of

@@ -121,7 +121,7 @@ fn needed(file: &ScenarioFile, goals: &[Cell], robots: &[RobotSpec]) -> Read<usi
     Ok(whole("need", file.need.as_ref(), 1..=most as u32, most as u32)? as usize)
 }
 
-/// Whether a mission has so many goals.
+/// Whether a mission has this many goals.
 fn sensible(goals: usize, robots: usize) -> Result<(), String> {
     match goals {
         0 => {

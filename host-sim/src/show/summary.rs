@@ -18,8 +18,8 @@ const LEGEND: &str = "path: the last; prob.: of its joint policy among all weigh
 const PATH: usize = 2;
 const TEXTS: [usize; 3] = [0, PATH, 8];
 
-/// A table of the robots, the outcome below it, and what the robots lack if the mission failed. Paths
-/// are wrapped in a terminal with this number of `columns`.
+/// A table of the robots, the outcome below it, and what the robots lack if the mission failed.
+/// Paths are wrapped in a terminal with this number of `columns`.
 #[must_use]
 pub fn summary(record: &Record, columns: Option<u16>) -> String {
     let mut table = Table::new();

@@ -127,8 +127,8 @@ impl<const W: usize> CellSet<W> {
         beside
     }
 
-    /// Adds every cell of another set moved to the number `by` higher; numbers past the end of the set
-    /// are dropped.
+    /// Adds every cell of another set moved to the number `by` higher; numbers past the end of the
+    /// set are dropped.
     #[inline]
     pub(super) fn add_raised(&mut self, other: &Self, by: usize) {
         if by < 32 { self.raise(other, 0, by) } else { self.raise(other, by / 32, by % 32) }

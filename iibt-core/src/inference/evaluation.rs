@@ -113,7 +113,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         self.forget(problem);
         problem.check()?;
         at_most(Argument::Policies, 0, problem.candidates.len(), Self::CAPACITY)?;
-        // There is room for so many, and not for more than a `u16` counts.
+        // There is room for this many, and not for more than a `u16` counts.
         self.total = problem.candidates.len() as u16;
         Ok(())
     }
@@ -308,7 +308,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         }
     }
 
-    /// A modality that several groups' states determine. What they bring about together is judged
+    /// A modality that several groups' states determine. Their joint outcome is judged
     /// once, when the first of them arrives, if arrivals count.
     fn observe_coupled(
         &mut self,
@@ -378,7 +378,7 @@ impl<const S: usize, const G: usize, const R: usize, const P: usize> Evaluation<
         true
     }
 
-    /// Adds terms that several groups' candidates bring about together: found once for each
+    /// Adds terms of several groups' candidates together: found once for each
     /// combination of them that is gathered, or for each joint policy where those are fewer.
     fn couple(&mut self, groups: u16, batch: &Batch, of: &dyn Fn(&Rows<S, G, R>, &Places<G>) -> Terms) {
         let combinations = Tuples { groups, used: &self.groups };

@@ -114,7 +114,7 @@ pub enum Gain {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PreferenceTiming {
     /// A positive preference counts at the last step of a policy, a negative one at every step.
-    /// What two robots bring about together is judged, and observed, once: when the first of them
+    /// The joint outcome of two robots is judged, and observed, once: when the first of them
     /// arrives.
     #[default]
     OnArrival,

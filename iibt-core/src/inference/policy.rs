@@ -8,7 +8,7 @@ pub type Policy = Actions;
 
 /// Every policy of `steps` steps of the actions 0 to `actions` - 1, the last step's action running
 /// fastest. There are `actions` to the power of `steps`; none where a policy cannot have such an
-/// action or so many steps.
+/// action or this many steps.
 ///
 /// ```
 /// use iibt_core::inference::{Policy, policy};

@@ -4,8 +4,8 @@ use super::error::{Argument, OutOfRange};
 
 /// A preference per outcome on a log scale: P(o) = softmax(C).
 ///
-/// [`raise`](Self::raise) adds to it: C + L. A task that raises for a while raises a copy, and drops
-/// it to roll back.
+/// [`raise`](Self::raise) adds to it: C + L. A task that raises for a while raises a copy, and
+/// drops it to roll back.
 ///
 /// ```
 /// use iibt_core::inference::Preference;

@@ -47,7 +47,7 @@ pub struct Mission<'m, const W: usize> {
     /// The goal that each robot owns: no other robot is to reach it as long as its owner decides
     /// with the team. A robot without one reaches any goal that no robot owns.
     pub own_goals: &'m [Option<Cell>],
-    /// On how many of the goals that nobody owns a robot must end; by default on as many as there
+    /// On how many of the goals without an owner a robot must end; by default on as many as there
     /// are, but no more than robots without a goal of their own.
     pub need: Option<u8>,
     /// The charging cell of each robot. A robot without one stands still when its battery is low.
@@ -58,8 +58,8 @@ pub struct Mission<'m, const W: usize> {
     /// Paths given by hand for each robot, used while all robots stand where theirs begin: the
     /// joint policies are their combinations without conflicts, in order.
     pub paths: Option<&'m [&'m [Path]]>,
-    /// The number of joint policies to weigh, at least 1, by default 4; the robot's `K` is the most.
-    /// Of a mission that lists paths, all their combinations are weighed, up to `K`.
+    /// The number of joint policies to weigh, at least 1, by default 4; the robot's `K` is the
+    /// most. Of a mission that lists paths, all their combinations are weighed, up to `K`.
     pub policies: u8,
     /// The precision β of the posterior over policies, in nats per tick. The choice does not depend
     /// on it, only how sure it is.

@@ -139,8 +139,8 @@ impl Obstacles {
         self.seen.iter().filter(|known| is_blocked(known.weight.into())).map(|known| known.cell)
     }
 
-    /// The cells for which there is more evidence of an obstacle than against one, enough to believe
-    /// it or not: those that are worth another look.
+    /// The cells for which there is more evidence of an obstacle than against one, enough to
+    /// believe it or not: those that are worth another look.
     pub(super) fn suspected(&self) -> impl Iterator<Item = Cell> + '_ {
         self.seen.iter().filter(|known| known.weight > 0).map(|known| known.cell)
     }

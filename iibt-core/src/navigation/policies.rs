@@ -150,8 +150,8 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
         }
     }
 
-    /// Takes the combinations of paths given by hand, one for each work unit; returns whether it has
-    /// come to their end.
+    /// Takes the combinations of paths given by hand, one for each work unit; returns whether it
+    /// has come to their end.
     #[inline(never)] // its plans are on the stack while they are made
     fn combine(
         &mut self,
@@ -292,7 +292,8 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
     }
 
     /// The steps of the plan, an eighth of a tick for each step that the first robot to arrive
-    /// waits for the last, five ticks if they do not arrive together, and the goals that are missed.
+    /// waits for the last, five ticks if they do not arrive together, and the goals that are
+    /// missed.
     fn cost(&self, policy: usize) -> u16 {
         let Some(plan) = self.plans.get(policy) else { return u16::MAX };
         let arrivals = plan.paths().iter().filter_map(|path| Some(made(path).last()?.0 + 1));

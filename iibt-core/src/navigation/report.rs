@@ -110,7 +110,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     }
 }
 
-/// The number of steps, waits included, after which so many moves of a path are made.
+/// The number of steps, waits included, after which this many moves of a path are made.
 pub(super) fn steps_after(path: &Path, moves: u16) -> usize {
     let mut left = moves;
     let step = |step: Move| {

@@ -125,11 +125,11 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         self.budget = units;
     }
 
-    /// Sets the preference for each goal, in the order of the mission: 1 at the most, lower by a nat
-    /// for a goal that serves e times less often. Other values count as 1.
+    /// Sets the preference for each goal, in the order of the mission: 1 at the most, lower by a
+    /// nat for a goal that serves e times less often. Other values count as 1.
     ///
-    /// It counts in each of the 32 ticks for which a robot is taken to stand on its goal: for a goal
-    /// that is better by a tenth of a nat, the team is up to 3 ticks later.
+    /// It counts in each of the 32 ticks for which a robot is taken to stand on its goal: for a
+    /// goal that is better by a tenth of a nat, the team is up to 3 ticks later.
     pub fn set_goal_preferences(&mut self, values: &[f32; MAX_GOALS]) {
         self.goal_values = values.map(|value| if value > 0.0 && value <= 1.0 { value } else { 1.0 });
     }

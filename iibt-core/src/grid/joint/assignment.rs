@@ -24,8 +24,8 @@ pub(super) struct Assignment<const W: usize, const N: usize> {
 /// The target of every robot of a problem in which each has its own: of one that stands, the cell
 /// where it is.
 ///
-/// Returns `None` when a robot goes to [any](Target::Any) open goal: such robots need an assignment.
-/// Entries past the last robot mean nothing.
+/// Returns `None` when a robot goes to [any](Target::Any) open goal: such robots need an
+/// assignment. Entries past the last robot mean nothing.
 ///
 /// ```
 /// use iibt_core::grid::joint::{Errand, Problem, Target, own_targets};

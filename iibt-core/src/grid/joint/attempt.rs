@@ -13,9 +13,9 @@ pub(super) struct Choice {
     pub(super) turn: Option<Turn>,
     /// Without this one of the goals.
     pub(super) without: Option<Cell>,
-    /// In at most so many steps.
+    /// In at most this many steps.
     pub(super) latest: Option<usize>,
-    /// Short of at most so many goals.
+    /// Short of at most this many goals.
     pub(super) most_short: Option<usize>,
     /// Whether it may be shorter for not arriving together.
     pub(super) staggered: bool,

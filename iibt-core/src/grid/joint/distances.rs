@@ -17,8 +17,8 @@ pub(super) const UNREACHED: u16 = 0xfff;
 impl<const W: usize> Distances<W> {
     pub(super) const EMPTY: Self = Self { low: [[0xff; 32]; W], high: [[0xff; 16]; W] };
 
-    /// Measures the distances to a target over the free cells of a map. Unless a robot stands there,
-    /// nothing is near a target that is not free.
+    /// Measures the distances to a target over the free cells of a map. Unless a robot stands
+    /// there, nothing is near a target that is not free.
     pub(super) fn measure(&mut self, map: &Map<W>, target: Cell, is_start: bool) {
         self.low.as_flattened_mut().fill(0xff);
         self.high.as_flattened_mut().fill(0xff);

@@ -12,7 +12,7 @@ use super::table::{Table, cell, set};
 use super::{Arrival, JointPlan};
 use crate::actions::HORIZON;
 
-/// What comes of a plan that is executed without loss of messages; see [`JointPlan::execution`].
+/// The execution of a plan without loss of messages; see [`JointPlan::execution`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Execution {
@@ -63,8 +63,8 @@ impl<const N: usize> JointPlan<N> {
 }
 
 impl<const N: usize> JointPlan<N> {
-    /// This plan with a barrier before the last moves, if that brings them close together. The table
-    /// is overwritten.
+    /// This plan with a barrier before the last moves, if that brings them close together. The
+    /// table is overwritten.
     pub(super) fn with_useful_barrier<const W: usize, const L: usize>(
         self,
         map: &Map<W>,
@@ -75,8 +75,8 @@ impl<const N: usize> JointPlan<N> {
         if is_of_use { self.arriving(Arrival::Together) } else { self }
     }
 
-    /// Whether robots that arrive so many ticks apart are as close together as goals in series let
-    /// them be: a tick apart from one robot to the next.
+    /// Whether robots that arrive this many ticks apart are as close together as goals in series
+    /// let them be: a tick apart from one robot to the next.
     pub(super) fn is_close(&self, spread: usize) -> bool {
         let movers = self.paths().iter().filter(|path| !path.is_empty()).count();
         spread <= movers.saturating_sub(1).max(1)
@@ -91,8 +91,8 @@ impl<const N: usize> JointPlan<N> {
     }
 }
 
-/// Executes a plan of less than `L` steps, given the cells of each robot at every step; the table is
-/// overwritten.
+/// Executes a plan of less than `L` steps, given the cells of each robot at every step; the table
+/// is overwritten.
 pub(super) fn run<const L: usize, const N: usize>(
     plan: impl Iterator<Item = impl Iterator<Item = Cell>>,
     barrier: bool,

@@ -1,13 +1,13 @@
 //! A search over all joint states of a small team, which finds every plan that there is.
 //!
-//! It goes breadth first from the targets back, one move of one robot at a time, so that every joint
-//! move without a [ring](super::pibt) is a sequence of such moves. All joint states have a number:
-//! the robots' places in mixed radix, where each counts the places that those before it leave. Two
-//! bits a state are all that is kept, for a move changes the colour of one robot's cell: whether a
-//! distance is odd can be seen from the cells, and of the rest one bit tells the neighbours apart
-//! that are one move nearer from those one farther (compare Cooperman and Finkelstein 1992). From
-//! the start the plan then follows the distances down. Of the moves that lead nearer, it takes the one
-//! that can be made soonest, and makes it beside the others.
+//! It goes breadth first from the targets back, one move of one robot at a time, so that every
+//! joint move without a [ring](super::pibt) is a sequence of such moves. All joint states have a
+//! number: the robots' places in mixed radix, where each counts the places that those before it
+//! leave. Two bits a state are all that is kept, for a move changes the colour of one robot's cell:
+//! whether a distance is odd can be seen from the cells, and of the rest one bit tells the
+//! neighbours apart that are one move nearer from those one farther (compare Cooperman and
+//! Finkelstein 1992). From the start the plan then follows the distances down. Of the moves that
+//! lead nearer, it takes the one that can be made soonest, and makes it beside the others.
 //!
 //! Where the targets cannot be reached, that is proved.
 
@@ -69,7 +69,8 @@ impl<const W: usize, const N: usize, const M: usize> Exhaustive<W, N, M> {
     /// How many states the arena has room for.
     pub(super) const MOST_STATES: u32 = (MARKS_A_BYTE * ROW * M) as u32;
 
-    /// An arena for problems of at most so many states, which are [`Failure::NotFound`] otherwise.
+    /// An arena for problems of at most this many states, which are [`Failure::NotFound`]
+    /// otherwise.
     pub(super) const fn new(most_states: u32) -> Self {
         Self {
             marks: [[0; ROW]; M],

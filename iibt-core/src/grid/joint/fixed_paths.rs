@@ -21,7 +21,7 @@ const MOST_OWNERS: usize = 2;
 /// How many steps before the end of a plan the first owner can be on its target.
 pub(super) const LONGEST_REST: usize = 16;
 
-/// No other fixed path is tried after so many work units.
+/// The work units after which no other fixed path is tried.
 pub(super) const MOST_UNITS: u32 = 2_000;
 
 /// Which owner's path is fixed first, how long before the end it is there, and how many steps that

@@ -10,8 +10,9 @@
 //! reached[t+1] = (cells from which a step leads into reached[t]) - (cells of paths at t+1)
 //! ```
 //! A path of the flow that it comes to at layer `t+1` can be led elsewhere from there, so that its
-//! cells at all layers below can be given to another robot: they are reached too. When the search has
-//! come to the top it begins again at the lowest layer that this has changed. `T` grows by one when no start is reached: the flow waits one step more at its starts, and all that is reached
+//! cells at all layers below can be given to another robot: they are reached too. When the search
+//! has come to the top it begins again at the lowest layer that this has changed. `T` grows by one
+//! when no start is reached: the flow waits one step more at its starts, and all that is reached
 //! stays so. The first `need` paths end on goals, the others on any cell that is left; a path that
 //! is led elsewhere never gives its goal up, only to the path that takes its place.
 //!

@@ -1,5 +1,5 @@
-//! The joint plan of fewest steps that a flow has for a problem, around the fixed paths of one or two
-//! owners.
+//! The joint plan of fewest steps that a flow has for a problem, around the fixed paths of one or
+//! two owners.
 
 use super::super::{Cell, CellSet, Map, Move, Path};
 use super::attempt::{Attempt, Choice, Kind, LATER_TOGETHER};
@@ -95,7 +95,7 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
         }
     }
 
-    /// Begins anew with one of the plans for a problem.
+    /// Starts over with one of the plans for a problem.
     pub(super) fn start(&mut self, choice: Choice) {
         self.choice = choice;
         self.stage = Stage::Begin;

@@ -1,9 +1,9 @@
 //! A search over joint states for robots that own their targets.
 //!
 //! LaCAM (Okumura, AAAI 2023) goes depth first over joint states. A successor of a state is made by
-//! [PIBT](super::pibt). In the next try of the same state the first robot of its order is bound to a
-//! certain move, then the first two, and so on, until every successor has been made. The tries of a
-//! state are numbered and the number says what is bound, so a counter is all that a state keeps.
+//! [PIBT](super::pibt). In the next try of the same state the first robot of its order is bound to
+//! a certain move, then the first two, and so on, until every successor has been made. The tries of
+//! a state are numbered and the number says what is bound, so a counter is all that a state keeps.
 //!
 //! A search that runs out of states has seen all that can be reached: there is no plan. One that
 //! runs out of memory begins again with other ties, until it has made the calls it may make.
@@ -19,9 +19,9 @@ use crate::grid::{Cell, Path};
 /// Plans for up to `N` robots that own their targets on maps of `W` words, searching at most `M`
 /// joint states (1 to 65,534) at a time.
 ///
-/// Robots may follow on each other's heels. No plan has a shared cell, a swap or a rotation. The plan
-/// is shortened, and is not always the shortest. It depends on the sizes, the calls, the problem and the
-/// targets alone.
+/// Robots may follow on each other's heels. No plan has a shared cell, a swap or a rotation. The
+/// plan is shortened, and is not always the shortest. It depends on the sizes, the calls, the
+/// problem and the targets alone.
 ///
 /// It needs `M (3 N + 8)` bytes for the states (32 for eight robots) and `48 W N` for distances:
 /// 2.9 KB for eight robots on 64 cells with 64 states, 9.0 KB with 256.
@@ -86,7 +86,7 @@ enum Binding {
 }
 
 impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
-    /// An arena for searches that try at most so many successors.
+    /// An arena for searches that try at most this many successors.
     #[must_use]
     pub const fn new(most_calls: u32) -> Self {
         Self {
@@ -112,8 +112,8 @@ impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
     /// Returns `None` when the budget was not enough: the next call, with the same problem and
     /// targets, goes on. After an answer the next call begins a new search.
     ///
-    /// A work unit, one of the budget, is a table of distances, a successor tried, or a state of the
-    /// plan shortened.
+    /// A work unit, one of the budget, is a table of distances, a successor tried, or a state of
+    /// the plan shortened.
     ///
     /// # Errors
     /// - [`Failure::Invalid`]: the problem makes no sense, or two targets are the same, or one is not

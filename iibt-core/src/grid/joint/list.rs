@@ -121,7 +121,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
         fnv(&bounds, fnv(&sizes, FNV_OFFSET))
     }
 
-    /// Begins anew, for another problem.
+    /// Starts over, for another problem.
     pub fn start(&mut self) {
         (self.len, self.failure) = (0, None);
         self.avoided = CellSet::EMPTY;
@@ -146,8 +146,8 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
         true
     }
 
-    /// Adds a plan that was made elsewhere; returns whether there was room. Only a list that has just
-    /// begun takes plans, and it is worked on no further.
+    /// Adds a plan that was made elsewhere; returns whether there was room. Only a list that has
+    /// just begun takes plans, and it is worked on no further.
     pub fn offer(&mut self, plan: JointPlan<N>) -> bool {
         let slot = self.policies.get_mut(self.len);
         let is_taken = slot.map(|slot| *slot = plan).is_some();

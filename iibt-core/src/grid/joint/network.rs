@@ -2,7 +2,7 @@
 //!
 //! The cells are coloured like a chessboard. In the steps of one parity robots enter cells of one
 //! colour only, in the others cells of the other colour. In such a step a cell is entered or left
-//! and never both, so that nobody follows, swaps or rotates whatever paths the flow consists of. A
+//! and never both, so that no robots follow, swap or rotate whatever paths the flow consists of. A
 //! plan is at most one step longer for it: each move of any plan without following can be put off
 //! to the next step of its colour without changing the order of the moves.
 //!

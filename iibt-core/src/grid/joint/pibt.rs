@@ -2,9 +2,9 @@
 //! robot that stands there (PIBT; Okumura, Machida, Défago, Tamura 2022), without a ring.
 //!
 //! A step leads from one joint state to the next. It may have a robot follow on the heels of
-//! another, for the first of the chain enters a cell that is empty. It has no two robots on one cell
-//! and no *ring*: robots each of which enters the cell that the next one leaves, the last that of
-//! the first. A ring of two is a swap, a longer one a rotation. No robot of a ring can begin.
+//! another, for the first of the chain enters a cell that is empty. It has no two robots on one
+//! cell and no *ring*: robots each of which enters the cell that the next one leaves, the last that
+//! of the first. A ring of two is a swap, a longer one a rotation. No robot of a ring can begin.
 
 use super::super::{Cell, Map};
 use super::assignment::{NOWHERE, State};
@@ -59,8 +59,8 @@ impl<'a, const W: usize, const N: usize> Step<'a, W, N> {
         Some(self.to)
     }
 
-    /// Finds a cell for a robot and for all that it pushes aside. If there is none, the robot stays,
-    /// and the one that wanted its cell looks for another.
+    /// Finds a cell for a robot and for all that it pushes aside. If there is none, the robot
+    /// stays, and the one that wanted its cell looks for another.
     ///
     /// It calls itself for the robot that is pushed: at most as deep as there are robots.
     fn place(&mut self, robot: usize) -> bool {

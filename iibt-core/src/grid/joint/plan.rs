@@ -122,7 +122,7 @@ impl<const N: usize> JointPlan<N> {
         true
     }
 
-    /// This plan, short of so many of the goals that the problem needs.
+    /// This plan, short of this many of the goals that the problem needs.
     #[must_use]
     pub fn with_short_by(mut self, goals: usize) -> Self {
         self.short_by = goals.min(u8::MAX.into()) as u8;

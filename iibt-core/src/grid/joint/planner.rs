@@ -12,9 +12,9 @@ use super::{Failure, JointPlan, Lacam, Prioritised, Problem, assignment};
 /// see the [module](super).
 ///
 /// Robots of which more own their targets than such a search can serve plan one by one; where that
-/// fails, their joint states are searched, all of them if they are at most `160 M`. A team of so few
-/// states is served whenever there is a plan, and [`Failure::Impossible`] where there is none, unless
-/// a path would be longer than [`HORIZON`](crate::actions::HORIZON).
+/// fails, their joint states are searched, all of them if they are at most `160 M`. A team of so
+/// few states is served whenever there is a plan, and [`Failure::Impossible`] where there is none,
+/// unless a path would be longer than [`HORIZON`](crate::actions::HORIZON).
 ///
 /// `W` are the words of a set of cells, `L` one more than the most steps, `N` the most robots, `M`
 /// the nodes of the search for targets that several robots own.
@@ -79,7 +79,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         Self { search: Search::Flow(FlowPlanner::new(Choice::BEST)), targets: [Cell(0); N], short_by: 0 }
     }
 
-    /// Begins anew, for another problem.
+    /// Starts over, for another problem.
     pub fn start(&mut self) {
         self.start_with(Choice::BEST);
     }
@@ -87,8 +87,8 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
     /// Goes on with the plan for a problem, which must be the same from one start to the next.
     ///
     /// Takes one unit from the budget for each layer of a search, for each change of a path, for
-    /// each joint state, and for each execution. Returns `None` when the budget is used up; the result does not depend on
-    /// how the work was cut.
+    /// each joint state, and for each execution. Returns `None` when the budget is used up; the
+    /// result does not depend on how the work was cut.
     ///
     /// # Errors
     /// Every [`Failure`].
@@ -133,8 +133,8 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
 
     /// Goes on with the next search after one that failed; returns whether there is one.
     ///
-    /// All states are searched at once where that takes no longer than a search that is cut off, and
-    /// after that one if they are more and there is room for them.
+    /// All states are searched at once where that takes no longer than a search that is cut off,
+    /// and after that one if they are more and there is room for them.
     fn go_on(&mut self, failure: Failure) -> bool {
         match (&self.search, failure) {
             (Search::Prioritised(_), Failure::NotFound) => self.search_all_states(Self::MOST_CALLS),
@@ -146,7 +146,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         true
     }
 
-    /// Begins anew with one of the plans for a problem.
+    /// Starts over with one of the plans for a problem.
     pub(super) fn start_with(&mut self, choice: Choice) {
         match &mut self.search {
             Search::Flow(flow) => flow.start(choice),
@@ -154,8 +154,8 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         }
     }
 
-    // A search is built on the stack before it is moved to where it stays: in functions of their own,
-    // the stack is only taken when that is done.
+    // A search is built on the stack before it is moved to where it stays: in functions of their
+    // own, the stack is only taken when that is done.
 
     #[inline(never)]
     fn search_flows(&mut self, choice: Choice) {

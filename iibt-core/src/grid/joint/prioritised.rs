@@ -1,19 +1,19 @@
 //! Paths one after another for robots that own their targets, in the phased network of the
 //! [flow](super::network).
 //!
-//! In such a network nobody follows, swaps or rotates, so that all that paths must keep apart is one
-//! cell on one layer. Let `b(k)` be the cells of the paths that are planned already on layer `k`,
-//! where layer 0 is the arrival and layer `T` the start. The cells from which a robot can still come
-//! to its target are
+//! In such a network no robots follow, swap or rotate, so that all that paths must keep apart is
+//! one cell on one layer. Let `b(k)` be the cells of the paths that are planned already on layer
+//! `k`, where layer 0 is the arrival and layer `T` the start. The cells from which a robot can
+//! still come to its target are
 //!
 //! ```text
 //! reached(0)     = { target }
 //! reached(k + 1) = { cells from which a step leads into reached(k), waits included } \ b(k + 1)
 //! ```
 //!
-//! and its path is read off from its start in layer `T` on. Robots plan in an order, each past those
-//! before it (prioritised planning; Erdmann and Lozano-Pérez 1987; Silver 2005). When one finds no
-//! path it plans first in the next try.
+//! and its path is read off from its start in layer `T` on. Robots plan in an order, each past
+//! those before it (prioritised planning; Erdmann and Lozano-Pérez 1987; Silver 2005). When one
+//! finds no path it plans first in the next try.
 
 use super::super::{Cell, CellSet, Map, Move, Path};
 use super::assignment::{self, Answer, Assignment};
@@ -39,8 +39,8 @@ const MOST_PATHS: u16 = 300;
 /// plans: it never finds those in which a robot has to leave its way for one that plans later, and
 /// proves nothing. Where it fails, ask [`Lacam`](super::Lacam).
 ///
-/// It needs `(4 W + 2 N) L` bytes and some 130: 0.9 KB for eight robots on 64 cells and 32 steps, 1.7
-/// KB for 64 steps.
+/// It needs `(4 W + 2 N) L` bytes and some 130: 0.9 KB for eight robots on 64 cells and 32 steps,
+/// 1.7 KB for 64 steps.
 ///
 /// ```
 /// use iibt_core::grid::joint::{Errand, Prioritised, Problem, Target, own_targets};
@@ -97,7 +97,8 @@ enum Stage {
     Begin,
     /// Find from where this robot can come to its target in one more step if it is alone.
     Alone { robot: usize, steps: u16 },
-    /// Find from where the robot at this place of the order can come to its target in one more step.
+    /// Find from where the robot at this place of the order can come to its target in one more
+    /// step.
     Sweep { place: usize, layer: usize },
     /// Read off its path.
     Trace { place: usize },
@@ -193,7 +194,7 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
         (around == here).then_some(Failure::NoWay)
     }
 
-    /// A robot that comes to its target in so many steps needs one more in the turn that does not
+    /// A robot that comes to its target in this many steps needs one more in the turn that does not
     /// have it enter the target last.
     fn note_fewest(&mut self, target: Cell, steps: u16) {
         for (fewest, turn) in self.fewest.iter_mut().zip([Turn::BlackLast, Turn::WhiteLast]) {
@@ -280,8 +281,8 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
         Some(self.plan(team))
     }
 
-    /// The cell on a layer after one on the layer before: one on which the robot can wait longest, so
-    /// as not to wander; a late robot waits first.
+    /// The cell on a layer after one on the layer before: one on which the robot can wait longest,
+    /// so as not to wander; a late robot waits first.
     fn next_cell(&self, map: &Map<W>, at: Cell, layer: usize, late: bool) -> Option<Cell> {
         let reached = self.layer(layer);
         let stays = reached.contains(at);

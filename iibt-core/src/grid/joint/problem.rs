@@ -141,7 +141,7 @@ impl<const W: usize> Problem<'_, W> {
         self.errands.iter().filter(|errand| errand.target == Target::Stand).map(|errand| errand.from)
     }
 
-    /// The cells that a robot may enter: free on the map, not closed, and nobody stands there to
+    /// The cells that a robot may enter: free on the map, not closed, and no robot stands there to
     /// stay.
     #[must_use]
     pub fn enterable(&self) -> CellSet<W> {

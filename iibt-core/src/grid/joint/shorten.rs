@@ -3,10 +3,10 @@
 //! A depth-first search wanders, so its plans have detours. They are taken out in three kinds of
 //! passes, in turn, until nothing changes. *Joining* goes from each joint state at once to the last
 //! one that a single step leads to. *Holding* leaves a robot on a cell that it comes back to later,
-//! if no other robot is there in the meantime. *Advancing* has a robot that waits make its next move
-//! at once, if its next cell is empty until then. None of them makes a shared cell, a swap or a
-//! rotation: a join is checked for them, a robot that holds still is in no ring, and no other robot
-//! enters the cell on which one that advances would have waited.
+//! if no other robot is there in the meantime. *Advancing* has a robot that waits make its next
+//! move at once, if its next cell is empty until then. None of them makes a shared cell, a swap or
+//! a rotation: a join is checked for them, a robot that holds still is in no ring, and no other
+//! robot enters the cell on which one that advances would have waited.
 
 use super::super::{Cell, Map};
 use super::assignment::{NOWHERE, State};
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn holds_a_robot_where_no_other_comes() {
-        // Robot a makes way for nobody.
+        // No robot has asked robot a to make way.
         check(&["a.b. ....", "..b. a...", "...b a...", "a..b ...."], &["a.b. ....", "a..b ...."]);
         // Here b passes the cell, and a has to be away.
         let passing = ["ab ..", ".b a.", "b. a.", "b. .a", "ba .."];

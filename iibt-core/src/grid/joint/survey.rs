@@ -69,12 +69,12 @@ impl<const W: usize> Survey<W> {
         self.need
     }
 
-    /// The fewest steps in which so many robots can be on goals at best.
+    /// The fewest steps in which this many robots can be on goals at best.
     pub(super) fn fewest_steps(&self) -> usize {
         self.steps
     }
 
-    /// The first robot that needs so many steps.
+    /// The first robot that needs this many steps.
     pub(super) fn farthest(&self) -> Option<Cell> {
         self.farthest
     }

@@ -1,5 +1,5 @@
-//! Teams whose robots own their targets, drawn or random, what planners say of them, and whether that
-//! is so.
+//! Teams whose robots own their targets, drawn or random, what planners say of them, and whether
+//! that is so.
 
 use super::super::pictures::Random;
 use super::super::{Cell, CellSet, Map};
@@ -27,8 +27,8 @@ pub(super) struct Trial {
 }
 
 impl Trial {
-    /// Robots on the cells marked with digits, each of which goes to the cell marked with the letter
-    /// of the same place in the alphabet.
+    /// Robots on the cells marked with digits, each of which goes to the cell marked with the
+    /// letter of the same place in the alphabet.
     pub(super) fn drawn(rows: &[&str]) -> Self {
         let signs: Vec<char> = rows.concat().chars().collect();
         let at = |sign| signs.iter().position(|&other| other == sign).map(|cell| Cell(cell as u16));
@@ -69,7 +69,7 @@ impl Trial {
         own_targets(&self.problem()).unwrap()
     }
 
-    /// The answer of LaCAM and the work units it took, in slices of so many.
+    /// The answer of LaCAM and the work units it took, in slices of this many.
     pub(super) fn lacam<const M: usize>(&self, planner: &mut Lacam<2, 8, M>, slice: u32) -> (Answer, u32) {
         let (problem, targets) = (self.problem(), self.targets());
         finish(slice, |budget| planner.work(&problem, &targets, budget))
@@ -190,7 +190,7 @@ pub(super) fn draw(cells: &[Cell], count: usize, random: &mut Random) -> Option<
 }
 
 /// Whether no two robots share a cell after a step, and robots leave no circle of cells to each
-/// other: taking away again and again the robots that wait or whose new cell nobody is on leaves
+/// other: taking away again and again the robots that wait or whose new cell is empty leaves
 /// none.
 pub(super) fn is_possible(before: &[Cell], after: &[Cell]) -> bool {
     let shared = after.iter().enumerate().any(|(robot, cell)| after[..robot].contains(cell));

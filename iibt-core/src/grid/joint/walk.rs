@@ -3,14 +3,14 @@
 //! From the start, each step leads to a reached cell of the next lower layer. Where that is on a
 //! path of the flow, the new path takes the rest of it, and the one that it is taken from goes on
 //! from the layer at which the search came to it: the two change their upper parts, and the walk
-//! goes on there with the sets as they were at that moment. They are not stored: what the search has
-//! touched since is taken back, and the layers that it changed are made again.
+//! goes on there with the sets as they were at that moment. They are not stored: what the search
+//! has touched since is taken back, and the layers that it changed are made again.
 //!
 //! As a walk does not know which cell made which other one reached, it can come to a cell for the
 //! second time. All that it did since the first time is then undone.
 //!
-//! As long as a walk changes no other path, the sets are good for the next robot too, but for the cells
-//! of the new path: it walks beside that one if it can.
+//! As long as a walk changes no other path, the sets are good for the next robot too, but for the
+//! cells of the new path: it walks beside that one if it can.
 
 use super::super::Cell;
 use super::execution::{self, Execution};

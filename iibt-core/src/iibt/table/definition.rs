@@ -37,7 +37,7 @@ pub struct Role<'a> {
     pub remedies: &'a [Remedy],
     /// The aims of this robot's inference nodes, at least one.
     pub aims: &'a [Aim<'a>],
-    /// The outcome that the robots' states bring about together.
+    /// The outcome of the robots' states together.
     pub outcome: Option<JointOutcome<'a>>,
 }
 
@@ -231,7 +231,7 @@ pub struct Aim<'a> {
 /// The preferences of a robot for its teammates' states.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wish<'a> {
-    /// To be in the state that their announced operator brings about.
+    /// To be in the state to which their announced operator leads.
     AsAnnounced,
     /// For each robot by its number, C over its states; the own row is not read.
     Rows(&'a [&'a [f32]]),

@@ -95,7 +95,7 @@ impl<const N: usize> Known<'_, N> {
         self.tables.role(robot).map_or(0, |role| role.idle)
     }
 
-    /// The operator that a robot has under way; of a robot left out, nobody knows of any.
+    /// The operator that a robot has under way; of a robot left out, none is known.
     fn under_way(&self, robot: usize) -> u8 {
         let said = self.of(robot).map(Announcement::operator);
         let known = said.filter(|&operator| self.operators(robot) > usize::from(operator));

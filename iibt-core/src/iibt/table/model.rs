@@ -248,7 +248,7 @@ pub(super) struct Question<'q, 'a, const S: usize, const N: usize> {
     /// The semantic state of each teammate that has announced one.
     pub(super) announced: &'q [Option<usize>; N],
     pub(super) preferences: &'q [Preference<S>; N],
-    /// The outcome that the states bring about together, while it is possible.
+    /// The outcome of the states together, while it is possible.
     pub(super) outcome: Option<&'a JointOutcome<'a>>,
 }
 

@@ -109,7 +109,7 @@ pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, X = ()>
     wanted: Option<(Wanted<S, N>, u8)>,
     /// Whether a node has asked for a choice since the last percept.
     is_asked: bool,
-    /// Whether the choice of this tick is what the team has decided, or needs nobody else.
+    /// Whether the choice of this tick is what the team has decided, or needs no teammate.
     is_agreed: bool,
     pub(super) rounds: TeamRounds<'a, N>,
     addition: PhantomData<fn(X)>,

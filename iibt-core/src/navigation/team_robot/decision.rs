@@ -32,8 +32,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         {
             self.waypoints.put_off(cell, View::EMPTY);
         }
-        // Where all policies were impossible for some member, there is none whose precondition could
-        // ask for another round.
+        // Where all policies were impossible for some member, there is none whose precondition
+        // could ask for another round.
         let own = Own { fact: &fact, is_standing: standing.is_some() };
         let mut event = (rounds.tick(own, &teammates, &list), Cause::Teammate);
         let protocol = rounds.protocol();
@@ -186,8 +186,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.waiting = waiting.filter(|_| !self.has_arrived());
     }
 
-    /// Whether every other member of the round follows the same plan, by its newest message. How old
-    /// that is does not matter: what a robot that falls silent may still do is in the plan.
+    /// Whether every other member of the round follows the same plan, by its newest message. How
+    /// old that is does not matter: what a robot that falls silent may still do is in the plan.
     pub(in crate::navigation) fn members_follow(&self) -> bool {
         self.waiting.is_none_or(Waiting::is_in_plan)
     }

@@ -85,8 +85,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.watched = told.chain(self.obstacles.suspected()).collect();
     }
 
-    /// Where a teammate may be, it may be the teammate that is seen; but not in the cell that the plan
-    /// lets this robot enter now.
+    /// Where a teammate may be, it may be the teammate that is seen; but not in the cell that the
+    /// plan lets this robot enter now.
     fn look_at_hazards(&mut self, percept: &GridPercept, peers: Peers<'_, Intention<W, K>>) {
         let mates = self.places_of_teammates(peers);
         let entering = self.may_enter(&Teammates::from(peers)).map(|(_, to)| to);

@@ -74,7 +74,7 @@ pub struct Choice {
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Answer<const K: usize> {
-    /// It has announced its fact, and works on the list: so many policies are done.
+    /// It has announced its fact, and works on the list, of which this many policies are done.
     Listing(u8),
     /// It has scored the list that belongs to the digest.
     Scored {

@@ -29,7 +29,7 @@ impl Timing {
     /// The most that silences make of the time before a teammate is left out, as a multiple.
     const MOST_PATIENCE: u16 = 4;
 
-    /// A teammate that blocks is left out after so many ticks in which it was not heard, or twice
+    /// A teammate that blocks is left out after this many ticks in which it was not heard, or twice
     /// as many in which it was heard without progress. Where teammates came back from silences of
     /// more than a third of that time, as on a radio that loses frames in bursts, it is thrice the
     /// longest such silence, up to four times as long. After a round that a robot opened by its

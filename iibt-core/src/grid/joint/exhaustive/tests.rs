@@ -77,7 +77,8 @@ fn the_plan_does_not_depend_on_how_the_work_was_cut() {
 
 #[test]
 fn a_table_that_is_too_small_has_nothing_to_say() {
-    // Six places for two robots: thirty states. One node has 160 marks, so that three robots fit too.
+    // Six places for two robots: thirty states. One node has 160 marks, so that three robots fit
+    // too.
     let check = |robots: usize, expected: Result<(), Failure>| {
         let mut trial = Trial::drawn(&["1234..", "....ab", "cd...."]);
         trial.errands.truncate(robots);
