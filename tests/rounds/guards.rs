@@ -96,14 +96,12 @@ fn copy_rounds(to: &Path) {
         fs::copy(Path::new(ROOT).join(file), to.join(file)).expect(file);
     }
     let workspace = fs::read_to_string(format!("{ROOT}/Cargo.toml")).expect("the workspace has a manifest");
-    let has_member = |line: &&str| {
-        !["members", "default-members", "[profile.dev.package.host-sim]"]
-            .iter()
-            .any(|key| line.starts_with(key))
-    };
-    let workspace: Vec<&str> = workspace.lines().filter(has_member).collect();
-    let workspace =
-        workspace.join("\n").replacen("[workspace]", "[workspace]\nmembers = [\"iibt-core\", \"tests\"]", 1);
+    let is_elsewhere = |line: &&str| !["members", "default-members"].iter().any(|key| line.starts_with(key));
+    let workspace: Vec<&str> = workspace.lines().filter(is_elsewhere).collect();
+    let workspace = workspace
+        .join("\n")
+        .replacen("[workspace]", "[workspace]\nmembers = [\"iibt-core\", \"tests\"]", 1)
+        .replacen("[profile.dev.package.host-sim]\nopt-level = 2\n", "", 1);
     fs::write(to.join("Cargo.toml"), workspace).expect("the copy can be written");
     fs::write(to.join("tests/Cargo.toml"), MANIFEST).expect("the copy can be written");
     fs::write(to.join("tests/lib.rs"), "").expect("the copy can be written");
