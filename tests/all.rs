@@ -23,6 +23,7 @@ mod navigation;
 // The path makes the modules in it lie beside it, not in a folder of its name.
 #[path = "notebook.rs"]
 mod notebook;
+mod owned_goals;
 mod paper;
 mod rejected_models;
 // The path makes the modules in it lie in the folder.
