@@ -65,7 +65,7 @@ fn without_a_radio_no_robot_begins() {
         let flown = flown.expect("it fits");
         assert!(!flown.believed && flown.operated.is_empty(), "{flown:?}");
         let told = mission(&arena, name).narrate(&flown);
-        assert!(told.contains("R1 is waiting for robot 1: it was never heard"), "{told}");
+        assert!(told.contains("R1 waits for R2: it was never heard"), "{told}");
     }
 }
 
