@@ -83,6 +83,7 @@ impl Narrow {
 
 #[test]
 fn on_narrow_maps_all_robots_arrive_and_mostly_together_where_the_planner_has_such_a_plan() {
+    let (mut planned, mut missed) = (0, 0);
     for name in MAPS {
         for robots in [4, 8] {
             let (Narrow { arrived, together, possible, apart }, all) =
@@ -91,9 +92,10 @@ fn on_narrow_maps_all_robots_arrive_and_mostly_together_where_the_planner_has_su
                 "{name}, {robots} robots: {arrived} of {all} arrive, {together} together; planned so: {possible}, but apart: {apart:?}"
             );
             assert_eq!(arrived, all, "{name}, {robots} robots");
-            // A plan in which they come apart is preferred if it is shorter by more than its idle
-            // ends cost.
-            assert!(possible > 0 && apart.len() as u64 * 2 <= possible, "{name}, {robots} robots: {apart:?}");
+            (planned, missed) = (planned + possible, missed + apart.len() as u64);
         }
     }
+    // Robots whose goals lie behind each other count as together in the list where their last moves
+    // are as close as that allows; a plan in which others would come closer may then be dearer.
+    assert!(planned > 0 && missed * 30 <= planned, "{missed} of {planned} missions come apart");
 }
