@@ -308,7 +308,7 @@ impl Body {
     /// Sends what has changed; the oldest of more than [`MEMORY`] messages is gone.
     fn send(&mut self) {
         self.number = number(&(&self.protocol, self.at, self.is_moving));
-        let message = self.protocol.message(&teammates(&self.heard), 0, 0);
+        let message = self.protocol.message(&teammates(&self.heard), 0, 0.0);
         if self
             .sent
             .last()

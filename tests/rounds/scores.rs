@@ -23,7 +23,7 @@ fn rule_4_scores_are_given_once_for_the_same_facts_of_all() {
     let digest = body.protocol.digest().unwrap();
     let other = [Score { delay: 9, price: 9 }; K].into_iter().collect();
     assert_eq!(body.protocol.give(digest, other, &*body.list, &mates), Err(Waiting::List));
-    assert_eq!(body.protocol.message(&mates, 0, 0).answer, given);
+    assert_eq!(body.protocol.message(&mates, 0, 0.0).answer, given);
 }
 
 #[test]

@@ -133,7 +133,7 @@ impl Robot {
             self.at = self.list.between(self.policy(), self.id(), self.rounds.protocol().step());
         }
         let listed = (self.worked * K as u32 / (self.listing + 1)) as u8;
-        let message = self.rounds.protocol().message(&mates, listed, 255);
+        let message = self.rounds.protocol().message(&mates, listed, 1.0);
         self.sent = Some(Rc::new(Said { message, number: 0 }));
         self.stamp.sequence += 1;
     }

@@ -208,10 +208,7 @@ impl JointPolicies for OnTables<'_> {
 pub(super) fn prices(list: &[u16], value: impl Fn(u16) -> Option<f32>) -> Vec<Score, MAX_POLICIES> {
     let best = list.iter().filter_map(|&policy| value(policy)).fold(f32::NEG_INFINITY, f32::max);
     let price = |policy: &u16| match value(*policy) {
-        Some(value) => {
-            let eighths = (8.0 * (best - value) + 0.5) as u8; // saturates
-            Score { delay: 0, price: eighths.min(Score::IMPOSSIBLE - 1) }
-        }
+        Some(value) => Score { delay: 0, price: Score::finite(worth_of_nats(best - value, 1.0)) },
         None => Score::CANNOT,
     };
     crate::bounded::up_to(list.iter().map(price))

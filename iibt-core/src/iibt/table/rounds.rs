@@ -272,7 +272,6 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
     ) -> RoundMessage<Announcement, MAX_POLICIES> {
         let policy = self.rounds.protocol().policy();
         let probability = policy.map_or(0.0, |policy| self.weighed.probability(policy));
-        let probability = (255.0 * probability + 0.5) as u8; // saturates
         self.rounds.protocol().message(&Teammates::from(peers), self.list.len() as u8, probability)
     }
 }

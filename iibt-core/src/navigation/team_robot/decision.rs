@@ -25,19 +25,18 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let Some(rounds) = &mut self.rounds else { return };
         let list = OnMap::<W, K>::new(self.mission, self.policies.plans(), rounds.proposal().view);
         let protocol = rounds.protocol();
-        let is_impossible = protocol.has_decided() && protocol.policy().is_none();
         if let Purpose::Visit(cell) = fact.purpose
-            && is_impossible
+            && protocol.is_vetoed()
             && *protocol.fact() == fact
         {
             self.waypoints.put_off(cell, View::EMPTY);
         }
-        // Where all policies were impossible for some member, there is none whose precondition
-        // could ask for another round.
         let own = Own { fact: &fact, is_standing: standing.is_some() };
         let mut event = (rounds.tick(own, &teammates, &list), Cause::Teammate);
+        // Where all policies were impossible for some member, there is none whose precondition
+        // could ask for another round.
         let protocol = rounds.protocol();
-        let is_void = protocol.has_decided() && protocol.policy().is_none() && *protocol.fact() != fact;
+        let is_void = protocol.is_vetoed() && *protocol.fact() != fact;
         if is_void && event.0.is_none() && own.is_standing {
             event = (rounds.ask(Want::Needed, &fact), Cause::Shortfall);
         }
@@ -153,8 +152,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let end = path.end(map);
         let value = self.mission.goals.iter().zip(self.goal_values).find(|&(&goal, _)| goal == end);
         let missed = value.map_or(0.0, |(_, value)| 1.0 - value);
-        let price = in_a_frame(worth_of_nats(missed * STAY, 1.0));
-        Score { delay: in_a_frame((8.0 * delay + 0.5) as Eighths), price }
+        let price = Score::finite(worth_of_nats(missed * STAY, 1.0));
+        Score { delay: Score::finite((8.0 * delay + 0.5) as Eighths), price }
     }
 
     /// The purpose that the robot has announced for this round.
@@ -174,7 +173,6 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let rounds = self.rounds.as_ref()?;
         let policy = rounds.protocol().policy();
         let probability = policy.map_or(0.0, |policy| self.weighed.probability(policy));
-        let probability = (255.0 * probability + 0.5) as u8; // a cast saturates
         let listed = self.policies.plans().len() as u8;
         Some(Intention(rounds.protocol().message(&Teammates::from(peers), listed, probability)))
     }
@@ -191,9 +189,4 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     pub(in crate::navigation) fn members_follow(&self) -> bool {
         self.waiting.is_none_or(Waiting::is_in_plan)
     }
-}
-
-/// A time in what a frame holds; a cost that is finite is never "cannot".
-fn in_a_frame(time: Eighths) -> u8 {
-    u8::try_from(time).unwrap_or(u8::MAX).min(Score::IMPOSSIBLE - 1)
 }

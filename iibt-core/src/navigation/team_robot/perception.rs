@@ -77,9 +77,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let members = peers.iter().filter(|peer| view.contains(peer.envelope().sender));
         let told = members.flat_map(|peer| peer.message().as_ref().fact.evidence.iter());
         let of = |cell| told.clone().filter(move |known| known.cell == cell).map(|known| known.weight);
-        let protocol = self.rounds.as_ref().map(Rounds::protocol);
-        let vetoed = protocol.is_some_and(|protocol| protocol.has_decided() && protocol.policy().is_none());
-        self.obstacles.yield_to(of, vetoed);
+        let is_vetoed = self.rounds.as_ref().is_some_and(|rounds| rounds.protocol().is_vetoed());
+        self.obstacles.yield_to(of, is_vetoed);
         let told = peers.iter().flat_map(|peer| peer.message().as_ref().fact.evidence.iter());
         let told = told.filter(|known| known.weight > 0).map(|known| known.cell);
         self.watched = told.chain(self.obstacles.suspected()).collect();

@@ -27,7 +27,7 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         if self.digest().is_none() {
             return Some(self.common(teammates).err().unwrap_or(Waiting::List));
         }
-        let impossible = (self.has_decided() && self.policy().is_none()).then_some(Waiting::Policy);
+        let impossible = self.is_vetoed().then_some(Waiting::Policy);
         let obstacles = self.others().filter_map(|robot| self.obstacle(robot, teammates, list));
         // A single pass: an ordinary tick is mostly this.
         impossible.or_else(|| obstacles.min_by_key(|obstacle| obstacle.is_in_plan()))

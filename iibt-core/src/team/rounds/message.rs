@@ -55,6 +55,19 @@ impl Score {
 
     /// The robot cannot follow the policy.
     pub const CANNOT: Self = Self { delay: Self::IMPOSSIBLE, price: Self::IMPOSSIBLE };
+
+    /// A cost in 1/8 tick as a delay or a price: one that is too large counts as the largest that
+    /// is not "cannot".
+    ///
+    /// ```
+    /// use iibt_core::team::rounds::Score;
+    ///
+    /// assert_eq!([7, 255, 9000].map(Score::finite), [7, 254, 254]);
+    /// ```
+    #[must_use]
+    pub fn finite(cost: u16) -> u8 {
+        u8::try_from(cost).unwrap_or(u8::MAX).min(Self::IMPOSSIBLE - 1)
+    }
 }
 
 /// A robot's scores of the policies of a list, in the order of the list.
@@ -68,6 +81,13 @@ pub struct Choice {
     pub policy: u8,
     /// Its posterior probability in 1/255.
     pub probability: u8,
+}
+
+impl Choice {
+    /// The choice of a policy that has this probability.
+    pub(super) fn new(policy: u8, probability: f32) -> Self {
+        Self { policy, probability: (255.0 * probability + 0.5) as u8 } // a cast saturates
+    }
 }
 
 /// How far a robot is in its round.

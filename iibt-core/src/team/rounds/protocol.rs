@@ -101,6 +101,12 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         self.plan().is_some()
     }
 
+    /// Whether it knows that every policy is impossible for some member.
+    #[must_use]
+    pub fn is_vetoed(&self) -> bool {
+        self.plan().is_some_and(|plan| plan.policy.is_none())
+    }
+
     /// The policy that all members decided on; `None` before, and if all are impossible.
     #[must_use]
     pub fn policy(&self) -> Option<usize> {
@@ -237,13 +243,13 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     }
 
     /// What to announce now. `listed` policies of the list are done; the choice has this
-    /// probability, in 1/255.
+    /// probability.
     #[must_use]
     pub fn message(
         &self,
         teammates: &Teammates<'_, F, K>,
         listed: u8,
-        probability: u8,
+        probability: f32,
     ) -> RoundMessage<F, K> {
         let answer = match &self.given {
             None => Answer::Listing(listed.min(K as u8)),
@@ -253,7 +259,7 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
             Some(Given { digest, scores, plan: Some(plan), .. }) => Answer::Decided {
                 digest: *digest,
                 scores: Some(scores.clone()).filter(|_| !self.all_have_decided(teammates)),
-                choice: plan.policy.map(|policy| Choice { policy, probability }),
+                choice: plan.policy.map(|policy| Choice::new(policy, probability)),
                 step: plan.step,
             },
         };

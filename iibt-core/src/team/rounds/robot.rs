@@ -82,14 +82,14 @@ impl<F> Copy for Own<'_, F> {}
 /// let nothing = Teammates::from_iter([]);
 /// assert_eq!(first.tick(own, &nothing, &Tables), None);
 /// assert_eq!(first.waiting(&nothing, &Tables), Some(Waiting::Unheard(RobotId(1))));
-/// let fact = first.protocol().message(&nothing, 0, 0);
+/// let fact = first.protocol().message(&nothing, 0, 0.0);
 ///
 /// // The second knows all facts with that, and scores: it cannot use the first table.
 /// let heard = hears(0, &fact);
 /// second.tick(own, &heard, &Tables);
 /// let digest = second.protocol().wanted(&heard).ok_or("all facts are known")?;
 /// second.protocol_mut().give(digest, [Score::CANNOT, Score::default()].into_iter().collect(), &Tables, &heard)?;
-/// let scored = second.protocol().message(&heard, 2, 0);
+/// let scored = second.protocol().message(&heard, 2, 0.0);
 ///
 /// // The first knows all scores with that.
 /// let heard = hears(1, &scored);
@@ -100,7 +100,7 @@ impl<F> Copy for Own<'_, F> {}
 /// assert!(first.protocol().may_move(&heard, &Tables));
 ///
 /// // So does the second, when it hears that.
-/// let decided = first.protocol().message(&heard, 2, 0);
+/// let decided = first.protocol().message(&heard, 2, 0.0);
 /// let event = second.tick(own, &hears(0, &decided), &Tables);
 /// assert_eq!(event, Some(Event::Decided(Some(1))));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -130,8 +130,7 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
     /// Hears the teammates; joins a round, learns the choice, or opens a round where there is
     /// trouble.
     ///
-    /// Call it once in every tick; then [ask](Self::ask) for another decision if there is reason
-    /// to,
+    /// Call it once in every tick; then [ask](Self::ask) for another decision if there is a reason,
     /// [work on the list](Protocol::wanted), [move](Protocol::may_move) and
     /// [announce](Protocol::message). `list` is the one that was scored in this round; before, it
     /// is not looked at.
