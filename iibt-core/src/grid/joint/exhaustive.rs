@@ -47,6 +47,8 @@ pub(super) struct Exhaustive<const W: usize, const N: usize, const M: usize> {
     states: u32,
     /// The number of the state in which the plan begins.
     start: u32,
+    /// On how many black cells robots are at their targets, up to a multiple of two.
+    end_colours: u32,
     plan: JointPlan<N>,
     stage: Stage<N>,
 }
@@ -80,6 +82,7 @@ impl<const W: usize, const N: usize, const M: usize> Exhaustive<W, N, M> {
             count: 0,
             states: 0,
             start: 0,
+            end_colours: 0,
             plan: JointPlan::NOBODY,
             stage: Stage::Begin,
         }
@@ -117,6 +120,7 @@ impl<const W: usize, const N: usize, const M: usize> Exhaustive<W, N, M> {
         let end = self.places_of(&team.to).ok_or(Failure::NoWay)?;
         self.start = self.number(&start);
         self.set_mark(self.number(&end), EDGE);
+        self.end_colours = self.colours(&team.map, &end);
         self.stage = if start == end {
             Stage::Walk { distance: 0, at: start }
         } else {
@@ -170,9 +174,7 @@ impl<const W: usize, const N: usize, const M: usize> Exhaustive<W, N, M> {
     /// returns whether any of them is new.
     fn expand(&mut self, team: &Assignment<W, N>, distance: u32, state: u32) -> bool {
         let at = self.state(state);
-        let colours = |state: &Places<N>| self.colours(&team.map, state);
-        let end = self.places_of(&team.to).unwrap_or(at);
-        if (colours(&at) ^ colours(&end) ^ distance) & 1 == 1 {
+        if (self.colours(&team.map, &at) ^ self.end_colours ^ distance) & 1 == 1 {
             return false;
         }
         self.set_mark(state, mark_of(distance));

@@ -266,19 +266,18 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
             Source::Best | Source::Soonest => Source::OtherTurn,
             Source::OtherTurn if problem.goals.len() > problem.need => Source::OtherGoals(0),
             Source::OtherGoals(robot) if robot + 1 < robots => Source::OtherGoals(robot + 1),
-            Source::OtherGoals(_) => {
-                self.next_goals(problem, 0).unwrap_or_else(|| self.next_cell(problem, count))
-            }
-            Source::Goals(chosen) => {
-                self.next_goals(problem, chosen).unwrap_or_else(|| self.next_cell(problem, count))
+            Source::OtherGoals(_) | Source::Goals(_) => {
+                self.next_goals(problem).unwrap_or_else(|| self.next_cell(problem, count))
             }
             Source::OtherTurn | Source::Around(_) => self.next_cell(problem, count),
             Source::Owners | Source::Alone(_) | Source::Done => Source::Done,
         }
     }
 
-    /// The goals after these of which as many are not those of the best plan; or one more.
-    fn next_goals(&self, problem: &Problem<'_, W>, chosen: u8) -> Option<Source> {
+    /// The goals after those of the present source of which as many are not those of the best plan;
+    /// or one more.
+    fn next_goals(&self, problem: &Problem<'_, W>) -> Option<Source> {
+        let chosen = if let Source::Goals(chosen) = self.source { chosen } else { 0 };
         let best = self.policies.first()?;
         let ends = best.paths().iter().map(|path| path.end(problem.map));
         let used =

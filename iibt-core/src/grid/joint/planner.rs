@@ -54,7 +54,7 @@ pub struct JointPlanner<const W: usize, const L: usize, const N: usize, const M:
 
 /// The search that is at work. The memory of one is that of the next: the largest of them is needed
 /// anyway.
-#[allow(clippy::large_enum_variant)]
+#[expect(clippy::large_enum_variant, reason = "one is in use at a time")]
 #[derive(Clone, Debug)]
 enum Search<const W: usize, const L: usize, const N: usize, const M: usize> {
     Flow(FlowPlanner<W, L, N>),
