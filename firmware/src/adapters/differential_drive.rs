@@ -24,6 +24,11 @@ pub struct Chassis {
     pub duty: u8,
 }
 
+impl Chassis {
+    /// Of an image that drives nowhere.
+    pub const STANDING: Self = Self { cell: 1.0, track: 0.1, speed: 1.0, duty: 0 };
+}
+
 /// The motor on one side of a robot.
 pub trait Motor {
     /// Runs at `duty` percent, zero to stop; returns whether the hardware took it.

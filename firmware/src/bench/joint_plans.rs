@@ -116,12 +116,9 @@ impl Instance {
     /// Plans, all at once; returns the plan and the work units that it took, or `None` where not
     /// all goals can be reached.
     pub fn plan(&self, planner: &mut Planner) -> Option<(JointPlan<8>, u32)> {
-        let Self { map, errands, goals, robots, .. } = self;
-        let (errands, goals) = (errands.get(..*robots)?, goals.get(..*robots)?);
-        let problem = Problem { map, closed: CellSet::EMPTY, errands, goals, need: *robots };
         let mut budget = u32::MAX;
         planner.start();
-        let plan = planner.work(&problem, &mut budget)?.ok().filter(|plan| plan.short_by() == 0)?;
+        let plan = planner.work(&self.problem()?, &mut budget)?.ok().filter(|plan| plan.short_by() == 0)?;
         Some((plan, u32::MAX - budget))
     }
 
@@ -129,12 +126,9 @@ impl Instance {
     /// that is chosen and the work units that it took, or `None` where not all goals can be
     /// reached.
     pub fn decide(&self, list: &mut List) -> Option<(JointPlan<8>, u32)> {
-        let Self { map, errands, goals, robots, .. } = self;
-        let (errands, goals) = (errands.get(..*robots)?, goals.get(..*robots)?);
-        let problem = Problem { map, closed: CellSet::EMPTY, errands, goals, need: *robots };
         let mut budget = u32::MAX;
         list.start();
-        let is_done = list.work(&problem, LISTED, &mut budget);
+        let is_done = list.work(&self.problem()?, LISTED, &mut budget);
         let costs = list
             .policies()
             .iter()
@@ -142,6 +136,12 @@ impl Instance {
         let choice = WeighedPolicies::<16>::new(costs, 1.0).ok()?.choose().filter(|_| is_done)?;
         let plan = *list.policies().get(choice.policy)?;
         (plan.short_by() == 0 && list.failure().is_none()).then_some((plan, u32::MAX - budget))
+    }
+
+    fn problem(&self) -> Option<Problem<'_, 2>> {
+        let Self { map, errands, goals, robots, .. } = self;
+        let (errands, goals) = (errands.get(..*robots)?, goals.get(..*robots)?);
+        Some(Problem { map, closed: CellSet::EMPTY, errands, goals, need: *robots })
     }
 
     fn hash(&self, plan: &JointPlan<8>) -> u32 {

@@ -19,8 +19,7 @@ mod image {
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
-        let chassis = Chassis { cell: 1.0, track: 0.1, speed: 1.0, duty: 0 };
-        let Some(board) = Board::take(chassis) else { board::restart() };
+        let Some(board) = Board::take(Chassis::STANDING) else { board::restart() };
         measure(&t1::BENCHMARK, &board);
         measure(&t2::BENCHMARK, &board);
         defmt::info!("digest: {=u64:016x}", digest(SEED));

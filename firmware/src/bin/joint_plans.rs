@@ -26,8 +26,7 @@ mod image {
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
-        let chassis = Chassis { cell: 1.0, track: 0.1, speed: 1.0, duty: 0 };
-        let Some(board) = Board::take(chassis) else { board::restart() };
+        let Some(board) = Board::take(Chassis::STANDING) else { board::restart() };
         let mut memory = Memory { planner: Planner::new(), list: List::new() };
         for robots in [2, 4, 8] {
             let measured = |work: &mut dyn FnMut() -> Planned| {

@@ -24,8 +24,7 @@ mod image {
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
-        let chassis = Chassis { cell: 1.0, track: 0.1, speed: 1.0, duty: 0 };
-        let Some(mut board) = Board::take(chassis) else { board::restart() };
+        let Some(mut board) = Board::take(Chassis::STANDING) else { board::restart() };
         defmt::info!("boot: in step with a host");
         match start(&mut board.link) {
             Some(robot) => run(robot, &mut board),
