@@ -1,6 +1,7 @@
 //! What a robot waits for, with robots by their names.
 
 use crate::scenario::Scenario;
+use iibt_core::team::RobotId;
 use iibt_core::team::rounds::Waiting;
 use serde::Serialize;
 use std::fmt;
@@ -29,11 +30,15 @@ pub struct Awaited {
 impl Awaited {
     /// Returns what a robot of a scenario waits for.
     pub(crate) fn of(waiting: Waiting, scenario: &Scenario) -> Self {
+        Self::named(waiting, |robot| Some(scenario.robots.get(robot.index())?.name.clone()))
+    }
+
+    /// Returns what a robot waits for whose teammates have these names.
+    pub(crate) fn named(waiting: Waiting, name: impl FnOnce(RobotId) -> Option<String>) -> Self {
         let text = waiting.to_string();
         let Some(robot) = waiting.robot() else { return Self { robot: None, reason: text } };
         let reason = text.split_once(": ").map_or(text.as_str(), |(_, reason)| reason);
-        let name = scenario.robots.get(robot.index()).map(|robot| robot.name.clone());
-        Self { robot: name, reason: reason.to_owned() }
+        Self { robot: name(robot), reason: reason.to_owned() }
     }
 }
 
@@ -72,7 +77,6 @@ impl Waits {
 mod tests {
     use super::*;
     use crate::library::built_in;
-    use iibt_core::team::RobotId;
 
     #[test]
     fn robots_have_the_names_of_the_scenario() {

@@ -6,8 +6,8 @@
 mod solvable;
 
 use crate::random::{Random, Stream};
-use crate::scenario::{Floor, MAX_CELLS, Scenario};
-use iibt_core::grid::{Cell, Planner};
+use crate::scenario::{Floor, Scenario};
+use iibt_core::grid::{Cell, CellSet};
 use solvable::JointSearch;
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
@@ -210,18 +210,15 @@ fn within(random: &mut Random, range: &RangeInclusive<usize>) -> usize {
 
 /// The cells of the largest part of a map between which ways lead.
 fn largest_part(map: &Floor) -> Vec<Cell> {
-    let mut planner = Planner::<MAX_CELLS>::new();
-    let mut left: Vec<Cell> = map.free_cells().iter().collect();
-    let mut largest = Vec::new();
-    while let Some(&first) = left.first() {
-        let Ok(distances) = planner.distances(map, first) else { break };
-        let (part, rest): (Vec<Cell>, _) = left.iter().partition(|&&cell| distances.to(cell).is_some());
-        left = rest;
+    let (mut seen, mut largest) = (CellSet::EMPTY, CellSet::EMPTY);
+    for cell in map.free_cells().iter() {
+        let part = if seen.contains(cell) { CellSet::EMPTY } else { map.connected(cell) };
+        seen = seen.union(&part);
         if part.len() > largest.len() {
             largest = part;
         }
     }
-    largest
+    largest.iter().collect()
 }
 
 #[cfg(test)]

@@ -1,13 +1,14 @@
 //! `campaign`: a mission flown many times, or many missions, by the inference node and by a
 //! conventional tree.
 
-use super::missions::scenarios;
-use super::{Failure, about, exit_status, report, task};
+use super::{Failure, about, exit_status, report, scenario, task};
 use clap::{Args, ValueEnum};
-use host_sim::Pilot;
 use host_sim::campaign::{Campaign, Disturbance};
+use host_sim::{Pilot, Scenario};
+use std::fs;
 use std::io::{self, IsTerminal, Write};
 use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 pub(super) const EXAMPLES: &str = "\
@@ -102,6 +103,22 @@ fn disturbances(name: &str) -> Result<DisturbanceList, String> {
         return Ok(DisturbanceList(Disturbance::ALL.to_vec()));
     }
     disturbance(name).map(|one| DisturbanceList(vec![one])).map_err(|reason| reason + ", every")
+}
+
+/// The scenarios that an argument names: one, or those of a folder in the order of their names.
+fn scenarios(name: &str) -> Result<Vec<Scenario>, Failure> {
+    let folder = Path::new(name);
+    if host_sim::library::find(name).is_some() || !folder.is_dir() {
+        return Ok(vec![scenario(name)?]);
+    }
+    let entries = fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+    let mut files: Vec<PathBuf> = entries.map_err(about(name))?.iter().map(fs::DirEntry::path).collect();
+    files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
+    files.sort();
+    if files.is_empty() {
+        return Err(format!("{name}: no file in this folder ends in .toml").into());
+    }
+    files.iter().map(|file| scenario(&file.to_string_lossy())).collect()
 }
 
 /// The disturbance with a name.

@@ -3,12 +3,12 @@
 use super::{Failure, about, print, scenario};
 use clap::Args;
 use host_sim::missions::{Ground, RandomMissions};
-use host_sim::{MAX_CELLS, MAX_TICKS, Scenario};
+use host_sim::{MAX_CELLS, MAX_TICKS};
 use iibt_core::navigation::MAX_GOALS;
 use iibt_core::team::MAX_TEAM;
 use std::fs;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 pub(super) const EXAMPLES: &str = "\
@@ -113,22 +113,6 @@ impl Missions {
             limit: self.limit,
         })
     }
-}
-
-/// The scenarios that an argument names: one, or those of a folder in the order of their names.
-pub(super) fn scenarios(name: &str) -> Result<Vec<Scenario>, Failure> {
-    let folder = Path::new(name);
-    if host_sim::library::find(name).is_some() || !folder.is_dir() {
-        return Ok(vec![scenario(name)?]);
-    }
-    let entries = fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>);
-    let mut files: Vec<PathBuf> = entries.map_err(about(name))?.iter().map(fs::DirEntry::path).collect();
-    files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
-    files.sort();
-    if files.is_empty() {
-        return Err(format!("{name}: no file in this folder ends in .toml").into());
-    }
-    files.iter().map(|file| scenario(&file.to_string_lossy())).collect()
 }
 
 /// A number, or two with `..` between them.

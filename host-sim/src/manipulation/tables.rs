@@ -72,7 +72,7 @@ const FREED: &[f32] = &[0.0, 0.0, 0.0, 1.0];
 /// distributions.
 pub const SENSOR: f32 = 0.9 / 0.975;
 
-/// An action, and how likely it is taken to succeed when a robot works out what came of it.
+/// An action, and the probability of its success by which a robot judges the outcome.
 const ACTION: Operator = Operator { success: 0.9, ..Operator::IDLE };
 
 /// A robot that takes its object from `source`, acts when the facts `turn` hold, and can place it

@@ -1,8 +1,10 @@
 //! What a robot of a task waits for, in words, when a flight ends without success.
 
 use super::{HostTask, HostWanted};
+use crate::Awaited;
 use iibt_core::iibt::table::{HiddenFactor, Holds, Role, Tables};
 use iibt_core::iibt::{Condition, Literal, Logic};
+use iibt_core::team::RobotId;
 
 /// What a robot waits for; `None` where it does not wait. `raised` is what its node has raised.
 pub(super) fn of_robot(
@@ -11,12 +13,11 @@ pub(super) fn of_robot(
     raised: Option<&HostWanted>,
 ) -> Option<String> {
     let role = task.role();
+    let name = |robot: RobotId| Some(tables.role(robot.index())?.name.to_owned());
     if let Some(waiting) = task.rounds().waiting()
-        && let Some(awaited) = waiting.robot().and_then(|robot| tables.role(robot.index()))
+        && let Awaited { robot: Some(robot), reason } = Awaited::named(waiting, name)
     {
-        let text = waiting.to_string();
-        let reason = text.split_once(": ").map_or(&*text, |(_, reason)| reason);
-        return Some(format!("waits for {}: {reason}", awaited.name));
+        return Some(format!("waits for {robot}: {reason}"));
     }
     let mut factors = role.factors.iter().enumerate();
     if let Some((number, factor)) = factors.find(|&(number, _)| task.sure(number).is_none()) {
