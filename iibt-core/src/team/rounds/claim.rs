@@ -123,6 +123,12 @@ pub trait Fact: Clone + Debug + Eq + Hash + Serialize + DeserializeOwned {
     /// The longest encoding in bytes.
     const MAX_BYTES: usize;
 
+    /// Whether a member that has not joined yet is taken to bring the fact that it announced last.
+    ///
+    /// Scores can then be given with the first message of a round. If a member brings another fact,
+    /// they are given again: no robot can have decided by them, because that member has not.
+    const LASTS: bool = false;
+
     /// What the robot occupies while it stands: two cells after a restart in the middle of a move.
     fn anchor(&self) -> Self::Claim;
 }

@@ -48,6 +48,10 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         let (heard, _) = heard.zip(self.digest())?;
         match heard.message.answer.digest() {
             None => Some(Waiting::Scores(robot)),
+            // One of the two has taken a fact to last that did not, and gives again.
+            Some(_) if F::LASTS && !self.has_decided() && !self.follows(heard) => {
+                Some(Waiting::Scores(robot))
+            }
             Some(_) if !self.follows(heard) => Some(Waiting::Outdated(robot)),
             Some(_) => self.plan_obstacle(robot, heard, list),
         }

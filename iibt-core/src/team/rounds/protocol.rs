@@ -133,6 +133,7 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         L: JointPolicies<Claim = F::Claim>,
     {
         self.hear(teammates, list);
+        self.take_back(teammates);
         if is_standing && self.join(fact, teammates) {
             Some(Event::Joined(self.proposal.round))
         } else if self.decide(list, teammates) {
@@ -194,7 +195,7 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
 
     /// Gives this robot's scores of the list that belongs to a digest.
     ///
-    /// A robot gives once in a round, and does not change what it gave.
+    /// A robot gives once for a digest, and does not change what it gave.
     ///
     /// # Errors
     /// What is missing: [the list](Waiting::List) if this one belongs to other facts. Nothing was
