@@ -164,6 +164,13 @@ where
         Ok(Self { tree, memory, parts, percept: Percept::default(), message: None, hardware: PhantomData })
     }
 
+    /// Sets the most work units of a tick; see [`TableTask::set_budget`].
+    #[must_use]
+    pub fn with_budget(mut self, units: u32) -> Self {
+        self.parts.task.set_budget(units);
+        self
+    }
+
     /// Returns the task, with its belief and its last decision.
     pub const fn task(&self) -> &TableTask<'t, S, N, P, K::Message> {
         &self.parts.task

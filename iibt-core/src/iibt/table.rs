@@ -155,7 +155,7 @@ pub use definition::{
     MAX_OPERATORS, MAX_SENSORS, MAX_STATES, Operator, Postcondition, Reads, Remedy, Role, Sensor, To, Wish,
 };
 pub use error::TablesError;
-pub use joint::MAX_POLICIES;
+pub use joint::{MAX_POLICIES, joint_policies};
 pub use rounds::TeamRounds;
 pub use tables::Tables;
 pub use task::{Command, JointDecision, Percept, Plan, TableTask, Wanted};

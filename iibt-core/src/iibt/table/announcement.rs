@@ -72,6 +72,8 @@ impl Announcement {
 impl rounds::Fact for Announcement {
     type Claim = ();
     const MAX_BYTES: usize = 5 + 1 + 1;
+    /// Most robots wait for most of the rounds that others open.
+    const LASTS: bool = true;
 
     fn anchor(&self) {}
 }

@@ -2,7 +2,7 @@
 //! robot.
 
 use super::announcement::Announcement;
-use super::definition::{Fact, Holds, Role};
+use super::definition::{Fact, Holds, Operator, Role};
 use super::tables::Tables;
 use crate::iibt::{cheapest_policy, weigh};
 use crate::inference::{Eighths, WeighedPolicies, worth_of_nats};
@@ -15,14 +15,6 @@ pub const MAX_POLICIES: usize = 16;
 
 /// The numbers of the joint policies of a round, in the order in which equals are chosen.
 pub(super) type List = Vec<u16, MAX_POLICIES>;
-
-/// A robot's part of a joint policy: the last robot's operators run fastest.
-pub(super) fn operator_of(tables: &Tables<'_>, policy: u16, robot: usize) -> u8 {
-    let later = tables.roles().iter().skip(robot + 1).map(|role| role.operators.len());
-    let own = tables.role(robot).map_or(1, |role| role.operators.len().max(1));
-    let rest = usize::from(policy) / later.product::<usize>().max(1);
-    (rest % own) as u8
-}
 
 /// Whether a fact about a teammate holds, by the members' announcements and by what they are doing;
 /// `None` for a fact about the robot itself.
@@ -46,6 +38,78 @@ pub(super) fn holds_of_teammate<const N: usize>(
     }
 }
 
+/// The list of a round while it is made: one joint policy after the other.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Listing {
+    list: List,
+    /// The first joint policy that is not yet looked at.
+    next: u16,
+    is_done: bool,
+}
+
+impl Listing {
+    /// Looks at more joint policies, one for each work unit; returns whether the list is done.
+    ///
+    /// What is known must be the same in every call. The list does not depend on how the work was
+    /// cut.
+    pub(super) fn work<const N: usize>(&mut self, known: &Known<'_, N>, budget: &mut u32) -> bool {
+        while !self.is_done {
+            let Some(left) = budget.checked_sub(1) else { return false };
+            *budget = left;
+            known.offer(self.next, &mut self.list);
+            self.next = self.next.saturating_add(1);
+            self.is_done = usize::from(self.next) >= known.tables.policies();
+            if self.is_done {
+                // There is room for one more.
+                let _ = self.list.push(known.stay());
+            }
+        }
+        true
+    }
+
+    /// The joint policies, once the list is done.
+    pub(super) fn policies(&self) -> &[u16] {
+        if self.is_done { &self.list } else { &[] }
+    }
+}
+
+/// The joint policies of a round in which the robots have announced these facts, by their numbers:
+/// those that all preconditions allow, at most [`MAX_POLICIES`]. First come those in which the most
+/// robots do what they intend; the last one leaves all as they are.
+///
+/// `facts` has an entry for each robot, `None` for one that is no member of the round. Costs a look
+/// at each of the [`policies`](Tables::policies) of the tables.
+///
+/// ```
+/// use iibt_core::iibt::table::*;
+///
+/// const VALVE: Role = Role {
+///     sensors: &[Sensor::even("position", Reads::Factor(0), 0.9)],
+///     operators: &[Operator::IDLE, Operator { forbids: &[0], ..Operator::bringing("turn", 1, 0.8) }],
+///     facts: &[Fact::sure("closed", 0, &[1])],
+///     aims: &[Aim::new("close", &[0], &[0.0, 1.0])],
+///     ..Role::of(&[HiddenFactor::known("valve", &["open", "closed"])])
+/// };
+/// static VALVES: Tables =
+///     Tables::new(&[Role { name: "inlet", ..VALVE }, Role { name: "outlet", ..VALVE }]);
+///
+/// // The inlet is closed, and idle; the outlet is open, and its robot would turn it.
+/// let facts = [Announcement::new([Some(1)], 0, 0), Announcement::new([Some(0)], 0, 1)];
+/// let policies = joint_policies(&VALVES, &facts.map(Some));
+/// let parts = |policy| [0, 1].map(|robot| VALVES.part(policy, robot));
+/// assert!(policies.iter().map(|&policy| parts(policy)).eq([[0, 1], [0, 0]]));
+/// ```
+#[must_use]
+pub fn joint_policies<const N: usize>(
+    tables: &Tables<'_>,
+    facts: &[Option<Announcement>; N],
+) -> Vec<u16, MAX_POLICIES> {
+    let mut listing = Listing::default();
+    let mut unlimited = u32::MAX;
+    listing.work(&Known { tables, said: facts }, &mut unlimited);
+    listing.list
+}
+
 /// What a round is decided from: the tables, and the announcements of its members.
 #[derive(Clone, Copy)]
 pub(super) struct Known<'a, const N: usize> {
@@ -55,30 +119,39 @@ pub(super) struct Known<'a, const N: usize> {
 }
 
 impl<const N: usize> Known<'_, N> {
-    /// The joint policies that all preconditions allow: at most [`MAX_POLICIES`], those in which
-    /// the most robots do what they intend; the last one leaves all as they are.
-    pub(super) fn list(&self) -> List {
-        let policies = || (0..self.tables.policies()).map(|policy| policy as u16);
-        let stays = |policy: u16| self.each(policy).all(|(robot, _, part)| part == self.under_way(robot));
-        let mut list = List::new();
-        for missed in 0..=self.tables.robots() {
-            for policy in policies().filter(|&policy| self.missed(policy) == missed && !stays(policy)) {
-                if list.len() + 1 < MAX_POLICIES && self.is_feasible(policy) {
-                    // There is room for one more.
-                    let _ = list.push(policy);
-                }
-            }
+    /// Puts a joint policy in its place in a list, if all preconditions allow it: behind those in
+    /// which as many robots do what they intend. The last place is left for the one that leaves all
+    /// as they are.
+    fn offer(&self, policy: u16, list: &mut List) {
+        if self.stay() == policy || !self.is_feasible(policy) {
+            return;
         }
-        if let Some(stay) = policies().find(|&policy| stays(policy)) {
-            let _ = list.push(stay);
+        let missed = self.missed(policy);
+        let before = list.iter().filter(|&&other| self.missed(other) <= missed).count();
+        let mut moved = policy;
+        for place in list.iter_mut().skip(before) {
+            core::mem::swap(place, &mut moved);
         }
-        list
+        if list.len() + 1 < MAX_POLICIES {
+            // There is room.
+            let _ = list.push(moved);
+        }
+    }
+
+    /// The joint policy that leaves all robots as they are.
+    fn stay(&self) -> u16 {
+        let roles = self.tables.roles().iter().enumerate();
+        let number = roles.fold(0_usize, |number, (robot, role)| {
+            number.saturating_mul(role.operators.len()).saturating_add(self.under_way(robot).into())
+        });
+        // The tables were checked: no number is larger.
+        u16::try_from(number).unwrap_or(u16::MAX)
     }
 
     /// The robots with their roles and their parts.
     fn each(&self, policy: u16) -> impl Iterator<Item = (usize, &Role<'_>, u8)> {
         let roles = self.tables.roles().iter().enumerate();
-        roles.map(move |(robot, role)| (robot, role, operator_of(self.tables, policy, robot)))
+        roles.map(move |(robot, role)| (robot, role, self.tables.part(policy, robot)))
     }
 
     /// The number of robots that do not do what they intend.
@@ -129,13 +202,61 @@ impl<const N: usize> Known<'_, N> {
             && operator.forbids.iter().all(|fact| is(fact, false))
     }
 
+    /// Whether nothing ties the others to what a robot does after its part of a choice: an outcome,
+    /// a condition of what they do or, unless it `may_hold_up`, of what they could begin.
+    ///
+    /// As long as another can go on as well, the operator depends on no teammate, so that both may
+    /// begin at once.
+    pub(super) fn goes_on(&self, choice: u16, own: usize, operator: u8, may_hold_up: bool) -> bool {
+        let is_untied = |(robot, role, part): (usize, &Role<'_>, u8)| {
+            let is_possible = |of: u8| self.may_begin(robot, role, of, choice);
+            let judges =
+                role.outcome.as_ref().is_some_and(|outcome| outcome.possible.is_none_or(is_possible));
+            let held_up = || (0..role.operators.len()).any(|of| !allows(role, of as u8, own, operator));
+            !judges && allows(role, part, own, operator) && (may_hold_up || !held_up())
+        };
+        let waits = |(_, role, part): (usize, &Role<'_>, u8)| part == role.idle;
+        self.others(choice, own).all(is_untied)
+            && (self.others(choice, own).all(waits)
+                || self.tables.role(own).is_some_and(|role| is_independent(role, operator)))
+    }
+
+    fn others(&self, policy: u16, own: usize) -> impl Iterator<Item = (usize, &Role<'_>, u8)> {
+        self.each(policy).filter(move |&(robot, ..)| robot != own)
+    }
+
     fn holds(&self, robot: usize, fact: &Fact<'_>, policy: u16) -> Option<bool> {
         if let Holds::Sure { factor, states } = fact.holds {
             let state = self.of(robot).and_then(|said| said.state(usize::from(factor)));
             return Some(state.is_some_and(|state| states.contains(&state)));
         }
-        holds_of_teammate(fact, self.said, |robot| operator_of(self.tables, policy, robot))
+        holds_of_teammate(fact, self.said, |robot| self.tables.part(policy, robot))
     }
+}
+
+/// The facts of an operator's preconditions, with the values that they are to have.
+fn preconditions<'a>(role: &Role<'a>, operator: u8) -> impl Iterator<Item = (&'a Fact<'a>, bool)> + use<'a> {
+    let facts = role.facts;
+    let operator = role.operators.get(usize::from(operator)).copied().unwrap_or(Operator::IDLE);
+    let literals = operator.requires.iter().zip(core::iter::repeat(true));
+    let literals = literals.chain(operator.forbids.iter().zip(core::iter::repeat(false)));
+    literals.filter_map(move |(fact, value)| Some((facts.get(usize::from(*fact))?, value)))
+}
+
+/// Whether an operator can be under way while a teammate does `does`.
+fn allows(role: &Role<'_>, operator: u8, teammate: usize, does: u8) -> bool {
+    preconditions(role, operator).all(|(fact, value)| match fact.holds {
+        Holds::Doing { robot, operators } if usize::from(robot) == teammate => {
+            operators.contains(&does) == value
+        }
+        _ => true,
+    })
+}
+
+/// Whether no precondition of an operator is about a teammate.
+fn is_independent(role: &Role<'_>, operator: u8) -> bool {
+    preconditions(role, operator)
+        .all(|(fact, _)| matches!(fact.holds, Holds::Sure { .. } | Holds::AtTarget { .. }))
 }
 
 /// The joint policies of a round, as the rounds ask about them.
@@ -160,7 +281,7 @@ impl OnTables<'_> {
 
     /// -ln E of a robot's operator, against the likeliest of its role.
     fn unlikely(role: &Role<'_>, operator: u8) -> f32 {
-        let habit = |of: &super::definition::Operator<'_>| of.habit;
+        let habit = |of: &Operator<'_>| of.habit;
         let most = role.operators.iter().map(habit).fold(f32::NEG_INFINITY, f32::max);
         role.operators.get(usize::from(operator)).map_or(0.0, |operator| most - operator.habit)
     }
@@ -183,7 +304,7 @@ impl JointPolicies for OnTables<'_> {
         let Some(&policy) = self.policies.get(policy) else { return 0 };
         let roles = self.tables.roles().iter().enumerate();
         let nats: f32 =
-            roles.map(|(robot, role)| Self::unlikely(role, operator_of(self.tables, policy, robot))).sum();
+            roles.map(|(robot, role)| Self::unlikely(role, self.tables.part(policy, robot))).sum();
         worth_of_nats(nats, self.tables.precision())
     }
 
@@ -203,20 +324,20 @@ impl JointPolicies for OnTables<'_> {
     }
 }
 
-/// What a robot's parts cost it, as prices in eighths of a nat against the cheapest in the list:
-/// `value` is -G of a policy, or `None` if the robot cannot do its part.
-pub(super) fn prices(list: &[u16], value: impl Fn(u16) -> Option<f32>) -> Vec<Score, MAX_POLICIES> {
-    let best = list.iter().filter_map(|&policy| value(policy)).fold(f32::NEG_INFINITY, f32::max);
-    let price = |policy: &u16| match value(*policy) {
+/// What a robot's parts cost it, as prices in eighths of a nat against the cheapest in the list, by
+/// -G of each policy, or `None` if the robot cannot do its part.
+pub(super) fn prices(values: impl Iterator<Item = Option<f32>> + Clone) -> Vec<Score, MAX_POLICIES> {
+    let best = values.clone().flatten().fold(f32::NEG_INFINITY, f32::max);
+    let price = |value: Option<f32>| match value {
         Some(value) => Score { delay: 0, price: Score::finite(worth_of_nats(best - value, 1.0)) },
         None => Score::CANNOT,
     };
-    crate::bounded::up_to(list.iter().map(price))
+    crate::bounded::up_to(values.map(price))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Aim, HiddenFactor, Operator, Reads, Sensor};
+    use super::super::{Aim, HiddenFactor, JointOutcome, Reads, Sensor};
     use super::*;
 
     const IDLE: u8 = 0;
@@ -242,7 +363,7 @@ mod tests {
     }
 
     fn list(said: [Option<Announcement>; 2]) -> List {
-        Known { tables: &TWO, said: &said }.list()
+        joint_policies(&TWO, &said)
     }
 
     #[test]
@@ -270,7 +391,16 @@ mod tests {
     #[test]
     fn a_list_without_room_for_all_has_what_the_robots_intend() {
         let intends = |operator| Some(Announcement::new([Some(0)], IDLE, operator));
-        let list = Known { tables: &HANDY, said: &[intends(4), intends(3)] }.list();
+        let said = [intends(4), intends(3)];
+        let list = joint_policies(&HANDY, &said);
+        for units in 1..=26 {
+            let (mut listing, mut ticks) = (Listing::default(), 1);
+            while !listing.work(&Known { tables: &HANDY, said: &said }, &mut { units }) {
+                assert!(listing.policies().is_empty(), "not before it is done");
+                ticks += 1;
+            }
+            assert_eq!((listing.policies(), ticks), (&list[..], 25_u32.div_ceil(units)), "{units} a tick");
+        }
         assert_eq!((list.len(), list.first(), list.last()), (MAX_POLICIES, Some(&(4 * 5 + 3)), Some(&0)));
         let one_of_them = |&policy: &u16| policy / 5 == 4 || policy % 5 == 3;
         assert_eq!(
@@ -279,6 +409,43 @@ mod tests {
             "both, and each with the other's four"
         );
     }
+
+    #[test]
+    fn a_robot_goes_on_where_nothing_ties_the_others_to_what_it_does() {
+        let fact = |operator| Some(Announcement::new([Some(0)], operator, TURN));
+        let goes_on = |tables: &Tables<'_>, choice, may_hold_up| {
+            Known { tables, said: &[fact(IDLE), fact(IDLE)] }.goes_on(choice, 0, TURN, may_hold_up)
+        };
+        assert!(goes_on(&TWO, 2, true), "the other does nothing");
+        assert!(!goes_on(&TWO, 2, false), "the other could begin as soon as this one is idle");
+        assert!(!goes_on(&TWO, 3, true), "the other turns only while this one is idle");
+        assert!(goes_on(&HANDY, 5 + 3, false), "neither depends on the other");
+        assert!(!goes_on(&JUDGED, 2, true), "what comes of it concerns the other");
+        assert!(goes_on(&LATER, 2, true), "as yet nothing comes of it");
+    }
+
+    const UNEVEN: JointOutcome<'static> = JointOutcome {
+        names: &["even", "uneven"],
+        preference: &[0.0, -3.0],
+        table: &[0, 1, 1, 0],
+        possible: None,
+    };
+
+    static LATER: Tables = Tables::new(&[
+        valve("one", &[Fact::sure("closed", 0, &[1]), Fact::doing("other idle", 1, &[IDLE])]),
+        Role {
+            outcome: Some(JointOutcome { possible: Some(TURN), ..UNEVEN }),
+            ..valve("two", &[Fact::sure("closed", 0, &[1]), Fact::doing("other idle", 0, &[IDLE])])
+        },
+    ]);
+
+    static JUDGED: Tables = Tables::new(&[
+        valve("one", &[Fact::sure("closed", 0, &[1]), Fact::doing("other idle", 1, &[IDLE])]),
+        Role {
+            outcome: Some(UNEVEN),
+            ..valve("two", &[Fact::sure("closed", 0, &[1]), Fact::doing("other idle", 0, &[IDLE])])
+        },
+    ]);
 
     #[test]
     fn the_habits_of_all_robots_count_in_eighths_of_a_nat_over_the_precision() {
@@ -295,9 +462,8 @@ mod tests {
 
     #[test]
     fn prices_are_against_the_cheapest_and_what_cannot_be_done_is_impossible() {
-        let value =
-            |policy: u16| [Some(1.0), Some(1.5), None, Some(-99.0)].get(usize::from(policy)).copied()?;
-        let prices = prices(&[0, 1, 2, 3], value).iter().map(|score| score.price).collect::<Vec<_, 4>>();
+        let values = [Some(1.0), Some(1.5), None, Some(-99.0)].into_iter();
+        let prices = prices(values).iter().map(|score| score.price).collect::<Vec<_, 4>>();
         assert_eq!(prices, [4, 0, Score::IMPOSSIBLE, Score::IMPOSSIBLE - 1]);
     }
 }

@@ -11,7 +11,7 @@ use crate::bounded::up_to;
 use crate::inference::likelihood::DenseLikelihood;
 use crate::inference::{
     Beliefs, Candidates, Control, Evaluation, Evidence, Factor, Habits, IdentityNoise, Likelihood, Modality,
-    Model, ObservationError, Policy, Preference, Problem, Scoring, Shape, Transition,
+    Model, ObservationError, Policy, Problem, Scoring, Shape, Transition,
 };
 use crate::team::MAX_TEAM;
 use heapless::Vec;
@@ -239,142 +239,159 @@ const EACH_ONCE: &[Policy; MAX_OPERATORS] = &{
     policies
 };
 
+/// Something for each semantic state of each robot.
+pub(super) type Rows<const S: usize, const N: usize> = [[f32; S]; N];
+
 /// What a joint decision is made from.
 pub(super) struct Question<'q, 'a, const S: usize, const N: usize> {
     pub(super) tables: &'a Tables<'a>,
     pub(super) own: usize,
-    /// q(s) of the own semantic state.
-    pub(super) states: &'q [f32],
-    /// The semantic state of each teammate that has announced one.
-    pub(super) announced: &'q [Option<usize>; N],
-    pub(super) preferences: &'q [Preference<S>; N],
+    /// q(s) of each robot.
+    pub(super) beliefs: &'q Rows<S, N>,
+    /// C of each robot.
+    pub(super) preferences: &'q Rows<S, N>,
     /// The outcome of the states together, while it is possible.
     pub(super) outcome: Option<&'a JointOutcome<'a>>,
 }
 
-/// The result of a joint decision: q(s) of every robot and the posterior over all joint policies.
-pub(super) type Answer<const S: usize, const N: usize, const P: usize> = ([[f32; S]; N], [f32; P]);
-
-impl<'a, const S: usize, const N: usize> Question<'_, 'a, S, N> {
-    /// Algorithm 2 over the joint policies.
-    pub(super) fn answer<const P: usize>(&self) -> Option<Answer<S, N, P>> {
-        let mut answer = None;
-        self.with_model(None, &mut |model| {
-            answer = self.beliefs(model).and_then(|beliefs| {
-                let mut rows = [[0.0; S]; N];
-                for (robot, row) in rows.iter_mut().enumerate() {
-                    crate::math::assign(row, beliefs.part(model, robot));
+/// q(s) of all robots: the own, and those that were announced.
+pub(super) fn believed<const S: usize, const N: usize>(
+    tables: &Tables<'_>,
+    (own, states): (usize, &[f32]),
+    announced: &[Option<usize>; N],
+) -> Option<Rows<S, N>> {
+    let mut rows = None;
+    with_model(tables, None, None, &mut |model| {
+        let all = || {
+            let mut beliefs = Beliefs::<S, N>::try_prior(model).ok()?;
+            beliefs.set(model, own, states.get(..model.factors().get(own)?.states())?).ok()?;
+            for (robot, announced) in announced.iter().enumerate().take(tables.robots()) {
+                if let Some(state) = announced {
+                    // A message is read like a sensor; the flat prior leaves no outcome impossible
+                    // that the sensor can read.
+                    let _ = beliefs.observe(model, robot, Evidence::Outcome(*state));
                 }
-                let posterior = self.evaluate::<P>(model, &beliefs, self.preferences)?.posterior();
-                Some((rows, flat(posterior.as_flattened(), |&p| p)))
+            }
+            let mut rows = [[0.0; S]; N];
+            for (robot, row) in rows.iter_mut().enumerate() {
+                crate::math::assign(row, beliefs.part(model, robot));
+            }
+            Some(rows)
+        };
+        rows = all();
+    })?;
+    rows
+}
+
+impl<const S: usize, const N: usize> Question<'_, '_, S, N> {
+    /// Gives ln E - γ G of these joint policies to `note`, one after the other.
+    pub(super) fn scores(&self, policies: impl Iterator<Item = u16> + Clone, note: &mut dyn FnMut(f32)) {
+        let wanted = self.preferences;
+        with_model(self.tables, None, self.outcome, &mut |model| {
+            self.each(model, wanted, policies.clone(), &mut |evaluation| {
+                note(evaluation.scores().first().copied().unwrap_or(f32::NEG_INFINITY));
             });
-        })?;
-        answer
+        });
     }
 
-    /// -G of every joint policy by what this robot itself prefers: its own states, and the outcome.
-    /// What the teammates prefer they say themselves.
-    pub(super) fn own_values<const P: usize>(&self) -> Option<[f32; P]> {
-        let mut believed = None;
-        self.with_model(None, &mut |model| believed = self.beliefs(model))?;
-        let (beliefs, own) = (believed?, self.preferences.get(self.own..=self.own)?);
-        let mut values = None;
-        self.with_model(Some(self.own), &mut |model| {
-            let evaluation = self.evaluate::<P>(model, &beliefs, own);
-            values = evaluation.map(|of| flat(of.terms(), |terms| -terms.expected_free_energy()));
-        })?;
-        values
+    /// Gives -G of these joint policies by what this robot itself prefers: its own states, and the
+    /// outcome. What the teammates prefer they say themselves.
+    pub(super) fn own_values(&self, policies: impl Iterator<Item = u16> + Clone, note: &mut dyn FnMut(f32)) {
+        let wanted = self.preferences.get(self.own..=self.own).unwrap_or(&[]);
+        with_model(self.tables, Some(self.own), self.outcome, &mut |model| {
+            self.each(model, wanted, policies.clone(), &mut |evaluation| {
+                note(
+                    evaluation
+                        .terms()
+                        .first()
+                        .map_or(f32::NEG_INFINITY, |terms| -terms.expected_free_energy()),
+                );
+            });
+        });
     }
 
-    /// q(s) of all robots: the own, and those that were announced.
+    /// Algorithm 2 for joint policies, one after the other, with these preferences for the first
+    /// modalities of the model.
+    fn each(
+        &self,
+        model: &Model,
+        wanted: &[[f32; S]],
+        policies: impl Iterator<Item = u16>,
+        note: &mut dyn FnMut(&Evaluation<S, N, 1, 1>),
+    ) {
+        let Some(beliefs) = self.beliefs(model) else { return };
+        let states = model.modalities().iter().map(|modality| modality.preference().len());
+        let preferences: Vec<&[f32], MAX_TEAM> =
+            up_to(wanted.iter().zip(states).map(|(values, states)| values.get(..states).unwrap_or(&[])));
+        let scoring = Scoring { precision: self.tables.precision(), ..Scoring::DEFAULT };
+        let mut evaluation = Evaluation::new();
+        for policy in policies {
+            let (mut sequences, mut habits) = (Vec::<&[Policy], MAX_TEAM>::new(), Vec::<_, MAX_TEAM>::new());
+            for (robot, role) in self.tables.roles().iter().enumerate() {
+                let part = usize::from(self.tables.part(policy, robot));
+                // There is room for every robot of the team.
+                let _ = sequences.push(EACH_ONCE.get(part..=part).unwrap_or(&[]));
+                let _ = habits.push([role.operators.get(part).map_or(0.0, |operator| operator.habit)]);
+            }
+            let ln_e: Vec<&[f32], MAX_TEAM> = up_to(habits.iter().map(<[f32; 1]>::as_slice));
+            let candidates = Candidates { habits: Habits::PerSequence(&ln_e), ..Candidates::all(&sequences) };
+            let problem =
+                Problem { preferences: &preferences, ..Problem::new(model, &beliefs, candidates, scoring) };
+            if evaluation.evaluate(&problem).is_ok() {
+                note(&evaluation);
+            }
+        }
+    }
+
     fn beliefs(&self, model: &Model) -> Option<Beliefs<S, N>> {
         let mut beliefs = Beliefs::<S, N>::try_prior(model).ok()?;
-        beliefs.set(model, self.own, self.states).ok()?;
-        for (robot, announced) in self.announced.iter().enumerate().take(self.tables.robots()) {
-            if let Some(state) = announced {
-                // A message is read like a sensor; the flat prior leaves no outcome impossible
-                // that the sensor can read.
-                let _ = beliefs.observe(model, robot, Evidence::Outcome(*state));
-            }
+        for (robot, (row, factor)) in self.beliefs.iter().zip(model.factors()).enumerate() {
+            beliefs.set(model, robot, row.get(..factor.states())?).ok()?;
         }
         Some(beliefs)
     }
-
-    /// Scores all joint policies, with these preferences for the first modalities of the model.
-    fn evaluate<const P: usize>(
-        &self,
-        model: &Model,
-        beliefs: &Beliefs<S, N>,
-        wanted: &[Preference<S>],
-    ) -> Option<Evaluation<S, N, 1, P>> {
-        let (mut sequences, mut habits) = (Vec::<&[Policy], MAX_TEAM>::new(), Vec::<_, MAX_TEAM>::new());
-        for role in self.tables.roles() {
-            let mut habit = Vec::<f32, MAX_OPERATORS>::new();
-            for operator in role.operators {
-                let _ = habit.push(operator.habit);
-            }
-            // There is room for every operator and for every robot of the team.
-            let _ = sequences.push(EACH_ONCE.get(..role.operators.len()).unwrap_or(&[]));
-            let _ = habits.push(habit);
-        }
-        let ln_e: Vec<&[f32], MAX_TEAM> = up_to(habits.iter().map(Vec::as_slice));
-        let values: Vec<_, MAX_TEAM> = up_to(wanted.iter().map(Preference::values));
-        let states = model.modalities().iter().map(|modality| modality.preference().len());
-        let preferences: Vec<&[f32], MAX_TEAM> =
-            up_to(values.iter().zip(states).map(|(values, states)| values.get(..states).unwrap_or(&[])));
-        let scoring = Scoring { precision: self.tables.precision(), ..Scoring::DEFAULT };
-        let habits = Habits::PerSequence(&ln_e);
-        let candidates = Candidates { habits, ..Candidates::all(&sequences) };
-        let problem =
-            Problem { preferences: &preferences, ..Problem::new(model, beliefs, candidates, scoring) };
-        let mut evaluation = Evaluation::<S, N, 1, P>::new();
-        evaluation.evaluate(&problem).ok()?;
-        Some(evaluation)
-    }
-
-    /// Builds the model of a decision, and calls `then` with it: a factor and a modality for each
-    /// robot, or only the modality of one, and the outcome.
-    fn with_model(&self, only: Option<usize>, then: &mut dyn FnMut(&Model)) -> Option<()> {
-        let roles = self.tables.roles();
-        let mut parts = Vec::<_, MAX_TEAM>::new();
-        for role in roles {
-            let states = role.states.names.len();
-            let reads = role.sensors.iter().find(|sensor| sensor.reads == Reads::State);
-            let accuracy = reads.map_or(Accuracy::Even(1.0), |sensor| sensor.accuracy);
-            let prior = [1.0 / states as f32; MAX_STATES];
-            let part = (Brought(role), Noise::new(accuracy, states)?, Shape::new(states, &[states])?, prior);
-            parts.push(part).ok()?;
-        }
-        const NUMBERS: [usize; MAX_TEAM] = [0, 1, 2, 3, 4, 5, 6, 7];
-        let mut states = Vec::<_, MAX_TEAM>::new();
-        for role in roles {
-            states.push(role.states.names.len()).ok()?;
-        }
-        let together = self.outcome.map(|outcome| Together { outcome, tables: self.tables });
-        let indifferent = [0.0; MAX_STATES];
-        let (mut factors, mut modalities) = (Vec::<_, MAX_TEAM>::new(), Vec::<_, { MAX_TEAM + 1 }>::new());
-        for ((brought, noise, shape, prior), number) in parts.iter().zip(NUMBERS.chunks(1)) {
-            let states = shape.values();
-            factors.push(Factor::try_new(brought, *shape, prior.get(..states)?)?).ok()?;
-            if only.is_some_and(|only| number != [only]) {
-                continue;
-            }
-            let modality = Modality::try_new(noise.form(), *shape, number, indifferent.get(..states)?)?;
-            modalities.push(modality).ok()?;
-        }
-        if let Some(together) = &together {
-            let shape = Shape::new(together.outcome.names.len(), &states)?;
-            let numbers = NUMBERS.get(..roles.len())?;
-            modalities
-                .push(Modality::try_new(together, shape, numbers, together.outcome.preference)?)
-                .ok()?;
-        }
-        then(&Model::try_new(&factors, &modalities).ok()?);
-        Some(())
-    }
 }
 
-/// A number for each joint policy, zero beyond the last.
-fn flat<T, const P: usize>(of: &[T], number: impl Fn(&T) -> f32) -> [f32; P] {
-    core::array::from_fn(|policy| of.get(policy).map_or(0.0, &number))
+/// Builds the model of a decision, and calls `then` with it: a factor and a modality for each
+/// robot, or only the modality of one, and the outcome.
+fn with_model(
+    tables: &Tables<'_>,
+    only: Option<usize>,
+    outcome: Option<&JointOutcome<'_>>,
+    then: &mut dyn FnMut(&Model),
+) -> Option<()> {
+    let roles = tables.roles();
+    let mut parts = Vec::<_, MAX_TEAM>::new();
+    for role in roles {
+        let states = role.states.names.len();
+        let reads = role.sensors.iter().find(|sensor| sensor.reads == Reads::State);
+        let accuracy = reads.map_or(Accuracy::Even(1.0), |sensor| sensor.accuracy);
+        let prior = [1.0 / states as f32; MAX_STATES];
+        let part = (Brought(role), Noise::new(accuracy, states)?, Shape::new(states, &[states])?, prior);
+        parts.push(part).ok()?;
+    }
+    const NUMBERS: [usize; MAX_TEAM] = [0, 1, 2, 3, 4, 5, 6, 7];
+    let mut states = Vec::<_, MAX_TEAM>::new();
+    for role in roles {
+        states.push(role.states.names.len()).ok()?;
+    }
+    let together = outcome.map(|outcome| Together { outcome, tables });
+    let indifferent = [0.0; MAX_STATES];
+    let (mut factors, mut modalities) = (Vec::<_, MAX_TEAM>::new(), Vec::<_, { MAX_TEAM + 1 }>::new());
+    for ((brought, noise, shape, prior), number) in parts.iter().zip(NUMBERS.chunks(1)) {
+        let states = shape.values();
+        factors.push(Factor::try_new(brought, *shape, prior.get(..states)?)?).ok()?;
+        if only.is_some_and(|only| number != [only]) {
+            continue;
+        }
+        let modality = Modality::try_new(noise.form(), *shape, number, indifferent.get(..states)?)?;
+        modalities.push(modality).ok()?;
+    }
+    if let Some(together) = &together {
+        let shape = Shape::new(together.outcome.names.len(), &states)?;
+        let numbers = NUMBERS.get(..roles.len())?;
+        modalities.push(Modality::try_new(together, shape, numbers, together.outcome.preference)?).ok()?;
+    }
+    then(&Model::try_new(&factors, &modalities).ok()?);
+    Some(())
 }

@@ -2,11 +2,13 @@
 
 use super::announcement::TableMessage;
 use super::definition::{Postcondition, Role, Wish};
-use super::joint::{operator_of, prices};
-use super::model::Question;
+use super::joint::{List, MAX_POLICIES};
+use super::model::{Question, Rows, believed};
 use super::task::{JointDecision, Offered, TableTask, Wanted, row};
-use crate::inference::Preference;
+use crate::inference::{Preference, Scoring, policy};
+use crate::math;
 use crate::team::{Message, Peers};
+use heapless::Vec;
 
 impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, P, X> {
     /// The semantic state in a teammate's announcement.
@@ -38,7 +40,7 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
         let mut best: Option<(u16, f32)> = None;
         for (policy, &p) in (0..).zip(posterior.iter().take(self.tables.policies())) {
             let fits = |(robot, announced): (usize, &Option<u8>)| {
-                announced.is_none_or(|announced| announced == operator_of(self.tables, policy, robot))
+                announced.is_none_or(|announced| announced == self.tables.part(policy, robot))
             };
             if best.is_none_or(|(_, most)| p > most) && announced.iter().enumerate().all(fits) {
                 best = Some((policy, p));
@@ -48,50 +50,81 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
     }
 
     /// The robot's own inference: what it would choose while its teammates do what they announced.
-    pub(super) fn decide(
-        &self,
-        offered: &Offered<N>,
-        wanted: &Wanted<S, N>,
-    ) -> Option<JointDecision<S, N, P>> {
-        let (beliefs, posterior) = self.ask(wanted, |question| question.answer())?;
-        let choice = self.best(&posterior, &offered.announced)?;
+    /// `None` while the budget of the tick is not enough; it then goes on in the next, from the same
+    /// beliefs and preferences.
+    pub(super) fn think(&mut self, offered: &Offered<N>, wanted: &Wanted<S, N>) -> Option<u16> {
         let preferences = wanted.rows.each_ref().map(Preference::values);
-        Some(JointDecision { preferences, beliefs, posterior, choice })
+        let (mut decision, from) = self.unfinished(&preferences).or_else(|| self.new_thought(preferences))?;
+        let count = (self.tables.policies() as u32).saturating_sub(from.into()).min(self.left);
+        self.left = self.left.saturating_sub(count);
+        let until = from.saturating_add(count as u16);
+        let mut scored = decision.posterior.iter_mut().skip(from.into());
+        self.question(&decision.beliefs, &decision.preferences, offered.target).scores(
+            from..until,
+            &mut |score| {
+                if let Some(place) = scored.next() {
+                    *place = score;
+                }
+            },
+        );
+        let is_finished = usize::from(until) >= self.tables.policies();
+        if is_finished {
+            let all = decision.posterior.get_mut(..usize::from(until)).unwrap_or_default();
+            policy::posterior(all, Scoring::DEFAULT.window);
+            decision.choice = self.best(&decision.posterior, &offered.announced)?;
+        }
+        self.thinking = Some(until).filter(|_| !is_finished);
+        self.is_current = is_finished;
+        Some(self.decision.insert(decision).choice).filter(|_| is_finished)
     }
 
-    fn ask<T>(
+    /// The decision that an earlier tick has begun, and how many joint policies are scored: if it
+    /// was for the same preferences, from the same state.
+    fn unfinished(&mut self, preferences: &Rows<S, N>) -> Option<(JointDecision<S, N, P>, u16)> {
+        let (from, decision) = self.thinking.take().zip(self.decision)?;
+        let believed = math::argmax(decision.beliefs.get(self.own)?) == math::argmax(&self.states());
+        (decision.preferences == *preferences && believed).then_some((decision, from))
+    }
+
+    fn new_thought(&mut self, preferences: Rows<S, N>) -> Option<(JointDecision<S, N, P>, u16)> {
+        self.wanted = None;
+        let announced = core::array::from_fn(|robot| self.announced_state(robot));
+        let beliefs = believed(self.tables, (self.own, &self.states()), &announced)?;
+        Some((JointDecision { preferences, beliefs, posterior: [0.0; P], choice: 0 }, 0))
+    }
+
+    fn question<'q>(
         &self,
-        wanted: &Wanted<S, N>,
-        answer: impl Fn(&Question<'_, 'a, S, N>) -> Option<T>,
-    ) -> Option<T> {
-        let states = self.states();
-        let possible = |operator: u8| self.unmet_of(operator, None, wanted.target).is_none();
+        beliefs: &'q Rows<S, N>,
+        preferences: &'q Rows<S, N>,
+        target: Option<u8>,
+    ) -> Question<'q, 'a, S, N> {
+        let possible = |operator: u8| self.unmet_of(operator, None, target).is_none();
         let outcome = self.role.outcome.as_ref().filter(|outcome| outcome.possible.is_none_or(possible));
-        answer(&Question {
-            tables: self.tables,
-            own: self.own,
-            states: states.get(..self.role.states.names.len())?,
-            announced: &core::array::from_fn(|robot| self.announced_state(robot)),
-            preferences: &wanted.rows,
-            outcome,
-        })
+        Question { tables: self.tables, own: self.own, beliefs, preferences, outcome }
     }
 
-    /// Gives the team what its joint policies cost this robot, by the own belief and preferences.
-    pub(super) fn score(&mut self, wanted: &Wanted<S, N>, operator: u8, peers: Peers<'_, TableMessage<X>>)
+    /// Gives the team what its joint policies cost this robot, by what it believed and preferred
+    /// when it was last sure. What the budget of the tick is not enough for is done in the next.
+    pub(super) fn score(&mut self, peers: Peers<'_, TableMessage<X>>)
     where
         X: Message,
     {
-        if !self.rounds.prepare(peers) {
-            return;
-        }
-        let Some(values) = self.ask(wanted, |question| question.own_values::<P>()) else { return };
+        let (Some((target, operator)), None) = (self.wanted, self.thinking) else { return };
+        let Some(todo) = self.rounds.unvalued(peers, &mut self.left) else { return };
+        let Some(decision) = &self.decision else { return };
+        let mut values = Vec::<f32, MAX_POLICIES>::new();
+        let question = self.question(&decision.beliefs, &decision.preferences, target);
+        question.own_values(todo.into_iter(), &mut |value| {
+            // There is room for the whole list.
+            let _ = values.push(value);
+        });
         // While it is not sure, what it was sure of is in its fact, and so in the list.
         let is_unsure = !self.is_settled();
         let is_possible =
-            |policy| is_unsure || self.rounds.stays(policy) || self.unmet_in(policy, wanted.target).is_none();
-        let value = |policy: u16| values.get(usize::from(policy)).copied().filter(|_| is_possible(policy));
-        let scores = prices(self.rounds.listed(), value);
-        self.rounds.give(scores, operator, peers);
+            |policy| is_unsure || self.rounds.stays(policy) || self.unmet_in(policy, target).is_none();
+        let possible: List =
+            self.rounds.listed().iter().copied().filter(|&policy| is_possible(policy)).collect();
+        self.rounds.value(&values, &possible, operator, peers);
     }
 }

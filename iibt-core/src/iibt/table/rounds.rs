@@ -2,13 +2,14 @@
 
 use super::announcement::{Announcement, TableMessage};
 use super::error::TablesError;
-use super::joint::{Known, List, MAX_POLICIES, OnTables, operator_of};
+use super::joint::{Known, List, Listing, MAX_POLICIES, OnTables, holds_of_teammate, prices};
 use super::tables::Tables;
 use crate::inference::WeighedPolicies;
 use crate::team::rounds::{
-    Digest, Event, Own, RoundMessage, Rounds, Score, Scores, Teammates, Timing, Waiting, Want,
+    Digest, Event, Own, RoundMessage, Rounds, Score, Scores, Teammates, Timing, View, Waiting, Want,
 };
-use crate::team::{Member, Message, Peers, RobotId};
+use crate::team::{Freshness, Member, Message, Peers, RobotId};
+use heapless::Vec;
 
 /// The rounds in which the robots of a task decide on one joint policy.
 ///
@@ -24,15 +25,26 @@ use crate::team::{Member, Message, Peers, RobotId};
 /// done, successful or not, when it would choose what it has not told the team, and when a plain
 /// leaf of its tree has begun an operator. An operator that is under way stays in every policy of
 /// the list.
+///
+/// A robot that is done with its part goes on without a round where a round could decide nothing
+/// else: the choice costs the others nothing, they are heard, and neither an outcome nor a
+/// precondition ties them to what it does. It opens one all the same, at work, if what it has
+/// brought about makes a fact of a teammate true or false.
 #[doc(alias = "joint decision")]
 #[derive(Clone, Debug)]
 pub struct TeamRounds<'a, const N: usize> {
     tables: &'a Tables<'a>,
     rounds: Rounds<Announcement, MAX_POLICIES>,
-    /// The list of the round, and what it was made from.
-    list: List,
+    /// The list of the round, and what it is made from.
+    listing: Listing,
     listed: Option<Digest>,
+    /// -G of the first policies of the list.
+    values: Vec<f32, MAX_POLICIES>,
+    /// Whether there was not budget enough to score the list.
+    is_cut: bool,
     weighed: WeighedPolicies<MAX_POLICIES>,
+    /// The members that the choice costs nothing.
+    content: View,
     /// How far the robot is with its part of the choice.
     part: Part,
     /// The operator that its scores speak for.
@@ -46,6 +58,8 @@ enum Part {
     /// It has not begun.
     Due,
     UnderWay,
+    /// It is done, and the robot is at work on what it does next.
+    Ahead,
     Done,
 }
 
@@ -61,9 +75,12 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         Ok(Self {
             tables,
             rounds: Rounds::new(member, epoch, tables.mission(), fact, Timing::DEFAULT),
-            list: List::new(),
+            listing: Listing::default(),
             listed: None,
+            values: Vec::new(),
+            is_cut: false,
             weighed: WeighedPolicies::default(),
+            content: View::EMPTY,
             part: Part::Due,
             scored_for: fact.operator(),
             waiting: None,
@@ -76,10 +93,10 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         &self.rounds
     }
 
-    /// The numbers of the joint policies of this round, as far as it is known.
+    /// The numbers of the joint policies of this round; none before all are known.
     #[must_use]
     pub fn listed(&self) -> &[u16] {
-        &self.list
+        self.listing.policies()
     }
 
     /// The posterior over the joint policies of the list, and what each costs the team; empty
@@ -92,7 +109,7 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
     /// The joint policy that the team has chosen, by its number.
     #[must_use]
     pub fn policy(&self) -> Option<u16> {
-        self.list.get(self.rounds.protocol().policy()?).copied()
+        self.listed().get(self.rounds.protocol().policy()?).copied()
     }
 
     /// Why the robot does not go on, and which teammate it waits for.
@@ -118,7 +135,7 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
     }
 
     fn part(&self, policy: u16) -> u8 {
-        operator_of(self.tables, policy, self.own())
+        self.tables.part(policy, self.own())
     }
 
     fn own(&self) -> usize {
@@ -134,16 +151,40 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         self.rounds.protocol().fact()
     }
 
-    /// Notes that the robot begins its part.
-    pub(super) const fn begin(&mut self) {
-        self.part = Part::UnderWay;
+    /// Notes that the robot begins its part, or what it does after that.
+    pub(super) fn begin(&mut self) {
+        self.part = if self.due().is_some() { Part::UnderWay } else { Part::Ahead };
     }
 
     /// Notes that an operator has ended.
     pub(super) const fn end(&mut self) {
-        if matches!(self.part, Part::UnderWay) {
+        if matches!(self.part, Part::UnderWay | Part::Ahead) {
             self.part = Part::Done;
         }
+    }
+
+    /// Whether the robot, which is free and would announce `fact`, may begin an operator without
+    /// another round.
+    pub(super) fn goes_on<X: Message>(
+        &self,
+        operator: u8,
+        fact: &Announcement,
+        peers: Peers<'_, TableMessage<X>>,
+    ) -> bool {
+        let (own, idle) = (self.own(), self.idle());
+        let is_over = self.part == Part::Done || self.fact().operator() != idle;
+        let mut others = self.rounds.proposal().view.iter().filter(|robot| robot.index() != own);
+        // All that the others could have begun while it is idle was in the list, and cost more.
+        let may_hold_up =
+            self.fact().operator() == idle && self.listed().len() < MAX_POLICIES && !self.tells(fact);
+        let said = self.facts(&Teammates::from(peers));
+        let known = Known { tables: self.tables, said: &said };
+        let has_part = self.policy().filter(|&choice| self.part(choice) != idle);
+        let is_content = |robot| self.content.contains(robot) && peers.freshness(robot) == Freshness::Fresh;
+        operator != idle
+            && is_over
+            && others.all(is_content)
+            && has_part.is_some_and(|choice| known.goes_on(choice, own, operator, may_hold_up))
     }
 
     /// Hears the teammates: joins a round, or learns the choice. Whatever it has under way, a robot
@@ -153,7 +194,7 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
             return;
         }
         let (teammates, own) = (Teammates::from(peers), Own { fact: &fact, is_standing: true });
-        let list = OnTables { tables: self.tables, policies: &self.list };
+        let list = OnTables { tables: self.tables, policies: self.listing.policies() };
         let event = self.rounds.tick(own, &teammates, &list);
         self.note(event, &teammates);
     }
@@ -161,8 +202,8 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
     fn note(&mut self, event: Option<Event>, teammates: &Teammates<'_, Announcement, MAX_POLICIES>) {
         match event {
             Some(Event::Joined(_) | Event::Opened(_)) => {
-                (self.listed, self.part) = (None, Part::Due);
-                self.list.clear();
+                self.part = Part::Due;
+                self.restart(None);
                 self.weighed = WeighedPolicies::default();
             }
             Some(Event::Decided(_)) => self.weigh(teammates),
@@ -170,10 +211,21 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         }
     }
 
+    /// Begins with another list.
+    fn restart(&mut self, digest: Option<Digest>) {
+        (self.listed, self.is_cut) = (digest, false);
+        self.listing = Listing::default();
+        self.values.clear();
+    }
+
     /// Keeps the posterior over the policies, for displays and logs.
     fn weigh(&mut self, teammates: &Teammates<'_, Announcement, MAX_POLICIES>) {
-        let list = OnTables { tables: self.tables, policies: &self.list };
-        self.weighed = list.weigh(self.rounds.protocol().scores(teammates));
+        let list = OnTables { tables: self.tables, policies: self.listing.policies() };
+        let protocol = self.rounds.protocol();
+        self.weighed = list.weigh(protocol.scores(teammates));
+        let is_free = |scores: &[Score]| scores.get(protocol.policy()?).map(|score| score.price == 0);
+        let free = protocol.scores(teammates).filter(|(_, scores)| is_free(scores) == Some(true));
+        self.content = free.map(|(robot, _)| robot).collect();
     }
 
     /// What the other members have announced, by their newest messages.
@@ -186,76 +238,136 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         })
     }
 
-    /// Makes the list, once the facts of all members are known; returns whether the robot's scores
-    /// of it are missing.
-    pub(super) fn prepare<X: Message>(&mut self, peers: Peers<'_, TableMessage<X>>) -> bool {
-        let teammates = Teammates::from(peers);
-        let Some(digest) = self.rounds.protocol().wanted(&teammates) else { return false };
-        if self.listed != Some(digest) {
-            let mut said = [None; N];
-            for (robot, fact) in self.rounds.protocol().facts(&teammates) {
-                if let Some(place) = said.get_mut(robot.index()) {
-                    *place = Some(*fact);
-                }
+    /// The facts of the members of the round.
+    fn facts(&self, teammates: &Teammates<'_, Announcement, MAX_POLICIES>) -> [Option<Announcement>; N] {
+        let mut said = [None; N];
+        for (robot, fact) in self.rounds.protocol().facts(teammates) {
+            if let Some(place) = said.get_mut(robot.index()) {
+                *place = Some(*fact);
             }
-            self.list = Known { tables: self.tables, said: &said }.list();
-            self.listed = Some(digest);
         }
-        true
+        said
     }
 
-    /// Gives the robot's scores of the list, which speak for an operator, and learns the choice if
-    /// they are the last.
-    pub(super) fn give<X: Message>(
+    /// Works on the list, once the facts of all members are known; returns whether it is done, or
+    /// `None` if there is no list to score.
+    fn prepare<X: Message>(&mut self, peers: Peers<'_, TableMessage<X>>, budget: &mut u32) -> Option<bool> {
+        let teammates = Teammates::from(peers);
+        let digest = self.rounds.protocol().wanted(&teammates).filter(|_| !self.is_alone())?;
+        if self.listed != Some(digest) {
+            self.restart(Some(digest));
+        }
+        let said = self.facts(&teammates);
+        Some(self.listing.work(&Known { tables: self.tables, said: &said }, budget))
+    }
+
+    /// The policies of the list that come next to be valued, as many as the budget is enough for;
+    /// `None` if there is no list to score.
+    pub(super) fn unvalued<X: Message>(
         &mut self,
-        scores: Scores<MAX_POLICIES>,
+        peers: Peers<'_, TableMessage<X>>,
+        budget: &mut u32,
+    ) -> Option<List> {
+        let is_listed = self.prepare(peers, budget);
+        self.is_cut = is_listed == Some(false);
+        is_listed.filter(|&is_listed| is_listed)?;
+        let next = self.listed().iter().copied().skip(self.values.len());
+        let next: List = next.take(usize::try_from(*budget).unwrap_or(usize::MAX)).collect();
+        *budget = budget.saturating_sub(next.len() as u32);
+        Some(next)
+    }
+
+    /// Takes in -G of the policies that came next. Once all are known, gives the robot's scores: an
+    /// operator speaks for those `possible`.
+    pub(super) fn value<X: Message>(
+        &mut self,
+        values: &[f32],
+        possible: &[u16],
         operator: u8,
         peers: Peers<'_, TableMessage<X>>,
     ) {
-        let (Some(digest), teammates) = (self.listed, Teammates::from(peers)) else { return };
-        let list = OnTables { tables: self.tables, policies: &self.list };
-        let is_open =
-            |(&policy, score): (&u16, &Score)| self.part(policy) == operator && *score != Score::CANNOT;
-        let is_for = self.list.iter().zip(&scores).any(is_open);
-        if self.rounds.protocol_mut().give(digest, scores, &list, &teammates).is_ok() {
-            self.scored_for = if is_for { operator } else { self.fact().operator() };
+        // There is room for the whole list.
+        let _ = self.values.extend_from_slice(values);
+        self.is_cut = self.values.len() < self.listed().len();
+        if self.is_cut {
+            return;
         }
+        let value = |(policy, value): (&u16, &f32)| Some(*value).filter(|_| possible.contains(policy));
+        let scores = prices(self.listed().iter().zip(&self.values).map(value));
+        let is_for = possible.iter().any(|&policy| self.part(policy) == operator);
+        self.scored_for = if is_for { operator } else { self.fact().operator() };
+        self.give(scores, peers);
+    }
+
+    /// Gives the robot's scores of the list, and learns the choice if they are the last.
+    fn give<X: Message>(&mut self, scores: Scores<MAX_POLICIES>, peers: Peers<'_, TableMessage<X>>) {
+        let (Some(digest), teammates) = (self.listed, Teammates::from(peers)) else { return };
+        self.is_cut = false;
+        let list = OnTables { tables: self.tables, policies: self.listing.policies() };
+        // They belong to the facts of now: that was asked first.
+        let _ = self.rounds.protocol_mut().give(digest, scores, &list, &teammates);
         if self.rounds.protocol().has_decided() {
             self.weigh(&teammates);
         }
     }
 
-    /// Opens a round, if `fact` asks for one and the robot is free; and scores the list of a round
-    /// in which its tree has nothing to decide: it goes on with what it does.
-    pub(super) fn conclude<X: Message>(
+    /// Opens a round, if `fact` asks for one and the robot may.
+    pub(super) fn ask<X: Message>(
         &mut self,
         fact: Announcement,
         is_free: bool,
         peers: Peers<'_, TableMessage<X>>,
     ) {
-        if self.is_alone() {
-            return;
-        }
-        if let Some(want) = self.want(&fact, is_free) {
+        if let Some(want) = self.want(&fact, is_free).filter(|_| !self.is_alone()) {
             let event = self.rounds.ask(want, &fact);
             self.note(event, &Teammates::from(peers));
         }
-        if self.prepare(peers) {
+    }
+
+    /// Scores the list of a round in which the robot's tree has nothing to decide: it goes on with
+    /// what it does.
+    pub(super) fn stay<X: Message>(&mut self, peers: Peers<'_, TableMessage<X>>, budget: &mut u32) {
+        if self.prepare(peers, budget) == Some(true) {
             let score = |&policy: &u16| if self.stays(policy) { Score::default() } else { Score::CANNOT };
-            let scores = self.list.iter().map(score).collect();
-            self.give(scores, self.fact().operator(), peers);
+            let scores = self.listed().iter().map(score).collect();
+            self.scored_for = self.fact().operator();
+            self.give(scores, peers);
         }
-        let list = OnTables { tables: self.tables, policies: &self.list };
-        self.waiting = self.rounds.waiting(&Teammates::from(peers), &list);
+    }
+
+    /// Whether the robot has scores to give that the budget of a tick was not enough for.
+    pub(super) const fn is_cut(&self) -> bool {
+        self.is_cut
+    }
+
+    /// Notes what the robot waits for.
+    pub(super) fn note_waiting<X: Message>(&mut self, peers: Peers<'_, TableMessage<X>>) {
+        let list = OnTables { tables: self.tables, policies: self.listing.policies() };
+        let waiting = self.rounds.waiting(&Teammates::from(peers), &list);
+        self.waiting = waiting.filter(|_| !self.is_alone());
     }
 
     /// Whether another decision is needed, by what the robot would announce now.
     fn want(&self, fact: &Announcement, is_free: bool) -> Option<Want> {
         let is_of_round = [self.idle(), self.fact().operator()].contains(&fact.operator());
-        let has_begun_else = self.part != Part::UnderWay && !is_of_round;
+        let has_begun_else = !matches!(self.part, Part::UnderWay | Part::Ahead) && !is_of_round;
+        let is_told = self.part == Part::Ahead && self.tells(fact);
         let is_news =
             self.part == Part::Done || !fact.is_as(self.fact()) || self.is_overlooked(fact.intends());
-        (has_begun_else || is_free && is_news).then_some(Want::Needed)
+        (has_begun_else || is_told || is_free && is_news).then_some(Want::Needed)
+    }
+
+    /// Whether what the robot would announce now makes a fact of a teammate true or false.
+    fn tells(&self, fact: &Announcement) -> bool {
+        let own = self.own();
+        let said = |fact: &Announcement| core::array::from_fn(|robot| Some(*fact).filter(|_| robot == own));
+        let (before, now): ([_; N], [_; N]) = (said(self.fact()), said(fact));
+        let is_changed = |fact| {
+            let holds = |said| holds_of_teammate(fact, said, |_| self.fact().operator());
+            holds(&before) != holds(&now)
+        };
+        let roles = self.tables.roles().iter().enumerate();
+        roles.filter(|&(robot, _)| robot != own).any(|(_, role)| role.facts.iter().any(is_changed))
     }
 
     /// Whether the robot would choose an operator that the choice does not have for it, and that
@@ -265,13 +377,14 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         !is_served && self.scored_for != operator
     }
 
-    /// What to announce.
+    /// What to announce; `done` changes as long as the robot works on its scores.
     pub(super) fn message<X: Message>(
         &self,
         peers: Peers<'_, TableMessage<X>>,
+        done: u8,
     ) -> RoundMessage<Announcement, MAX_POLICIES> {
         let policy = self.rounds.protocol().policy();
         let probability = policy.map_or(0.0, |policy| self.weighed.probability(policy));
-        self.rounds.protocol().message(&Teammates::from(peers), self.list.len() as u8, probability)
+        self.rounds.protocol().message(&Teammates::from(peers), done, probability)
     }
 }

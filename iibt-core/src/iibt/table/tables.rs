@@ -126,6 +126,16 @@ impl<'a> Tables<'a> {
         most
     }
 
+    /// A robot's part of a joint policy, by the numbers of policy, robot and operator: the last
+    /// robot's operators run fastest.
+    #[must_use]
+    pub fn part(&self, policy: u16, robot: usize) -> u8 {
+        let later = self.roles.iter().skip(robot + 1).map(|role| role.operators.len());
+        let own = self.role(robot).map_or(1, |role| role.operators.len().max(1));
+        let rest = usize::from(policy) / later.product::<usize>().max(1);
+        (rest % own) as u8
+    }
+
     /// The number of joint policies: the `P` of a [`TableTask`](super::TableTask).
     #[must_use]
     pub const fn policies(&self) -> usize {

@@ -3,7 +3,7 @@
 use super::announcement::{Announcement, TableMessage};
 use super::definition::{Aim, Fact, HiddenFactor, Holds, MAX_SENSORS, Operator, Role};
 use super::error::TablesError;
-use super::joint::{holds_of_teammate, operator_of};
+use super::joint::{MAX_POLICIES, holds_of_teammate};
 use super::model::{prior, track};
 use super::rounds::TeamRounds;
 use super::tables::Tables;
@@ -61,7 +61,7 @@ pub struct Wanted<const S: usize, const N: usize> {
 /// excluded by announcing another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offered<const N: usize> {
-    target: Option<u8>,
+    pub(super) target: Option<u8>,
     /// The operator that each teammate has under way, if it was heard.
     pub(super) announced: [Option<u8>; N],
 }
@@ -102,11 +102,21 @@ pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, X = ()>
     /// The command under way.
     pending: Option<Command>,
     command: Option<Command>,
-    decision: Option<JointDecision<S, N, P>>,
+    /// The robot's own decision: the last one, or the one that it works on.
+    pub(super) decision: Option<JointDecision<S, N, P>>,
+    /// How many joint policies are scored for a decision that it works on.
+    pub(super) thinking: Option<u16>,
+    /// Whether the decision was made in this tick.
+    pub(super) is_current: bool,
     /// The operator that the robot would choose by itself.
     intends: u8,
-    /// What it wanted when it was last sure, with the operator for that.
-    wanted: Option<(Wanted<S, N>, u8)>,
+    /// Target and operator of the last decision, if nothing is missing for it.
+    pub(super) wanted: Option<(Option<u8>, u8)>,
+    budget: u32,
+    /// The work units that are left in this tick.
+    pub(super) left: u32,
+    /// The work units of earlier ticks.
+    worked: u32,
     /// Whether a node has asked for a choice since the last percept.
     is_asked: bool,
     /// Whether the choice of this tick is what the team has decided, or needs no teammate.
@@ -116,6 +126,9 @@ pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, X = ()>
 }
 
 impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, P, X> {
+    /// The work units of a tick unless [`set_budget`](Self::set_budget) says otherwise.
+    pub const BUDGET: u32 = 1_000;
+
     /// Robot `robot` of the team at the start of the task, with its first aim, switched on for the
     /// `epoch`-th time: the epoch of its frames.
     ///
@@ -148,13 +161,35 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
             pending: None,
             command: None,
             decision: None,
+            thinking: None,
+            is_current: false,
             intends: role.idle,
             wanted: None,
+            budget: Self::BUDGET,
+            left: Self::BUDGET,
+            worked: 0,
             is_asked: false,
             is_agreed: false,
             rounds: TeamRounds::new(tables, robot, epoch, at_start(role, tables.confidence()))?,
             addition: PhantomData,
         })
+    }
+
+    /// Sets the most work units of a tick. A unit is one joint policy that is scored, for the robot's
+    /// own decision or for the team's list, or looked at for the list; what is left is done in the
+    /// next tick.
+    ///
+    /// What is decided does not depend on it, only when: a robot is as slow as its own decisions
+    /// and the list, each [`policies`](Tables::policies) units. Teammates leave out a robot whose
+    /// count does not change for 40 ticks, so a tick needs a 640th of them.
+    pub const fn set_budget(&mut self, units: u32) {
+        self.budget = units;
+    }
+
+    /// The work units of this tick so far.
+    #[must_use]
+    pub const fn work(&self) -> u32 {
+        self.budget.saturating_sub(self.left)
     }
 
     /// Sets the aim by its number; returns whether there is one.
@@ -177,7 +212,9 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
             return false;
         }
         self.observed = Some(percept.at);
-        (self.busy, self.command, self.decision) = (percept.busy, None, None);
+        self.worked = self.worked.wrapping_add(self.work());
+        self.left = self.budget;
+        (self.busy, self.command, self.is_current) = (percept.busy, None, false);
         if !percept.busy {
             let ended = self.pending.take();
             self.rounds.end();
@@ -188,7 +225,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
 
     /// Begins an operator that something else than the node has chosen: a plain leaf of the tree.
     pub fn begin(&mut self, command: Command) {
-        (self.command, self.pending, self.wanted) = (Some(command), Some(command), None);
+        (self.command, self.pending) = (Some(command), Some(command));
+        (self.wanted, self.thinking) = (None, None);
     }
 
     /// Returns the command for the body, once; `None` for nothing new.
@@ -216,14 +254,23 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
     where
         X: Message,
     {
-        let is_free = self.pending.is_none() && self.is_settled();
-        if let Some((wanted, operator)) = self.wanted.filter(|_| self.is_asked) {
-            // The others need not wait until it is sure again, or its loop done: it wants what it
-            // wanted.
-            self.score(&wanted, operator, peers);
+        let is_thinking = self.thinking.is_some();
+        let is_free = self.pending.is_none() && self.is_settled() && !is_thinking;
+        self.rounds.ask(self.announcement(), is_free, peers);
+        if !self.is_asked || self.wanted.is_none() && !is_thinking {
+            self.rounds.stay(peers, &mut self.left);
+        } else {
+            // The others need not wait until it is sure again: it wants what it wanted.
+            self.score(peers);
         }
-        self.rounds.conclude(self.announcement(), is_free, peers);
-        TableMessage { round: self.rounds.message(peers), own: () }
+        self.rounds.note_waiting(peers);
+        TableMessage { round: self.rounds.message(peers, self.progress()), own: () }
+    }
+
+    /// A count that changes as long as the robot works, so that no teammate takes it for stuck.
+    fn progress(&self) -> u8 {
+        let step = (self.tables.policies() / MAX_POLICIES).max(1) as u32;
+        (self.worked.wrapping_add(self.work()) / step % (MAX_POLICIES as u32 + 1)) as u8
     }
 
     /// The team's rounds: the list of joint policies, the posterior over them, what is waited for.
@@ -235,13 +282,13 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
     /// The decision of this tick, if one was made.
     #[must_use]
     pub const fn decision(&self) -> Option<&JointDecision<S, N, P>> {
-        self.decision.as_ref()
+        if self.is_current { self.decision.as_ref() } else { None }
     }
 
     /// This robot's part of a joint policy, by the number of its operator.
     #[must_use]
     pub fn part(&self, policy: u16) -> u8 {
-        operator_of(self.tables, policy, self.own)
+        self.tables.part(policy, self.own)
     }
 
     /// The state of a factor, if it is probable enough to act on; `None` while an operator is under
@@ -342,7 +389,7 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
     fn holds(&self, fact: &Fact<'_>, policy: Option<u16>, target: Option<u8>) -> bool {
         let among = |list: &[u8], state: usize| list.iter().any(|&of| usize::from(of) == state);
         let doing = |robot: usize| match policy {
-            Some(policy) => operator_of(self.tables, policy, robot),
+            Some(policy) => self.tables.part(policy, robot),
             None => self.teammate(robot).map_or(0, |said| said.operator()),
         };
         match fact.holds {
@@ -384,10 +431,14 @@ impl<const S: usize, const N: usize, const P: usize, X: Message> Task for TableT
     fn observe(&mut self, percept: &Percept, peers: Peers<'_, TableMessage<X>>) {
         if self.sense(percept) {
             self.rounds.attend(self.announcement(), peers);
-            self.said = self.rounds.said(peers);
-            self.intends = self.role.idle;
+            let said = core::mem::replace(&mut self.said, self.rounds.said(peers));
             let is_asked = core::mem::take(&mut self.is_asked);
             self.wanted = self.wanted.filter(|_| is_asked);
+            // What it thinks about is what was said.
+            self.thinking = self.thinking.filter(|_| is_asked && said == self.said);
+            if self.thinking.is_none() && !self.rounds.is_cut() {
+                self.intends = self.role.idle;
+            }
         }
     }
 
@@ -419,7 +470,7 @@ impl<const S: usize, const N: usize, const P: usize, X: Message> Task for TableT
         preference: &Wanted<S, N>,
         peers: Peers<'_, TableMessage<X>>,
     ) -> Option<Plan> {
-        (self.decision, self.is_asked) = (None, true);
+        (self.is_current, self.is_asked) = (false, true);
         self.is_agreed = self.busy || !self.is_settled() || self.rounds.is_alone();
         if self.busy {
             return Some(Plan::Continue);
@@ -427,19 +478,21 @@ impl<const S: usize, const N: usize, const P: usize, X: Message> Task for TableT
         if !self.is_settled() {
             return Some(Plan::Look);
         }
-        let mut decision = self.decide(offered, preference)?;
-        if self.unmet_in(decision.choice, offered.target).is_none() && !self.rounds.is_alone() {
-            self.intends = self.part(decision.choice);
-            self.wanted = Some((*preference, self.intends));
-            self.score(preference, self.intends, peers);
-            if let Some(policy) = self.rounds.due().filter(|&of| self.unmet_in(of, offered.target).is_none())
-            {
-                (decision.choice, self.is_agreed) = (policy, true);
+        // What it has decided is scored before it decides again.
+        if self.wanted.is_some() && self.rounds.is_cut() {
+            self.score(peers);
+            if self.rounds.is_cut() {
+                return None;
             }
         }
-        let choice = decision.choice;
-        self.decision = Some(decision);
-        Some(Plan::Take(choice))
+        let choice = self.think(offered, preference)?;
+        if self.unmet_in(choice, offered.target).is_some() || self.rounds.is_alone() {
+            return Some(Plan::Take(choice));
+        }
+        self.intends = self.part(choice);
+        self.wanted = Some((offered.target, self.intends));
+        self.score(peers);
+        Some(Plan::Take(self.agreed(choice, offered.target, peers)))
     }
 
     fn unmet(&self, plan: Plan, offered: &Offered<N>) -> Option<Literal> {
@@ -476,6 +529,20 @@ impl<const S: usize, const N: usize, const P: usize, X: Message> Task for TableT
 
     fn wait(&mut self) {
         self.command = None;
+    }
+}
+
+impl<const S: usize, const N: usize, const P: usize, X: Message> TableTask<'_, S, N, P, X> {
+    /// What the robot may begin by what the team has decided, if there is something; else its own
+    /// choice.
+    fn agreed(&mut self, own: u16, target: Option<u8>, peers: Peers<'_, TableMessage<X>>) -> u16 {
+        let due = self.rounds.due().filter(|&policy| self.unmet_in(policy, target).is_none());
+        self.is_agreed = due.is_some() || self.rounds.goes_on(self.intends, &self.announcement(), peers);
+        let choice = due.unwrap_or(own);
+        if let Some(decision) = &mut self.decision {
+            decision.choice = choice;
+        }
+        choice
     }
 }
 
