@@ -75,7 +75,7 @@ A scenario of your own:
 host-sim/scenarios/README.md tells what else a scenario can say.
 
 A task written as tables is flown in the same way: `host-sim run valves`, `host-sim run my-task.toml`.
-host-sim/tasks/README.md tells what such a file says. --tree, --log and --frames are for scenarios.
+host-sim/tasks/README.md tells what such a file says. --tree, --disturbance and --log are for scenarios.
 
 Exit status:
   0  the mission was accomplished, or there was nothing to do
@@ -118,7 +118,7 @@ enum Verb {
     /// Write a model from a notebook, or the tables of a task, as Rust source for firmware
     #[command(after_help = notebook::EXPORT_EXAMPLES)]
     Export(notebook::Export),
-    /// Tell from recorded frames who goes where, when and how surely
+    /// Tell from recorded frames who goes where or does what, and how surely
     #[command(after_help = frames::EXAMPLES)]
     Frames(frames::Frames),
     /// Learn from a log how often each robot's moves succeed

@@ -4,13 +4,19 @@
 //! the number of the chosen one and its probability. So the frames and the mission are all it
 //! takes.
 
+mod heard;
+mod task;
+
+pub use task::{ChosenParts, RobotPart, TaskFrames, TaskRound};
+
+use self::heard::{Heard, Round};
 use crate::scenario::{MAX_CELLS, Scenario};
 use crate::team::{LAYERS, MEDIUM, NODES, POLICIES, SMALL, TeamError, on_mission};
 use crate::text::{counted, route};
 use iibt_core::grid::{Cell, Move, words};
-use iibt_core::navigation::{Cells, Fact, Intention, Mission, Navigation, Policies, Purpose};
-use iibt_core::team::rounds::{Answer, Choice, Proposal, RoundMessage};
-use iibt_core::team::{Context, Deframer, Key, MAX_TEAM, Member, RobotId, SipHash64, decode};
+use iibt_core::navigation::{Fact, Intention, Mission, Navigation, Policies, Purpose};
+use iibt_core::team::rounds::Choice;
+use iibt_core::team::{Context, Key, Member, RobotId};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -105,81 +111,21 @@ fn read<const S: usize, const W: usize>(
     on_mission::<W, _>(scenario, |mission| {
         let listener = Member::new(RobotId(0), scenario.robots.len())?;
         let navigation = Box::new(Navigation::<S, W, LAYERS, NODES, POLICIES>::new(mission, listener, 1)?);
-        let auth = SipHash64::new(key.clone());
         let context = Context::of::<Intention<W, POLICIES>>(0, navigation.mission_id());
-        let mut heard = Heard::<W>::default();
-        let mut refused = BTreeMap::new();
-        let mut deframer = Deframer::new();
-        // A delimiter more, so that a frame that was cut off is refused and not forgotten.
-        for &byte in bytes.iter().chain(&[0]) {
-            let Some(frame) = deframer.feed(byte) else { continue };
-            let read =
-                decode::<Intention<W, POLICIES>>(frame, &auth, context).map_err(|error| error.to_string());
-            let read = read.and_then(|envelope| {
-                let accepted = navigation.accepts(&envelope.message).map_err(|invalid| invalid.to_string());
-                accepted.map(|()| envelope)
-            });
-            match read {
-                Ok(envelope) => heard.note(envelope.sender, envelope.message.0),
-                Err(reason) => *refused.entry(reason).or_default() += 1,
-            }
-        }
-        if deframer.dropped() > 0 {
-            refused.insert("longer than the longest frame".to_owned(), deframer.dropped());
-        }
-        heard.rounds.sort_by_key(|round| round.proposal.round);
+        let accepts = |message: &Intention<W, POLICIES>| navigation.accepts(message);
+        let heard = Heard::<Fact<W>>::read(bytes, key, context, accepts);
         let rounds = heard.rounds.iter().map(|round| round.told(scenario, mission)).collect();
-        Ok(TeamFrames { accepted: heard.frames, refused, rounds })
+        Ok(TeamFrames { accepted: heard.accepted, refused: heard.refused, rounds })
     })
 }
 
-/// The frames heard so far.
-#[derive(Default)]
-struct Heard<const W: usize> {
-    frames: u32,
-    rounds: Vec<Round<W>>,
-}
-
-/// What the members of one round have said.
-struct Round<const W: usize> {
-    proposal: Proposal<Cells<W>>,
-    facts: [Option<Fact<W>>; MAX_TEAM],
-    made: [u16; MAX_TEAM],
-    choice: Option<Choice>,
-}
-
-impl<const W: usize> Heard<W> {
-    fn note(&mut self, sender: RobotId, message: RoundMessage<Fact<W>, POLICIES>) {
-        self.frames += 1;
-        let known = self.rounds.iter().position(|round| round.proposal == message.proposal);
-        let index = known.unwrap_or_else(|| {
-            let proposal = message.proposal.clone();
-            self.rounds.push(Round {
-                proposal,
-                facts: Default::default(),
-                made: [0; MAX_TEAM],
-                choice: None,
-            });
-            self.rounds.len() - 1
-        });
-        let round = &mut self.rounds[index];
-        round.facts[sender.index()] = Some(message.fact);
-        round.made[sender.index()] = message.answer.step();
-        if let Answer::Decided { choice: Some(choice), .. } = message.answer {
-            round.choice = Some(choice);
-        }
-    }
-}
-
-impl<const W: usize> Round<W> {
+impl<const W: usize> Round<Fact<W>> {
     fn told(&self, scenario: &Scenario, mission: &Mission<'_, W>) -> HeardRound {
         let name = |robot: RobotId| scenario.robots[robot.index()].name.clone();
-        let members = || self.proposal.view.iter();
-        let missing = members().filter(|robot| self.facts[robot.index()].is_none());
         HeardRound {
             round: self.proposal.round,
-            members: members().map(name).collect(),
-            missing: missing.map(name).collect(),
+            members: self.members().map(name).collect(),
+            missing: self.missing().map(name).collect(),
             is_decided: self.choice.is_some(),
             chosen: self.choice.and_then(|choice| self.chosen(choice, scenario, mission)),
         }
@@ -211,23 +157,15 @@ impl fmt::Display for TeamFrames {
         for round in &self.rounds {
             write!(f, "{round}")?;
         }
-        write!(f, "{} read", counted(self.accepted, "frame"))?;
-        for (reason, times) in &self.refused {
-            write!(f, ", {times} refused: {reason}")?;
-        }
-        writeln!(f)
+        heard::count(f, self.accepted, &self.refused)
     }
 }
 
 impl fmt::Display for HeardRound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "round {}, {}: ", self.round, self.members.join(" "))?;
-        match &self.chosen {
-            Some(chosen) => write!(f, "{chosen}"),
-            None if !self.is_decided => writeln!(f, "no choice was sent"),
-            None if self.missing.is_empty() => writeln!(f, "the choice is not in the list of its facts"),
-            None => writeln!(f, "who goes where is unknown without the facts of {}", self.missing.join(" ")),
-        }
+        let chosen = self.chosen.as_ref().map(|chosen| chosen as &dyn fmt::Display);
+        let unknown = ("who goes where", &self.missing[..]);
+        heard::round(f, (self.round, &self.members), chosen, self.is_decided, unknown)
     }
 }
 

@@ -69,7 +69,7 @@ pub use faults::Faults;
 pub use flight::{Flight, NavigatorFlight, Reading};
 pub use flight_event::FlightEvent;
 pub use fly::{Conditions, Observer, Snapshot, fly};
-pub use frames::{ChosenPolicy, HeardRound, TeamFrames, Way};
+pub use frames::{ChosenParts, ChosenPolicy, HeardRound, RobotPart, TaskFrames, TaskRound, TeamFrames, Way};
 pub use input::FileError;
 pub use learn::{Learned, MoveRatio, RobotRatios};
 pub use log::{Attempt, ExecutionLog, Logbook};

@@ -129,6 +129,8 @@ pub struct Testbed<R: Robot<T>, T> {
     robots: Vec<Controller<OnParts<R>, Simulated<T>>>,
     radio: RadioChannel,
     tick: u32,
+    /// The frames of the last tick, one after the other.
+    frames: Vec<u8>,
 }
 
 impl<R: Robot<T>, T> Testbed<R, T> {
@@ -148,7 +150,7 @@ impl<R: Robot<T>, T> Testbed<R, T> {
             Ok(Controller::new(OnParts(mind), settings(RobotId(robot), size)?, hardware))
         };
         let robots = (0..).zip(team).map(controller).collect::<Result<_, _>>()?;
-        Ok(Self { robots, radio: RadioChannel::new(radio, size, seed), tick: 0 })
+        Ok(Self { robots, radio: RadioChannel::new(radio, size, seed), tick: 0, frames: Vec::new() })
     }
 
     /// Hands out the frames that arrive, ticks every robot once, and sends what they announce;
@@ -162,9 +164,11 @@ impl<R: Robot<T>, T> Testbed<R, T> {
             robot.tick()
         });
         let statuses = statuses.collect();
+        self.frames.clear();
         for (sender, robot) in self.robots.iter_mut().enumerate() {
             for frame in robot.hardware_mut().link.sent.drain(..) {
                 self.radio.send(self.tick, sender, &frame);
+                self.frames.extend(frame);
             }
         }
         self.tick += 1;
@@ -175,6 +179,12 @@ impl<R: Robot<T>, T> Testbed<R, T> {
     #[must_use]
     pub const fn ticks(&self) -> u32 {
         self.tick
+    }
+
+    /// The frames that the robots sent in the last tick, one after the other, with their delimiters.
+    #[must_use]
+    pub fn frames(&self) -> &[u8] {
+        &self.frames
     }
 
     /// The robots in their order.

@@ -136,6 +136,56 @@ fn recorded_frames_tell_who_goes_where_when_and_how_surely() {
 }
 
 #[test]
+fn recorded_frames_of_a_task_tell_who_does_what_and_how_surely() {
+    let recording = file("valves.bin", "");
+    let run = host_sim("run valves --seed 3 --json --frames").arg(&recording).assert().success();
+    let flight: Value = serde_json::from_slice(&run.stderr(is_empty()).get_output().stdout).expect("JSON");
+    let frames = |arguments: &str| {
+        let mut command = host_sim("frames");
+        command.arg(&recording).args(arguments.split(' '));
+        command
+    };
+    let told = frames("--task valves").assert().success().stderr(is_empty());
+    let told = String::from_utf8_lossy(&told.get_output().stdout).into_owned();
+    let begins = flight["operated"].as_array().expect("a list").len();
+    assert!(told.starts_with("round 0, R1 R2: joint policy 1 of 2, pi2, probability "), "{told}");
+    assert!(told.contains("\n  R1   begins turn: valve open\n  R2   does nothing: valve "), "{told}");
+    assert_eq!(told.matches("begins turn").count(), begins, "each turn is decided once: {told}");
+    assert!(told.ends_with(&format!("{} frames read\n", flight["frames"]["sent"])), "{told}");
+    frames("--mission valves").assert().success().stdout(told);
+
+    refuses(&mut frames("--task bottle-and-plate"), "no frame of the mission bottle-and-plate: ");
+    refuses(&mut frames("--task two-goals"), "no frame of the mission two-goals: ");
+    refuses(&mut frames("--task valves --key 00112233445566778899aabbccddeeff"), "wrong tag");
+    refuses(&mut frames("--task valvs"), "did you mean 'valves'?");
+    let broken = file("broken.toml", "[[robot]]\nname = 'R1'\n[[robot.factor]]\nname = 'valve'\n");
+    refuses(frames("--task").arg(&broken), "broken.toml:");
+    refuses(
+        host_sim("frames --task valves").arg(file("none.bin", "")),
+        "none.bin: no frame of the mission valves: it is empty",
+    );
+    refuses(&mut host_sim("run valves --frames no/such/folder/x.bin"), "no/such/folder/x.bin: ");
+}
+
+#[test]
+fn a_task_is_slower_with_less_work_in_a_tick_and_does_the_same() {
+    let text = include_str!("../tasks/valves.toml");
+    let flown = |budget: &str| {
+        let calm = text.replace("right = 0.9", "right = 1.0").replace("success = 0.8", "success = 1.0");
+        let path = file("budget.toml", &calm.replacen("limit = 300", &format!("limit = 300\n{budget}"), 1));
+        let run = host_sim("run --json").arg(path).assert().success();
+        let flight: Value = serde_json::from_slice(&run.get_output().stdout).expect("JSON");
+        let turns = flight["operated"].as_array().expect("a list").iter();
+        let turns: Vec<_> = turns.map(|turn| (turn["robot"].clone(), turn["operator"].clone())).collect();
+        (flight["ticks"].as_u64().expect("a number"), turns)
+    };
+    let (free, slow) = (flown(""), flown("budget = 1"));
+    assert!(slow.0 > free.0 + 10 && slow.1 == free.1, "{free:?} {slow:?}");
+    let none = file("none.toml", &text.replacen("limit = 300", "budget = 0", 1));
+    refuses(host_sim("run").arg(none), "none.toml:2:");
+}
+
+#[test]
 fn nothing_to_do_is_its_own_word_and_success() {
     let scenario = file("there.toml", "title = 't'\nmap = '''\n1..\n2..\n'''\ngoals = [0, 3]\n");
     let run = host_sim("run --quiet").arg(&scenario).assert().success();
@@ -153,16 +203,14 @@ fn what_a_robot_waits_for_is_printed() {
 
 #[test]
 fn a_task_is_flown_and_exported_without_what_is_for_scenarios_and_models() {
-    for option in ["--frames x.bin", "--log x.csv", "--tree conventional"] {
-        let reason = "valves: a task is flown without --tree, --disturbance, --log and --frames";
+    for option in ["--log x.csv", "--tree conventional"] {
+        let reason = "valves: a task is flown without --tree, --disturbance and --log";
         refuses(&mut host_sim(&format!("run valves {option}")), reason);
     }
     for option in ["--name x", "--dense"] {
         let reason = "valves: a task is exported without --name and --dense";
         refuses(&mut host_sim(&format!("export valves {option}")), reason);
     }
-    let mut frames = host_sim("frames --mission valves");
-    refuses(frames.arg(file("any.bin", "")), "valves: a scenario is wanted here");
     refuses(&mut host_sim("run valvs"), "did you mean 'valves'? built in are factory");
 }
 

@@ -33,7 +33,7 @@ Disturbances, drawn from the seed and the same for both trees:
 In a folder, the first seed flies the first file by name, and after the last file the first again.
 
 A task file is flown at levels of 0, 10, 20 and 30 % of wrong readings and of failed actions, without
---tree, --budget and --disturbance. Its exit status is 0 at any share of success.
+--tree and --disturbance. Its exit status is 0 at any share of success.
 
 Exit status:
   0  no flight of the inference node had a collision
@@ -159,14 +159,15 @@ impl FlyMany {
     /// A task file at several levels of wrong readings and failed actions.
     fn fly_task(&self, text: &str) -> Result<ExitCode, Failure> {
         let is_every = self.disturbance.0.len() == Disturbance::ALL.len();
-        if self.tree != CampaignTrees::Both || self.budget.is_some() || !is_every {
+        if self.tree != CampaignTrees::Both || !is_every {
             let name = &self.scenario;
             return Err(format!(
-                "{name}: a task is flown at several levels of noise, without --tree, --budget and --disturbance"
+                "{name}: a task is flown at several levels of noise, without --tree and --disturbance"
             )
             .into());
         }
-        task::campaign(&self.scenario, text, self.seeds.unwrap_or(SEEDS), self.threads, self.json)
+        let seeds = self.seeds.unwrap_or(SEEDS);
+        task::campaign(&self.scenario, text, seeds, self.threads, self.budget, self.json)
     }
 }
 

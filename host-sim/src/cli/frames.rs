@@ -1,9 +1,12 @@
-//! `frames`: what recorded frames say of a team's plans.
+//! `frames`: what recorded frames say of a team's plans, or of its work on a task.
 
-use super::{Failure, about, print, read_up_to, scenario};
+use super::{Failure, about, print, read_up_to, scenario, task};
+use bumpalo::Bump;
 use clap::Args;
-use host_sim::{KEY, TeamFrames};
+use host_sim::task::TableMission;
+use host_sim::{KEY, TaskFrames, TeamFrames};
 use iibt_core::team::Key;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -12,6 +15,8 @@ Examples:
   host-sim run factory --frames flight.bin             fly, and keep all frames
   host-sim frames flight.bin --mission factory         who goes where, when and how surely
   host-sim frames radio.bin --mission my-warehouse.toml --key 000102030405060708090a0b0c0d0e0f
+  host-sim run valves --frames valves.bin              the same for a task written as tables:
+  host-sim frames valves.bin --task valves             who does what, and how surely
 
 The file has frames as robots send them, delimiters included: what a serial line or a radio has carried. Robots
 of another mission, another key, or built for other sizes of plans send frames that are refused.
@@ -28,8 +33,8 @@ pub(super) struct Frames {
     /// A file of frames
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// The mission that the team flies: a built-in scenario, or a scenario file
-    #[arg(long, value_name = "NAME|FILE.toml")]
+    /// The mission of the team: a built-in scenario or task, or a file with one
+    #[arg(long, visible_alias = "task", value_name = "NAME|FILE.toml")]
     mission: String,
     /// The team's key, 32 hexadecimal digits, in place of the simulator's
     #[arg(long, value_name = "HEX", value_parser = key)]
@@ -40,18 +45,31 @@ impl Frames {
     pub(super) fn run(&self) -> Result<ExitCode, Failure> {
         let name = self.file.display();
         let bytes = read_up_to(&self.file, MAX_BYTES).map_err(about(&name))?;
-        let scenario = scenario(&self.mission)?;
         let key = self.key.map_or(KEY, Key::new);
-        let frames = TeamFrames::read(&scenario, &key, &bytes).map_err(about(&scenario.name))?;
-        if frames.accepted == 0 {
-            let reasons: Vec<_> =
-                frames.refused.iter().map(|(reason, times)| format!("{times} refused: {reason}")).collect();
-            let reasons = if reasons.is_empty() { "it is empty".to_owned() } else { reasons.join(", ") };
-            return Err(format!("{name}: no frame of the mission {}: {reasons}", scenario.name).into());
+        let (told, accepted, refused) = if let Some(text) = task::text_of(&self.mission)? {
+            let arena = Bump::new();
+            let mission = TableMission::parse(&arena, &self.mission, &text)?;
+            let frames = TaskFrames::read(&mission, &key, &bytes).map_err(about(&self.mission))?;
+            (frames.to_string(), frames.accepted, frames.refused)
+        } else {
+            let scenario = scenario(&self.mission)?;
+            let frames = TeamFrames::read(&scenario, &key, &bytes).map_err(about(&scenario.name))?;
+            (frames.to_string(), frames.accepted, frames.refused)
+        };
+        if accepted == 0 {
+            return Err(
+                format!("{name}: no frame of the mission {}: {}", self.mission, reasons(&refused)).into()
+            );
         }
-        print(&frames.to_string())?;
+        print(&told)?;
         Ok(ExitCode::SUCCESS)
     }
+}
+
+fn reasons(refused: &BTreeMap<String, u32>) -> String {
+    let reasons: Vec<_> =
+        refused.iter().map(|(reason, times)| format!("{times} refused: {reason}")).collect();
+    if reasons.is_empty() { "it is empty".to_owned() } else { reasons.join(", ") }
 }
 
 fn key(text: &str) -> Result<[u8; 16], String> {

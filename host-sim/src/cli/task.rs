@@ -1,10 +1,11 @@
 //! Task files under the verbs that take scenarios and models.
 
-use super::{Failure, MAX_BYTES, RunArgs, about, exit_status, print, read, report};
+use super::{Failure, MAX_BYTES, RunArgs, about, created, exit_status, print, read, report};
 use bumpalo::Bump;
 use host_sim::Pilot;
 use host_sim::campaign::Disturbance;
 use host_sim::task::{TableMission, Trouble, built_in, is_task, level_table, outcome_line};
+use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::ExitCode;
@@ -28,16 +29,21 @@ pub(super) fn title(name: &str) -> Result<String, Failure> {
 
 pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
     let name = &of.scenario;
-    let is_flight = of.log.is_some() || of.frames.is_some() || of.disturbance != Disturbance::None;
-    if of.tree != Pilot::default() || is_flight {
-        return Err(
-            format!("{name}: a task is flown without --tree, --disturbance, --log and --frames").into()
-        );
+    if of.tree != Pilot::default() || of.log.is_some() || of.disturbance != Disturbance::None {
+        return Err(format!("{name}: a task is flown without --tree, --disturbance and --log").into());
     }
     let arena = Bump::new();
     let mission = TableMission::parse(&arena, name, text)?;
     let trouble = Trouble { loss: of.loss, ..Trouble::default() };
-    let flown = mission.fly(of.seed, trouble).map_err(about(name))?;
+    let mut recording = of.frames.as_deref().map(created).transpose()?;
+    let mut written = Ok(());
+    let mut record = |frames: &[u8]| {
+        if let (Some(file), Ok(())) = (&mut recording, &written) {
+            written = file.write_all(frames);
+        }
+    };
+    let flown = mission.fly_recorded(of.seed, trouble, &mut record).map_err(about(name))?;
+    written.and_then(|()| recording.map_or(Ok(()), |mut file| file.flush()))?;
     report(of.json, &flown, || match of.quiet {
         true => outcome_line(&flown) + "\n",
         false => mission.narrate(&flown),
@@ -50,10 +56,12 @@ pub(super) fn campaign(
     text: &str,
     seeds: u32,
     threads: Option<NonZeroUsize>,
+    budget: Option<u32>,
     json: bool,
 ) -> Result<ExitCode, Failure> {
     let arena = Bump::new();
-    let mission = TableMission::parse(&arena, name, text)?;
+    let mut mission = TableMission::parse(&arena, name, text)?;
+    mission.budget = budget.or(mission.budget);
     let levels = mission.campaign(seeds, threads).map_err(about(name))?;
     report(json, &levels, || level_table(&levels))?;
     Ok(ExitCode::SUCCESS)

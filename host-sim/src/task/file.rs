@@ -12,6 +12,7 @@ pub(super) struct File {
     pub limit: Option<WholeNumber>,
     pub precision: Option<RealNumber>,
     pub confidence: Option<RealNumber>,
+    pub budget: Option<WholeNumber>,
     #[serde(default)]
     pub radio: RadioEntry,
     #[serde(rename = "robot")]

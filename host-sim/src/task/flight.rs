@@ -133,6 +133,11 @@ impl<'t, R: Worker<'t>> TaskFlight<'t, R> {
         }
     }
 
+    /// The frames that the robots sent in this tick.
+    pub(crate) fn frames(&self) -> &[u8] {
+        self.testbed.frames()
+    }
+
     /// The percept and the command of a robot in this tick.
     pub(crate) fn parts(&self, robot: usize) -> &Station {
         self.testbed.parts(robot)

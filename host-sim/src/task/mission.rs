@@ -6,8 +6,13 @@ use super::robot::{Finished, HostRobot, TIMEOUT, tree_of};
 use crate::testbed::settings;
 use iibt_core::iibt::table::TablesError;
 use iibt_core::team::{MemberError, RobotId};
+use iibt_core::time::Duration;
 use iibt_core::tree::{NodeMemory, Status};
 use thiserror::Error;
+
+/// The most work units of a decision for each joint policy: eight raises and nine inferences, the
+/// list, and the same again once the choice is known.
+const UNITS_OF_A_DECISION: u32 = 20;
 
 /// Disturbances in place of those of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,6 +41,20 @@ impl TableMission<'_> {
     /// # Errors
     /// [`TaskError`] when the simulator has no room for it.
     pub fn fly(&self, seed: u64, trouble: Trouble) -> Result<Flown, TaskError> {
+        self.fly_recorded(seed, trouble, &mut |_| ())
+    }
+
+    /// The same; `record` gets the frames of every tick as the robots send them, one after the
+    /// other.
+    ///
+    /// # Errors
+    /// As [`fly`](Self::fly).
+    pub fn fly_recorded(
+        &self,
+        seed: u64,
+        trouble: Trouble,
+        record: &mut dyn FnMut(&[u8]),
+    ) -> Result<Flown, TaskError> {
         let mut truth = self.truth.clone();
         truth.wrong = trouble.wrong.or(truth.wrong);
         if let Some(fails) = trouble.fails {
@@ -51,12 +70,28 @@ impl TableMission<'_> {
         let robots = (0..).zip(&trees).map(|(robot, tree)| {
             let settings = settings(RobotId(robot), trees.len())?;
             let (tree, memory) = (tree.by_ref(), vec![NodeMemory::NEW; tree.len()]);
-            Ok(HostRobot::with_memory(&self.tables, &settings, tree, memory, Finished(false), TIMEOUT)?)
+            let robot = HostRobot::with_memory(
+                &self.tables,
+                &settings,
+                tree,
+                memory,
+                Finished(false),
+                self.timeout(),
+            )?;
+            Ok(robot.with_budget(self.budget.unwrap_or(u32::MAX)))
         });
         let robots = robots.collect::<Result<_, TaskError>>()?;
         let flight = TaskFlight::new(&self.tables, &truth, radio, seed, robots)?;
         let done = |statuses: &[Status]| statuses.iter().all(|&status| status == Status::Success);
-        Ok(flight.fly(self.limit, done, &mut |_| ()))
+        Ok(flight.fly(self.limit, done, &mut |flight| record(flight.frames())))
+    }
+
+    /// The timeout of inference nodes: with a budget, a decision takes as many more ticks as it has
+    /// units.
+    fn timeout(&self) -> Duration {
+        let budget = self.budget.unwrap_or(u32::MAX).max(1);
+        let units = UNITS_OF_A_DECISION * self.tables.policies() as u32;
+        Duration(TIMEOUT.0.saturating_add(units.div_ceil(budget)))
     }
 
     /// Narrates a flight line by line: the actions, the outcome, and what is missing.

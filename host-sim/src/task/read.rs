@@ -7,7 +7,9 @@ use super::names::{
 };
 use super::room;
 use super::world::{Goal, Truth};
-use crate::input::{Fault, FileError, Read, RealNumber, Text, line_of_text, real, refuse, share, whole};
+use crate::input::{
+    Fault, FileError, Read, RealNumber, Text, line_of_text, optional, real, refuse, share, whole,
+};
 use crate::scenario::Radio;
 use bumpalo::Bump;
 use iibt_core::iibt::Literal;
@@ -34,6 +36,8 @@ pub struct TableMission<'a> {
     pub limit: u32,
     /// The radio between the robots.
     pub radio: Radio,
+    /// The work units of a robot's tick; no limit if left out.
+    pub budget: Option<u32>,
 }
 
 impl<'a> TableMission<'a> {
@@ -75,6 +79,7 @@ impl<'a, 'f> Reader<'a, 'f> {
             tables,
             limit: whole("limit", file.limit.as_ref(), 1..=100_000, 1000)?,
             radio: file.radio.check()?,
+            budget: optional("budget", file.budget.as_ref(), 1..=1_000_000_000)?,
         })
     }
 

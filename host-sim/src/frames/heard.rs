@@ -1,0 +1,127 @@
+//! Recorded frames of any team that decides in rounds, round by round.
+
+use iibt_core::team::rounds::{Answer, Choice, Fact, Proposal, RoundMessage};
+use iibt_core::team::{
+    Context, Deframer, Envelope, Invalid, Key, MAX_TEAM, Message, RobotId, SipHash64, decode,
+};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// What was heard so far.
+pub(super) struct Heard<F: Fact> {
+    /// The number of frames that were accepted.
+    pub(super) accepted: u32,
+    /// The reasons why others were refused, and how often.
+    pub(super) refused: BTreeMap<String, u32>,
+    /// The rounds by their numbers.
+    pub(super) rounds: Vec<Round<F>>,
+}
+
+/// What the members of one round have said.
+pub(super) struct Round<F: Fact> {
+    pub(super) proposal: Proposal<F::Claim>,
+    /// Empty for robots that are no members, and for those whose facts are missing.
+    pub(super) facts: [Option<F>; MAX_TEAM],
+    pub(super) made: [u16; MAX_TEAM],
+    pub(super) choice: Option<Choice>,
+}
+
+impl<F: Fact> Heard<F> {
+    /// Reads frames with their delimiters.
+    pub(super) fn read<M, const K: usize>(
+        bytes: &[u8],
+        key: &Key,
+        context: Context,
+        accepts: impl Fn(&M) -> Result<(), Invalid>,
+    ) -> Self
+    where
+        M: Message + AsRef<RoundMessage<F, K>>,
+    {
+        let mut heard = Self { accepted: 0, refused: BTreeMap::new(), rounds: Vec::new() };
+        let (auth, mut deframer) = (SipHash64::new(key.clone()), Deframer::new());
+        // A delimiter more, so that a frame that was cut off is refused and not forgotten.
+        for &byte in bytes.iter().chain(&[0]) {
+            let Some(frame) = deframer.feed(byte) else { continue };
+            let read = decode::<M>(frame, &auth, context).map_err(|error| error.to_string());
+            let read = read.and_then(|envelope: Envelope<M>| {
+                let accepted = accepts(&envelope.message).map_err(|invalid| invalid.to_string());
+                accepted.map(|()| envelope)
+            });
+            match read {
+                Ok(envelope) => heard.note(envelope.sender, envelope.message.as_ref()),
+                Err(reason) => *heard.refused.entry(reason).or_default() += 1,
+            }
+        }
+        if deframer.dropped() > 0 {
+            heard.refused.insert("longer than the longest frame".to_owned(), deframer.dropped());
+        }
+        heard.rounds.sort_by_key(|round| round.proposal.round);
+        heard
+    }
+
+    fn note<const K: usize>(&mut self, sender: RobotId, message: &RoundMessage<F, K>) {
+        self.accepted += 1;
+        let known = self.rounds.iter().position(|round| round.proposal == message.proposal);
+        let index = known.unwrap_or_else(|| {
+            let proposal = message.proposal.clone();
+            self.rounds.push(Round {
+                proposal,
+                facts: [const { None }; MAX_TEAM],
+                made: [0; MAX_TEAM],
+                choice: None,
+            });
+            self.rounds.len() - 1
+        });
+        let round = &mut self.rounds[index];
+        if round.proposal.view.contains(sender) {
+            round.facts[sender.index()] = Some(message.fact.clone());
+        }
+        round.made[sender.index()] = message.answer.step();
+        if let Answer::Decided { choice: Some(choice), .. } = message.answer {
+            round.choice = Some(choice);
+        }
+    }
+}
+
+impl<F: Fact> Round<F> {
+    /// The members.
+    pub(super) fn members(&self) -> impl Iterator<Item = RobotId> + Clone + use<F> {
+        self.proposal.view.iter()
+    }
+
+    /// The members whose facts are missing.
+    pub(super) fn missing(&self) -> impl Iterator<Item = RobotId> {
+        self.members().filter(|robot| self.facts[robot.index()].is_none())
+    }
+}
+
+/// Writes a round: its number and members, then the joint policy that was chosen, or why that is
+/// not known; `unknown` is what cannot be told then.
+pub(super) fn round(
+    f: &mut fmt::Formatter<'_>,
+    (number, members): (u32, &[String]),
+    chosen: Option<&dyn fmt::Display>,
+    is_decided: bool,
+    (unknown, missing): (&str, &[String]),
+) -> fmt::Result {
+    write!(f, "round {number}, {}: ", members.join(" "))?;
+    match chosen {
+        Some(chosen) => write!(f, "{chosen}"),
+        None if !is_decided => writeln!(f, "no choice was sent"),
+        None if missing.is_empty() => writeln!(f, "the choice is not in the list of its facts"),
+        None => writeln!(f, "{unknown} is unknown without the facts of {}", missing.join(" ")),
+    }
+}
+
+/// Writes how many frames were read, and why others were refused.
+pub(super) fn count(
+    f: &mut fmt::Formatter<'_>,
+    accepted: u32,
+    refused: &BTreeMap<String, u32>,
+) -> fmt::Result {
+    write!(f, "{} read", crate::text::counted(accepted, "frame"))?;
+    for (reason, times) in refused {
+        write!(f, ", {times} refused: {reason}")?;
+    }
+    writeln!(f)
+}
