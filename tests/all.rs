@@ -32,6 +32,7 @@ mod rounds;
 mod safety;
 mod scenarios;
 mod second_implementation;
+mod table_budget;
 mod table_rounds;
 #[path = "tasks.rs"]
 mod tasks;

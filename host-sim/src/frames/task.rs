@@ -20,9 +20,9 @@ use std::fmt;
 /// let mut bytes = vec![];
 /// valves.fly_recorded(3, Trouble::default(), &mut |frames| bytes.extend(frames))?;
 /// let frames = TaskFrames::read(&valves, &KEY, &bytes)?;
-/// let first = frames.rounds.iter().find_map(|round| round.chosen.as_ref()).expect("they decide");
-/// assert_eq!(first.parts[0].operator, "turn");
-/// assert!(first.parts[1].is_idle);
+/// let mut chosen = frames.rounds.iter().filter_map(|round| round.chosen.as_ref());
+/// let turn = chosen.find(|chosen| !chosen.parts[0].is_idle).expect("the inlet is turned");
+/// assert_eq!(turn.parts[0].operator, "turn");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

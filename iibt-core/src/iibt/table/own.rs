@@ -86,11 +86,15 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
         (decision.preferences == *preferences && believed).then_some((decision, from))
     }
 
-    fn new_thought(&mut self, preferences: Rows<S, N>) -> Option<(JointDecision<S, N, P>, u16)> {
-        self.wanted = None;
-        let announced = core::array::from_fn(|robot| self.announced_state(robot));
-        let beliefs = believed(self.tables, (self.own, &self.states()), &announced)?;
+    fn new_thought(&self, preferences: Rows<S, N>) -> Option<(JointDecision<S, N, P>, u16)> {
+        let beliefs = self.believed(&self.states())?;
         Some((JointDecision { preferences, beliefs, posterior: [0.0; P], choice: 0 }, 0))
+    }
+
+    /// q(s) of all robots, the own one being `states`.
+    fn believed(&self, states: &[f32; S]) -> Option<Rows<S, N>> {
+        let announced = core::array::from_fn(|robot| self.announced_state(robot));
+        believed(self.tables, (self.own, states), &announced)
     }
 
     fn question<'q>(
@@ -110,11 +114,12 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
     where
         X: Message,
     {
-        let (Some((target, operator)), None) = (self.wanted, self.thinking) else { return };
+        let (Some(settled), None) = (self.wanted, self.thinking) else { return };
         let Some(todo) = self.rounds.unvalued(peers, &mut self.left) else { return };
-        let Some(decision) = &self.decision else { return };
+        let Some(beliefs) = self.believed(&settled.states) else { return };
+        let (target, preferences) = (settled.target, [settled.preference; N]);
         let mut values = Vec::<f32, MAX_POLICIES>::new();
-        let question = self.question(&decision.beliefs, &decision.preferences, target);
+        let question = self.question(&beliefs, &preferences, target);
         question.own_values(todo.into_iter(), &mut |value| {
             // There is room for the whole list.
             let _ = values.push(value);
@@ -125,6 +130,6 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
             |policy| is_unsure || self.rounds.stays(policy) || self.unmet_in(policy, target).is_none();
         let possible: List =
             self.rounds.listed().iter().copied().filter(|&policy| is_possible(policy)).collect();
-        self.rounds.value(&values, &possible, operator, peers);
+        self.rounds.value(&values, &possible, settled.operator, peers);
     }
 }

@@ -193,6 +193,10 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         if self.is_alone() {
             return;
         }
+        // Where every joint policy has room in the list, what it intends need not be told anew: the
+        // others have taken its fact to last.
+        let is_lasting = self.tables.policies() < MAX_POLICIES && fact.is_as(self.fact());
+        let fact = if is_lasting { *self.fact() } else { fact };
         let (teammates, own) = (Teammates::from(peers), Own { fact: &fact, is_standing: true });
         let list = OnTables { tables: self.tables, policies: self.listing.policies() };
         let event = self.rounds.tick(own, &teammates, &list);

@@ -80,6 +80,18 @@ pub struct JointDecision<const S: usize, const N: usize, const P: usize> {
     pub choice: u16,
 }
 
+/// What a robot wanted, and what it was sure of, when nothing was missing for its own choice.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Settled<const S: usize> {
+    /// C of its semantic state, raises included.
+    pub(super) preference: [f32; S],
+    /// q(s).
+    pub(super) states: [f32; S],
+    pub(super) target: Option<u8>,
+    /// The operator of its choice.
+    pub(super) operator: u8,
+}
+
 /// A robot's part of a task written as tables.
 ///
 /// `S`, `N` and `P` are the [`states`](Tables::states), [`robots`](Tables::robots) and
@@ -110,8 +122,8 @@ pub struct TableTask<'a, const S: usize, const N: usize, const P: usize, X = ()>
     pub(super) is_current: bool,
     /// The operator that the robot would choose by itself.
     intends: u8,
-    /// Target and operator of the last decision, if nothing is missing for it.
-    pub(super) wanted: Option<(Option<u8>, u8)>,
+    /// What it wanted when it was last sure, and nothing was missing for it.
+    pub(super) wanted: Option<Settled<S>>,
     budget: u32,
     /// The work units that are left in this tick.
     pub(super) left: u32,
@@ -490,7 +502,9 @@ impl<const S: usize, const N: usize, const P: usize, X: Message> Task for TableT
             return Some(Plan::Take(choice));
         }
         self.intends = self.part(choice);
-        self.wanted = Some((offered.target, self.intends));
+        let own = preference.rows.get(self.own).map_or([0.0; S], Preference::values);
+        let (states, operator) = (self.states(), self.intends);
+        self.wanted = Some(Settled { preference: own, states, target: offered.target, operator });
         self.score(peers);
         Some(Plan::Take(self.agreed(choice, offered.target, peers)))
     }
