@@ -245,6 +245,7 @@ impl<const S: usize, const W: usize> AnyRobot for Controller<ConventionalRobot<S
             cause: None,
             waiting: None,
             failure: None,
+            short_by: 0,
         }
     }
 

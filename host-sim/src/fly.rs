@@ -11,9 +11,11 @@ use crate::record::{self, Activity, Record, RobotRecord, TimedEvent};
 use crate::robot::AnyRobot;
 use crate::scenario::{Floor, Scenario};
 use crate::team::{Pilot, TeamError, with_team};
+use crate::text::counted;
 use crate::verdict::{self, Evidence};
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::{MAX_GOALS, Report, Stage};
+use iibt_core::team::RobotId;
 
 /// The conditions of a flight besides its scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -315,6 +317,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
             failure: report
                 .failure
                 .map(|failure| failure.to_string())
+                .or_else(|| shortfall(report, self.scenario))
                 .or_else(|| report.put_off.map(put_off)),
             moves: cells.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32,
             arrived: verdict::arrival(&self.history, index).unwrap_or(0),
@@ -328,6 +331,19 @@ impl<'f, 'm> Recorder<'f, 'm> {
             rejected: received.refused(),
         }
     }
+}
+
+/// The goals that a plan misses, and who may be on them; `None` where it misses none.
+fn shortfall(report: &Report, scenario: &Scenario) -> Option<String> {
+    let goals = counted(u32::try_from(report.short_by).ok().filter(|&goals| goals > 0)?, "goal");
+    let robots = (0..).map(RobotId).zip(&scenario.robots);
+    let lost = robots.filter(|(robot, _)| !report.members.contains(*robot)).map(|(_, setup)| &*setup.name);
+    let lost: Vec<&str> = lost.collect();
+    let why = match lost[..] {
+        [] => "no way leads to it".to_owned(),
+        _ => format!("{} may be on what is closed to the others", lost.join(" or ")),
+    };
+    Some(format!("the plan is {goals} short: {why}"))
 }
 
 fn put_off(cell: Cell) -> String {

@@ -187,14 +187,15 @@ impl Targets {
             target: target(mission, members, robot, fact),
         };
         let mut errands: Vec<Errand, MAX_TEAM> = up_to(members.iter().map(errand));
-        give_up_twins(&mut errands, closed);
         let open = mission.open_goals(members.view);
+        let held = hold_closed(&mut errands, open.clone(), closed);
+        give_up_twins(&mut errands, closed);
         let goals = up_to(open.clone().filter(|&goal| !closed.contains(goal)));
         let seeking = errands.iter().filter(|errand| errand.target == Target::Any).count();
         // A goal that is blocked is still needed: the plan is then short of it, and says so.
         let all = open.count();
-        let need = mission.need.map_or(all, usize::from).min(all).min(seeking);
-        Self { errands, goals, need }
+        let need = mission.need.map_or(all, usize::from).min(all).min(seeking + held);
+        Self { errands, goals, need: need.saturating_sub(held) }
     }
 
     fn problem<'a, const W: usize>(
@@ -222,6 +223,25 @@ fn target<const W: usize>(
         Purpose::Visit(cell) | Purpose::Charge(cell) => Target::Own(cell),
         Purpose::Stand => Target::Stand,
     }
+}
+
+/// Lets robots stand that are at their targets in closed cells, in the wall of a robot left out
+/// for example: nobody could come back there, and they are in nobody's way. Returns how many of the
+/// open goals they hold.
+fn hold_closed<const W: usize>(
+    errands: &mut [Errand],
+    open: impl Iterator<Item = Cell> + Clone,
+    closed: &CellSet<W>,
+) -> usize {
+    let mut held = 0;
+    for errand in errands.iter_mut().filter(|errand| closed.contains(errand.from)) {
+        let is_on_goal = errand.target == Target::Any && open.clone().any(|goal| goal == errand.from);
+        if is_on_goal || errand.target == Target::Own(errand.from) {
+            errand.target = Target::Stand;
+            held += usize::from(is_on_goal);
+        }
+    }
+    held
 }
 
 /// Gives up targets that are blocked, or that a robot with a lower number owns too.
@@ -345,6 +365,7 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
 mod tests {
     use super::*;
     use crate::grid::joint::Arrival;
+    use crate::team::rounds::Claim;
 
     const STARTS: [Cell; 3] = [Cell(0), Cell(14), Cell(40)];
 
@@ -438,5 +459,33 @@ mod tests {
             [(0, 7), (1, 7), (2, 8)].map(|(from, to)| Errand { from: Cell(from), target: own(to) });
         give_up_twins::<2>(&mut twins, &[Cell(8)].into_iter().collect());
         assert_eq!(twins.map(|errand| errand.target), [own(7), Target::Any, Target::Any]);
+    }
+
+    /// The best joint policy of robots 0 and 1, on these cells, where robot 2 may be on `wall`.
+    fn best_without_robot_2(
+        own_goals: &[Option<Cell>],
+        anchors: [u16; 2],
+        wall: &[u16],
+    ) -> (std::vec::Vec<u16>, usize) {
+        let mission = Mission { own_goals, ..mission() };
+        let wall = Cells(wall.iter().copied().map(Cell).collect::<CellSet<2>>());
+        let view = View::full(2);
+        let proposal = Proposal { round: 3, view, walls: up_to([wall.to_wire(1)]) };
+        let facts =
+            anchors.map(|anchor| Fact { anchor: Cell(anchor), purpose: Purpose::Goal, evidence: up_to([]) });
+        let fact = |robot: RobotId| facts.get(robot.index());
+        let policies = Policies::<2, 33, 64, 16>::of_round(&mission, &proposal, fact).unwrap();
+        let best = policies.plans()[0];
+        (best.paths().iter().map(|path| path.end(&mission.map).0).collect(), best.short_by())
+    }
+
+    #[test]
+    fn a_robot_on_a_goal_where_a_lost_one_may_be_keeps_it() {
+        let keeps = |anchors, wall: &[u16]| best_without_robot_2(&[], anchors, wall);
+        assert_eq!(keeps([2, 14], &[1, 2, 3]), (std::vec![2, 46], 0));
+        assert_eq!(keeps([3, 14], &[1, 2, 3]).1, 1, "nobody enters the wall");
+        assert_eq!(keeps([2, 1], &[1, 2, 3]), (std::vec![2, 1], 0));
+        let own = [Some(Cell(2)), None, None];
+        assert_eq!(best_without_robot_2(&own, [2, 14], &[2]), (std::vec![2, 1], 0));
     }
 }

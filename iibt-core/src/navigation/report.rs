@@ -60,6 +60,9 @@ pub struct Report {
     pub waiting: Option<Waiting>,
     /// Why the plan does not lead all robots to their targets, if it does not.
     pub failure: Option<Failure>,
+    /// The goals that the plan misses: they are blocked, or a robot that was left out may be on
+    /// them. As long as nothing new is known, the team stands at the end of it.
+    pub short_by: usize,
 }
 
 impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
@@ -91,6 +94,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             cause: self.cause(),
             waiting: self.waiting(),
             failure: self.failure(),
+            short_by: self.short_by(),
         }
     }
 

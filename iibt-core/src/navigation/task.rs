@@ -53,9 +53,13 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     /// Whether the plan leaves a goal out that it should reach.
     fn misses_a_goal(&self) -> bool {
+        self.failure().is_some() || self.short_by() > 0
+    }
+
+    /// The goals that the plan leaves out, of those that it should reach.
+    pub(super) fn short_by(&self) -> usize {
         let policy = self.rounds().and_then(|rounds| rounds.protocol().policy());
-        let plan = policy.and_then(|policy| self.policies().get(policy));
-        self.failure().is_some() || plan.is_some_and(|plan| plan.short_by() > 0)
+        policy.and_then(|policy| self.policies().get(policy)).map_or(0, |plan| plan.short_by())
     }
 
     /// Whether the robot has done all it is for: it stands at the end of a plan that leads all

@@ -10,7 +10,7 @@ use crate::actions::HORIZON;
 
 /// The version of the generator. Robots that run different ones do not have equal plans, and must
 /// not agree on any.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 
 /// The goals of which other sets are tried.
 const MOST_GOALS: usize = 8;
