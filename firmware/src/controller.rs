@@ -3,7 +3,8 @@
 use crate::hardware::{Clock, Link};
 use crate::{LinkReport, Robot, Settings};
 use iibt_core::team::{
-    Context, Deframer, Envelope, MAX_FRAME, MAX_TEAM, Numbering, Peers, Roster, SipHash64, encode,
+    Context, Deframer, Envelope, MAX_FRAME, MAX_TEAM, Message, Numbering, Peer, Peers, Roster, SipHash64,
+    encode,
 };
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
@@ -33,6 +34,8 @@ pub struct Controller<R: Robot<H>, H> {
     numbering: Numbering,
     period: Duration,
     last_sent: Option<Instant>,
+    /// Counts the frames that were due.
+    turn: u16,
     sent: u32,
     unsent: u32,
 }
@@ -51,6 +54,7 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
             numbering: Numbering::new(settings.epoch()),
             period: settings.tick(),
             last_sent: None,
+            turn: 0,
             sent: 0,
             unsent: 0,
         }
@@ -130,16 +134,38 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
             return;
         }
         let Some(message) = self.robot.message() else { return };
-        // Taken even if the link then refuses the frame: a number that is used twice reads as a
-        // replay.
-        let Some(stamp) = self.numbering.next_stamp() else { return };
-        let envelope = Envelope { sender: self.roster.own(), stamp, message };
+        self.turn = self.turn.wrapping_add(1);
+        let peers = self.roster.at(now);
+        let passed_on = if self.robot.repeats_itself() { to_pass_on(peers, self.turn) } else { None };
+        let own;
+        let envelope = if let Some(peer) = passed_on {
+            peer.envelope()
+        } else {
+            // Taken even if the link then refuses the frame: a number that is used twice reads as a
+            // replay.
+            let Some(stamp) = self.numbering.next_stamp() else { return };
+            own = Envelope { sender: self.roster.own(), stamp, message };
+            &own
+        };
         let mut buffer = [0; MAX_FRAME];
-        let taken = encode(&envelope, &self.auth, self.context, &mut buffer)
+        let taken = encode(envelope, &self.auth, self.context, &mut buffer)
             .is_ok_and(|frame| self.hardware.send(frame));
         let counter = if taken { &mut self.sent } else { &mut self.unsent };
         *counter = counter.saturating_add(1);
         // A refused frame is not repeated: the next one is complete and newer.
         self.last_sent = Some(now);
     }
+}
+
+/// The teammate whose newest frame goes out in place of the robot's own: every second turn one of
+/// those that are fresh, one after the other. A robot in a burst of losses so hears by way of
+/// others what was said meanwhile.
+///
+/// The frame is the one that the teammate has sent, with its number and its tag, so receivers take
+/// it if it is news to them.
+fn to_pass_on<M: Message>(peers: Peers<'_, M>, turn: u16) -> Option<&Peer<M>> {
+    let fresh = peers.fresh().count();
+    let others_hear = peers.team() > 2 && turn % 2 == 1;
+    let start = usize::from(turn / 2) + peers.own().index();
+    peers.fresh().nth(start.checked_rem(fresh)?).filter(|_| others_hear)
 }

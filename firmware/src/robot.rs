@@ -177,4 +177,10 @@ pub trait Robot<H> {
 
     /// Returns the message to announce now; `None` while there is nothing true to say.
     fn message(&self) -> Option<Self::Message>;
+
+    /// Returns whether the message is the same as in the ticks before, so that all teammates in
+    /// reach know it: every second frame then passes on the newest of a teammate.
+    fn repeats_itself(&self) -> bool {
+        false
+    }
 }

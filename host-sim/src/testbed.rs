@@ -65,6 +65,9 @@ impl<R: Robot<T>, T> Robot<Simulated<T>> for OnParts<R> {
     fn message(&self) -> Option<R::Message> {
         self.0.message()
     }
+    fn repeats_itself(&self) -> bool {
+        self.0.repeats_itself()
+    }
 }
 
 /// A team of robots of one kind, each run by the firmware's controller, joined by the simulated

@@ -144,6 +144,43 @@ fn a_team_with_a_robot_that_is_not_heard_goes_on_without_it_and_takes_it_back_wh
     assert!(on_goals(&team, &mission));
 }
 
+/// Ticks a team with a radio of the test's own, which carries frames over these links alone, until
+/// it stops.
+fn fly_over(team: &mut Team<'_>, carries: impl Fn(usize, usize) -> bool) {
+    let size = team.cells().len();
+    for _ in 0..400 {
+        if stopped(team) {
+            return;
+        }
+        team.tick();
+        for sender in 0..size {
+            let frames = team.sent(sender).concat();
+            let receivers = (0..size).filter(|&receiver| receiver != sender && carries(sender, receiver));
+            receivers.for_each(|receiver| team.deliver(receiver, &frames));
+        }
+    }
+    panic!("not all stop: {:?}", team.reports());
+}
+
+#[test]
+fn a_robot_that_never_hears_a_teammate_hears_of_it_by_way_of_the_others() {
+    let mission = factory();
+    let mut team = lossy(&mission, 1.0, 1);
+    fly_over(&mut team, |sender, receiver| (sender, receiver) != (0, 1));
+    assert!(on_goals(&team, &mission));
+    assert!(team.ticks() < 40, "{}", team.ticks());
+}
+
+#[test]
+fn four_robots_of_which_each_hears_one_arrive() {
+    static STARTS: [Cell; 4] = [Cell(28), Cell(2), Cell(45), Cell(6)];
+    static GOALS: [Cell; 4] = [Cell(24), Cell(26), Cell(32), Cell(48)];
+    let mission = Mission::new(open_floor(), &STARTS, &GOALS);
+    let mut team = lossy(&mission, 1.0, 1);
+    fly_over(&mut team, |sender, receiver| (sender + 1) % 4 == receiver);
+    assert!(on_goals(&team, &mission));
+}
+
 #[test]
 fn a_robot_that_restarts_where_it_began_has_the_team_decide_again() {
     let mission = factory();

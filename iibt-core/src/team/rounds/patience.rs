@@ -149,7 +149,8 @@ impl Patience {
                 acquaintance.backoff = 0;
             }
             self.longest_silence = self.longest_silence.max(acquaintance.hear(stamp));
-            let weight = if acquaintance.silence > 0 { 2 } else { 1 };
+            // A tick without a frame is no silence: it may have passed on one of another robot.
+            let weight = if acquaintance.silence > 1 { 2 } else { 1 };
             let is_stuck = trouble.blocking.contains(robot) && progress == acquaintance.progress;
             acquaintance.quiet = if is_stuck { acquaintance.quiet.saturating_add(weight) } else { 0 };
             let is_outside = !view.contains(robot) && protocol.is_in_round(robot, teammates).is_ok();
@@ -205,6 +206,11 @@ impl Patience {
             Err(Waiting::Quorum(_)) => Some(Waiting::Quorum(robot)),
             other => other.err(),
         }
+    }
+
+    /// The ticks since a teammate was heard; since the start for one that was not.
+    pub(super) fn silence(&self, robot: RobotId) -> u16 {
+        self.teammates.get(robot.index()).map_or(u16::MAX, |teammate| teammate.silence)
     }
 
     /// The present members without those that are lost, and with those that stand outside.
