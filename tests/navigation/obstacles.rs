@@ -19,6 +19,12 @@ fn with_a_door() -> Mission<'static, 2> {
     Mission::new(map, &STARTS, &GOALS)
 }
 
+fn with_a_door_for_three() -> Mission<'static, 2> {
+    static STARTS: [Cell; 3] = [Cell(2), Cell(4), Cell(6)];
+    static GOALS: [Cell; 3] = [Cell(44), Cell(45), Cell(46)];
+    Mission { starts: &STARTS, goals: &GOALS, ..with_a_door() }
+}
+
 #[test]
 fn a_door_that_closes_stops_the_team_and_one_that_opens_in_view_lets_it_through() {
     let mission = with_a_door();
@@ -92,12 +98,28 @@ fn an_obstacle_that_only_a_teammate_has_seen_go_is_free_though_nothing_is_forgot
     assert!(on_goals(&team, &mission));
 }
 
+/// Two that cannot see the door do not outvote the one that has seen it open.
+#[test]
+fn an_obstacle_that_one_of_three_has_seen_go_is_free_though_nothing_is_forgotten() {
+    let mission = with_a_door_for_three();
+    let mut team = agreed(&mission);
+    close_the_door_before(&mut team, 0);
+    team.place(0, Cell(0));
+    team.place(1, Cell(17));
+    let has_seen =
+        |robot: usize| move |team: &Team<'_>| task(team, robot).hazards().any(|cell| cell == Cell(24));
+    fly_until(&mut team, "robot 2 has seen it too", has_seen(1));
+    assert!(has_seen(0)(&team) && !has_seen(2)(&team));
+    open_the_door_before(&mut team, 2);
+    team.place(2, Cell(2));
+    fly_until(&mut team, "all stop", stopped);
+    assert!(on_goals(&team, &mission));
+}
+
 /// A robot that has seen an obstacle go does not know for ever that nothing is there.
 #[test]
 fn an_obstacle_that_comes_back_is_believed_by_those_who_have_seen_it_go() {
-    static STARTS: [Cell; 3] = [Cell(2), Cell(4), Cell(6)];
-    static GOALS: [Cell; 3] = [Cell(44), Cell(45), Cell(46)];
-    let mission = Mission { starts: &STARTS, goals: &GOALS, ..with_a_door() };
+    let mission = with_a_door_for_three();
     let mut team = agreed(&mission);
     close_the_door_before(&mut team, 0);
     open_the_door_before(&mut team, 1);
@@ -139,12 +161,12 @@ fn open_the_door_before(team: &mut Team<'_>, robot: usize) {
 #[test]
 fn a_teammate_in_view_is_no_obstacle() {
     let mission = Mission::new(open_floor(), &[Cell(0), Cell(1), Cell(7)], &[Cell(46), Cell(47), Cell(48)]);
-    for (loss, seeds) in [(0.0, 1), (0.3, 300)] {
+    for (loss, burst, seeds) in [(0.0, 0, 1), (0.3, 0, 300), (0.3, 10, 300)] {
         let mut seen = 0;
         for seed in 0..seeds {
-            let radio = Radio { loss, ..Radio::default() };
+            let radio = Radio { loss, burst, ..Radio::default() };
             let flown = with_sensors_that_see_teammates(&mission, radio, seed);
-            let name = format!("{loss}, seed {seed}: {flown:?}");
+            let name = format!("{loss} in bursts of {burst}, seed {seed}: {flown:?}");
             assert_eq!(flown.taken_for_obstacles, 0, "{name}");
             assert!(flown.arrived.is_some(), "{name}");
             seen += flown.seen;

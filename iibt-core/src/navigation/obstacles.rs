@@ -73,10 +73,11 @@ impl Obstacles {
     /// Gives up what is not in view where the team knows better. Call it once in every tick, after
     /// all looks; `told` gives what each teammate says of a cell.
     ///
-    /// A robot's own word is a veto on all plans through a cell. So an obstacle that is none by the
-    /// evidence of all yields: the robot may be where it cannot see it go. A free cell yields to a
-    /// teammate that has found it blocked if all policies were `vetoed`: the team would stand
-    /// because of what one robot sees and the others outvote.
+    /// A robot's own word is a veto on all plans through a cell. So an obstacle yields that is none
+    /// by the evidence of all, and one that a teammate is sure to have seen free, whatever others
+    /// say that see it as little as this robot: they may be where they cannot see it go. A free
+    /// cell yields to a teammate that has found it blocked if all policies were `vetoed`: the team
+    /// would stand because of what one robot sees and the others outvote.
     pub(super) fn yield_to<I: Iterator<Item = i8> + Clone>(
         &mut self,
         told: impl Fn(Cell) -> I,
@@ -87,7 +88,8 @@ impl Obstacles {
             let add = |sum: i16, weight: i8| sum.saturating_add(weight.into());
             let is_blocked_for_all = is_blocked(told.clone().fold(known.weight.into(), add));
             let is_outdated = if known.weight > 0 {
-                !is_blocked_for_all && told.clone().any(|weight| weight < 0)
+                let is_sure = |weight: i8| is_blocked(-i16::from(weight));
+                told.clone().any(|weight| is_sure(weight) || weight < 0 && !is_blocked_for_all)
             } else {
                 vetoed && told.clone().any(|weight| is_blocked(weight.into()))
             };
@@ -242,6 +244,8 @@ mod tests {
         assert_eq!(after(true, &[&[-64], &[]], false), Some(CAP), "it was in view");
         assert_eq!(after(true, &[&[-64], &[-64]], false), None);
         assert_eq!(after(true, &[&[], &[-20], &[-20, 48]], false), Some(CAP), "all together it is blocked");
+        assert_eq!(after(true, &[&[], &[64, -48, 64]], false), None, "one has seen it free");
+        assert_eq!(after(true, &[&[], &[64, -32, 64]], false), Some(CAP), "it is not sure");
         assert_eq!(after(true, &[&[], &[], &[]], true), Some(CAP), "nobody says anything else");
     }
 

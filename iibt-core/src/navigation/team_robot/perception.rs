@@ -5,7 +5,10 @@ use super::super::{Fact, GridPercept, Intention, Purpose};
 use super::Navigation;
 use crate::grid::{Cell, CellSet};
 use crate::team::rounds::{Answer, RoundMessage, Rounds, Teammates, Timing, View};
-use crate::team::{Freshness, MAX_TEAM, Peers, RobotId};
+use crate::team::{MAX_TEAM, Peers, RobotId};
+
+/// The ticks of silence after which a member may be anywhere.
+const LONGEST_SILENCE: u16 = 8;
 
 impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
     Navigation<'_, S, W, L, M, K>
@@ -84,53 +87,59 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.watched = told.chain(self.obstacles.suspected()).collect();
     }
 
-    /// Where a teammate may be, it may be the teammate that is seen; but not in the cell that the
-    /// plan lets this robot enter now.
+    /// What is seen where a teammate may be, may be the teammate; but not in the cell that the plan
+    /// lets this robot enter now.
     fn look_at_hazards(&mut self, percept: &GridPercept, peers: Peers<'_, Intention<W, K>>) {
-        let mates = self.places_of_teammates(peers);
-        let entering = self.may_enter(&Teammates::from(peers)).map(|(_, to)| to);
-        let own = self.localisation.position().0;
-        let is_seen = |&&cell: &&Cell| self.mission.map.is_free(cell) && cell != own;
-        let may_be_mate = |cell: Cell| mates.contains(cell) && entering != Some(cell);
-        let seen = || percept.hazards.iter().filter(is_seen).copied();
-        self.mates_in_view = seen().filter(|&cell| may_be_mate(cell)).collect();
-        seen().filter(|&cell| !may_be_mate(cell)).for_each(|cell| self.obstacles.look(cell, true));
-    }
-
-    /// The cells that teammates may be on now. Who was left out, or has not heard a teammate for a
-    /// while and so may have been, knows nothing of its plans.
-    fn places_of_teammates(&self, peers: Peers<'_, Intention<W, K>>) -> CellSet<W> {
         let teammates = Teammates::from(peers);
-        let (own, round) = (self.robot(), self.rounds.as_ref().map_or(0, |rounds| rounds.proposal().round));
-        let is_left_out = teammates.iter().any(|(_, heard)| {
-            let proposal = &heard.message.proposal;
-            proposal.round >= round && !proposal.view.contains(own)
-        });
-        if is_left_out {
-            return self.mission.map.free_cells();
+        let entering = self.may_enter(&teammates).map(|(_, to)| to);
+        let own = self.localisation.position().0;
+        for &cell in percept.hazards.iter().filter(|&&cell| self.mission.map.is_free(cell) && cell != own) {
+            if entering != Some(cell) && self.may_be_teammate(cell, &teammates) {
+                self.mates_in_view.insert(cell);
+            } else {
+                self.obstacles.look(cell, true);
+            }
         }
-        let others = (0..).map(RobotId).zip(self.mission.starts).filter(|&(robot, _)| robot != own);
-        let places = others.map(|(robot, &start)| match teammates.get(robot) {
-            Some(heard) => self.place_of(robot, heard.message, peers.freshness(robot) == Freshness::Fresh),
-            None => [start].into_iter().collect(),
-        });
-        places.fold(CellSet::EMPTY, |all, place| all.union(&place))
     }
 
-    /// The cells that a teammate may be on: what is left of all paths that it may follow. It may be
-    /// anywhere if it follows a plan of which this robot does not know the list, or may have begun
-    /// to follow one since this robot gave its first scores.
-    fn place_of(&self, robot: RobotId, message: &RoundMessage<Fact<W>, K>, is_fresh: bool) -> CellSet<W> {
-        let Some(rounds) = &self.rounds else { return [message.fact.anchor].into_iter().collect() };
+    /// Whether a teammate may be on a cell now. A robot that was left out knows nothing of the
+    /// others' plans.
+    fn may_be_teammate(&self, cell: Cell, teammates: &Teammates<'_, Fact<W>, K>) -> bool {
+        let own = self.robot();
+        let proposal = self.rounds.as_ref().map(|rounds| rounds.proposal());
+        let round = proposal.map_or(0, |proposal| proposal.round);
+        let newer = teammates.iter().map(|(_, heard)| &heard.message.proposal);
+        let mut known = newer.filter(|newer| newer.round >= round).chain(proposal);
+        let is_left_out = known.any(|proposal| !proposal.view.contains(own));
+        let others = (0..).map(RobotId).zip(self.mission.starts).filter(|&(robot, _)| robot != own);
+        let mut may_be = others.map(|(robot, &start)| match teammates.get(robot) {
+            Some(heard) => self.may_be(cell, robot, heard.message),
+            None => start == cell,
+        });
+        is_left_out || may_be.any(|may_be| may_be)
+    }
+
+    /// Whether a teammate that was heard may be on a cell: on what is left of all paths that it may
+    /// follow, or farther by a step for each tick of silence, in which it may have joined a round
+    /// that leaves this robot out. It may be anywhere after a longer silence, if it follows a plan
+    /// of which this robot does not know the list, or may have begun to follow one since this robot
+    /// gave its first scores.
+    fn may_be(&self, cell: Cell, robot: RobotId, message: &RoundMessage<Fact<W>, K>) -> bool {
+        let Some(rounds) = &self.rounds else { return message.fact.anchor == cell };
         let protocol = rounds.protocol();
+        let silence = rounds.silence(robot);
         let is_member = rounds.proposal().view.contains(robot);
-        let is_unknown = !is_fresh || !message.proposal.view.contains(self.robot());
+        let is_unknown = silence > LONGEST_SILENCE || !message.proposal.view.contains(self.robot());
         let has_begun = protocol.digest().is_some() || matches!(message.answer, Answer::Decided { .. });
+        // The rounds have not heard the newest message yet: it may tell of a place farther on.
+        let is_near = |at: Cell| self.mission.map.manhattan(at, cell) <= silence;
         match protocol.reach(robot) {
-            _ if is_member && is_unknown => self.mission.map.free_cells(),
-            Some(Cells(reach)) => *reach,
-            None if has_begun => self.mission.map.free_cells(),
-            None => [message.fact.anchor].into_iter().collect(),
+            _ if is_member && is_unknown => true,
+            None if has_begun => true,
+            _ if message.fact.anchor == cell => true,
+            Some(Cells(reach)) if is_member => reach.iter().any(is_near),
+            Some(Cells(reach)) => reach.contains(cell),
+            None => false,
         }
     }
 }

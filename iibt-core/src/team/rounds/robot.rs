@@ -1,6 +1,6 @@
 //! One robot's rounds, tick by tick.
 
-use super::super::Member;
+use super::super::{Member, RobotId};
 use super::patience::Patience;
 use super::{Event, Fact, JointPolicies, Proposal, Protocol, Teammates, Timing, View, Waiting, Want};
 
@@ -165,6 +165,12 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
         L: JointPolicies<Claim = F::Claim>,
     {
         self.patience.stranded(&self.protocol).or_else(|| self.protocol.waiting(teammates, list))
+    }
+
+    /// The ticks since a teammate was last heard, as of the last [tick](Self::tick).
+    #[must_use]
+    pub fn silence(&self, robot: RobotId) -> u16 {
+        self.patience.silence(robot)
     }
 
     /// The state that safety rests on.
