@@ -138,7 +138,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             None if has_begun => true,
             _ if message.fact.anchor == cell => true,
             Some(Cells(reach)) if is_member => reach.iter().any(is_near),
-            Some(Cells(reach)) => reach.contains(cell),
+            // Members that know more of a robot left out agree to its wall by deciding.
+            Some(Cells(reach)) => !protocol.has_decided() || reach.contains(cell),
             None => false,
         }
     }
