@@ -109,7 +109,7 @@ pub struct RobotRecord {
     pub tree: Vec<Activity>,
     /// The number of frames it accepted.
     pub accepted: u32,
-    /// The number of frames it rejected.
+    /// The number of frames it rejected, those that it had received before included.
     pub rejected: u32,
 }
 

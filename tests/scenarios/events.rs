@@ -42,6 +42,19 @@ fn a_team_of_two_waits_for_a_robot_that_stops_and_says_so() {
 }
 
 #[test]
+fn a_team_that_is_short_of_a_goal_on_which_a_dead_robot_may_be_says_so() {
+    let text = include_str!("../../host-sim/scenarios/factory.toml");
+    let (head, _) = text.split_once("[[event]]").expect("an event");
+    let text = head.replace("[24, 26, 32]", "[4, 48]").replace("start = 45", "start = 3");
+    let stop = "[[event]]\ntick = 3\nwho = 'R3'\nstop = true\n";
+    let record = flown(&Scenario::parse("t", &format!("{text}{stop}")).expect("sound"), 0, 0.0);
+    assert_eq!(record.outcome, Outcome::Unfinished);
+    let told = summary(&record, None);
+    let line = "the plan is 1 goal short: R3 may be on what is closed to the others";
+    assert!(told.contains(line), "{told}");
+}
+
+#[test]
 fn an_obstacle_that_is_taken_away_is_no_longer_in_the_way() {
     let text = |more: &str| {
         let map = "title = 't'\nlimit = 150\nforget = 1\nmap = '''\n1...\n###.\nG...\n'''\n";

@@ -76,7 +76,9 @@ impl<F: Fact> Heard<F> {
         if round.proposal.view.contains(sender) {
             round.facts[sender.index()] = Some(message.fact.clone());
         }
-        round.made[sender.index()] = message.answer.step();
+        // A frame that a teammate has passed on can be older than one before it.
+        let made = &mut round.made[sender.index()];
+        *made = message.answer.step().max(*made);
         if let Answer::Decided { choice: Some(choice), .. } = message.answer {
             round.choice = Some(choice);
         }
