@@ -517,14 +517,16 @@ mod with_a_robot_that_dies {
     #[test]
     fn the_others_arrive_though_a_third_of_the_frames_is_lost_late_or_twice() {
         let faults = Faults { radio: radio(0.3, 3, 0.2), ..Faults::default() };
-        let held = std::cell::Cell::new(0);
-        let fates = Fates::of("one dies, lossy", |seed| {
-            let (fate, holds_closed) = fly(seed, faults);
-            held.set(held.get() + u32::from(holds_closed));
-            fate
-        });
-        fates.are_good(451, 1);
-        println!("one dies, lossy: in {} a robot keeps a goal where the dead one may be", held.get());
-        assert!(held.get() > 0, "nobody keeps a goal where the dead one may be");
+        Fates::of("one dies, lossy", |seed| fly(seed, faults).0).are_good(451, 1);
+    }
+
+    /// In one of some 300 flights a robot stands where the dead one may be by what the others know.
+    #[test]
+    fn a_robot_keeps_a_goal_where_the_dead_one_may_be() {
+        let faults = Faults { radio: radio(0.3, 3, 0.2), ..Faults::default() };
+        assert!(
+            (600..2600).any(|seed| fly(seed, faults) == (Fate::Arrived, true)),
+            "nobody keeps such a goal"
+        );
     }
 }
