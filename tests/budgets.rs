@@ -53,7 +53,7 @@ fn agree(image: &mut Robot, second: &mut OnHost) {
     let has_scored = |frame: &[u8]| {
         let frame =
             decode::<Message>(&frame[1..frame.len() - 1], &SipHash64::new(DEMO_KEY), second.context());
-        frame.expect("it is authentic").message.0.answer.digest().is_some()
+        frame.expect("it is authentic").message.rounds.answer.digest().is_some()
     };
     let scored = (0..100).map(|_| image.receive()).find(|frame| has_scored(frame));
     second.tick(&scored.expect("it announces its scores"));

@@ -375,10 +375,13 @@ fn nonsense(random: &mut Random, sequence: u32, digest: Option<Digest>) -> Said 
         walls: (0..left_out).map(|_| Cells(wall(random)).to_wire(left_out)).collect(),
     };
     let fact = Fact { anchor: cell(random), purpose: purpose(random), evidence: evidence(random) };
+    let room = MAX_EVIDENCE - fact.evidence.len();
+    let waypoints = (0..random.below(room + 1)).map(|_| cell(random)).collect();
+    let answer = answer(random, digest);
     Envelope {
         sender: RobotId(2),
         stamp: Stamp { epoch: 9, sequence },
-        message: Intention(RoundMessage { proposal, fact, answer: answer(random, digest) }),
+        message: Intention { rounds: RoundMessage { proposal, fact, answer }, waypoints },
     }
 }
 

@@ -149,7 +149,7 @@ fn the_script_reads_every_frame_of_robots_in_flight() {
     let rewritten = shared.asked("encode", &lines);
     assert!(rewritten.iter().eq(&frames.iter().map(|frame| hex(frame)).collect::<Vec<_>>()));
 
-    let rounds = || ours.iter().map(|said| &said.message.0);
+    let rounds = || ours.iter().map(|said| &said.message.rounds);
     assert!(rounds().any(|said| !said.proposal.walls.is_empty()), "a robot was left out");
     assert!(rounds().any(|said| !said.fact.evidence.is_empty()), "an obstacle was seen");
     assert!(rounds().any(|said| matches!(said.fact.purpose, Purpose::Visit(_))), "a way-point");
@@ -167,7 +167,7 @@ fn the_script_reads_every_frame_of_robots_in_flight() {
 fn the_script_computes_the_digests_of_robots_in_flight() {
     let (shared, frames) = recorded();
     let said: Vec<_> =
-        frames.iter().map(|frame| (frame, shared.read(frame).expect("sent by a robot").message.0)).collect();
+        frames.iter().map(|frame| (frame, shared.read(frame).expect("sent by a robot").message.rounds)).collect();
     let (mut lines, mut expected) = (vec![], vec![]);
     for (_, message) in &said {
         let Some(Digest(digest)) = message.answer.digest() else { continue };
@@ -265,22 +265,24 @@ fn both_make_the_same_of_any_authentic_body() {
 fn both_refuse_to_write_what_is_no_message() {
     let whole = as_json(&example(), None);
     let mut lines = vec![];
-    for path in ["/sender", "/epoch", "/sequence", "/message/proposal/round", "/message/proposal/view"] {
+    for path in ["/sender", "/epoch", "/sequence", "/message/rounds/proposal/round", "/message/rounds/proposal/view"] {
         for wrong in [json!(-1), json!(1_u64 << 32), json!(1.5), json!("1"), Value::Null] {
             lines.push(changed(&whole, path, wrong));
         }
     }
     for (path, wrong) in [
-        ("/message/fact/evidence/0/weight", json!(128)),
-        ("/message/fact/evidence/0/cell", json!(1 << 16)),
-        ("/message/fact/purpose", json!("Visit")),
-        ("/message/fact/purpose", json!({ "Rest": 1 })),
-        ("/message/fact", json!({ "anchor": 8, "purpose": "Goal" })),
-        ("/message/answer", json!({ "Scored": { "digest": [1, 2, 3], "scores": [] } })),
-        ("/message/answer", json!({ "Listing": 256 })),
-        ("/message/proposal/walls/0/bits", json!(vec![0; 12])),
-        ("/message/fact/evidence", json!(vec![json!({ "cell": 1, "weight": 1 }); 5])),
-        ("/message/answer/Decided/scores", json!(vec![json!({ "delay": 1, "price": 1 }); POLICIES + 1])),
+        ("/message/rounds/fact/evidence/0/weight", json!(128)),
+        ("/message/rounds/fact/evidence/0/cell", json!(1 << 16)),
+        ("/message/rounds/fact/purpose", json!("Visit")),
+        ("/message/rounds/fact/purpose", json!({ "Rest": 1 })),
+        ("/message/rounds/fact", json!({ "anchor": 8, "purpose": "Goal" })),
+        ("/message/rounds/answer", json!({ "Scored": { "digest": [1, 2, 3], "scores": [] } })),
+        ("/message/rounds/answer", json!({ "Listing": 256 })),
+        ("/message/waypoints/0", json!(1 << 16)),
+        ("/message/waypoints", json!([1, 2, 3, 4, 5])),
+        ("/message/rounds/proposal/walls/0/bits", json!(vec![0; 12])),
+        ("/message/rounds/fact/evidence", json!(vec![json!({ "cell": 1, "weight": 1 }); 5])),
+        ("/message/rounds/answer/Decided/scores", json!(vec![json!({ "delay": 1, "price": 1 }); POLICIES + 1])),
     ] {
         lines.push(changed(&whole, path, wrong));
     }
@@ -324,7 +326,7 @@ fn the_example_of_the_document_is_what_both_write() {
 
     let mut other = example();
     (other.sender, other.stamp.epoch) = (RobotId(0), 1);
-    other.message.0.fact = Fact { anchor: Cell(5), ..Fact::default() };
+    other.message.rounds.fact = Fact { anchor: Cell(5), ..Fact::default() };
     let line = format!("{frame} {}", hex(&EXAMPLE.write(&other)));
     assert_eq!(EXAMPLE.asked("digest", &[line]), [hex(&DIGEST)]);
 }
@@ -350,7 +352,9 @@ fn example() -> Said {
         step: 5,
     };
     let stamp = Stamp { epoch: 3, sequence: 200 };
-    Said { sender: RobotId(2), stamp, message: Intention(RoundMessage { proposal, fact, answer }) }
+    let waypoints = [40].map(Cell).into_iter().collect();
+    let message = Intention { rounds: RoundMessage { proposal, fact, answer }, waypoints };
+    Said { sender: RobotId(2), stamp, message }
 }
 
 /// A message in JSON; with the cells of its walls, by the number of cells of the map.
@@ -359,7 +363,7 @@ fn as_json(said: &Said, cells: Option<usize>) -> Value {
     let (epoch, sequence) = (stamp.epoch, stamp.sequence);
     let mut value = json!({ "sender": sender.0, "epoch": epoch, "sequence": sequence, "message": message });
     if let Some(limit) = cells {
-        let walls = message.0.proposal.walls.iter().map(Cells::<2>::from_wire);
+        let walls = message.rounds.proposal.walls.iter().map(Cells::<2>::from_wire);
         let on_map = |wall: Cells<2>| {
             wall.0.iter().map(|cell| cell.0).filter(|&cell| usize::from(cell) < limit).collect::<Vec<_>>()
         };

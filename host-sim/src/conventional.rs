@@ -242,6 +242,7 @@ impl<const S: usize, const W: usize> AnyRobot for Controller<ConventionalRobot<S
             surprise: Some(0.0),
             waypoint: navigator.waypoints.first().copied(),
             put_off: None,
+            left_behind: None,
             cause: None,
             waiting: None,
             failure: None,

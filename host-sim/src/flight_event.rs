@@ -73,6 +73,21 @@ pub enum FlightEvent {
         /// Which.
         cell: Cell,
     },
+    /// A robot has taken over a way-point of a lost teammate.
+    TookOver {
+        /// Who.
+        robot: usize,
+        /// Which.
+        cell: Cell,
+    },
+    /// A robot has a way-point no more without a visit: a teammate has taken it over, or the robot
+    /// has started again.
+    GaveUp {
+        /// Who.
+        robot: usize,
+        /// Which.
+        cell: Cell,
+    },
     /// A robot's battery fell.
     Drained {
         /// Whose.
@@ -139,6 +154,8 @@ impl FlightEvent {
             Self::Asked { robot, cell } => format!("{} is to visit {}", name(*robot), cell.0),
             Self::Refused { robot, cell } => format!("{} cannot visit {}", name(*robot), cell.0),
             Self::Visited { robot, cell } => format!("{} visits {}", name(*robot), cell.0),
+            Self::TookOver { robot, cell } => format!("{} takes over the way-point {}", name(*robot), cell.0),
+            Self::GaveUp { robot, cell } => format!("{} gives up the way-point {}", name(*robot), cell.0),
             Self::Drained { robot, charge } => {
                 format!("the battery of {} falls to {charge} %", name(*robot))
             }

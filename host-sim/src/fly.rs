@@ -199,7 +199,10 @@ impl<'f, 'm> Recorder<'f, 'm> {
     }
 
     fn evidence<'e>(&'e self, members: &'e [bool], moving: &'e [bool]) -> Evidence<'e> {
-        let has_errand = |robot: usize| members[robot] && !self.flight.robot(robot).waypoints().is_empty();
+        let has_errand = |robot: usize| {
+            let is_left_behind = self.flight.reports()[robot].left_behind.is_some();
+            members[robot] && (is_left_behind || !self.flight.robot(robot).waypoints().is_empty())
+        };
         Evidence {
             scenario: self.scenario,
             collisions: self.flight.collisions(),
@@ -244,15 +247,17 @@ impl<'f, 'm> Recorder<'f, 'm> {
         events
     }
 
-    /// The way-points that robots have visited in this tick.
+    /// The way-points that robots have visited, given up or taken over in this tick.
     fn ticked_off(&mut self) -> Vec<FlightEvent> {
         let mut events = Vec::new();
         for (robot, known) in self.waypoints.iter_mut().enumerate() {
             let mut left = self.flight.robot(robot).waypoints().to_vec();
+            let here = self.flight.reports()[robot].cell;
             // From the end: of a cell that is to be visited twice, the first visit comes off first.
             for cell in std::mem::take(known).into_iter().rev() {
                 match left.iter().rposition(|&other| other == cell) {
                     Some(index) => known.push(left.remove(index)),
+                    None if cell != here => events.push(FlightEvent::GaveUp { robot, cell }),
                     None => {
                         self.visited[robot].push(cell);
                         events.push(FlightEvent::Visited { robot, cell });
@@ -260,6 +265,8 @@ impl<'f, 'm> Recorder<'f, 'm> {
                 }
             }
             known.reverse();
+            events.extend(left.iter().map(|&cell| FlightEvent::TookOver { robot, cell }));
+            known.extend(left);
         }
         events
     }
@@ -318,7 +325,8 @@ impl<'f, 'm> Recorder<'f, 'm> {
                 .failure
                 .map(|failure| failure.to_string())
                 .or_else(|| shortfall(report, self.scenario))
-                .or_else(|| report.put_off.map(put_off)),
+                .or_else(|| report.put_off.map(put_off))
+                .or_else(|| report.left_behind.map(left_behind)),
             moves: cells.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32,
             arrived: verdict::arrival(&self.history, index).unwrap_or(0),
             frames: self.flight.traffic()[index],
@@ -344,6 +352,10 @@ fn shortfall(report: &Report, scenario: &Scenario) -> Option<String> {
         _ => format!("{} may be on what is closed to the others", lost.join(" or ")),
     };
     Some(format!("the plan is {goals} short: {why}"))
+}
+
+fn left_behind(cell: Cell) -> String {
+    format!("the way-point {} of a lost teammate is left: no member has taken it over", cell.0)
 }
 
 fn put_off(cell: Cell) -> String {

@@ -83,6 +83,8 @@ pub struct Way {
     pub moves: u16,
     /// The moves that its newest frame of the round says are made.
     pub made: u16,
+    /// The way-points that its newest frame of the round says it visits later.
+    pub waypoints: Vec<Cell>,
 }
 
 impl TeamFrames {
@@ -113,13 +115,13 @@ fn read<const S: usize, const W: usize>(
         let navigation = Box::new(Navigation::<S, W, LAYERS, NODES, POLICIES>::new(mission, listener, 1)?);
         let context = Context::of::<Intention<W, POLICIES>>(0, navigation.mission_id());
         let accepts = |message: &Intention<W, POLICIES>| navigation.accepts(message);
-        let heard = Heard::<Fact<W>>::read(bytes, key, context, accepts);
+        let heard = Heard::<Fact<W>, _>::read(bytes, key, context, accepts);
         let rounds = heard.rounds.iter().map(|round| round.told(scenario, mission)).collect();
         Ok(TeamFrames { accepted: heard.accepted, refused: heard.refused, rounds })
     })
 }
 
-impl<const W: usize> Round<Fact<W>> {
+impl<const W: usize> Round<Fact<W>, Intention<W, POLICIES>> {
     fn told(&self, scenario: &Scenario, mission: &Mission<'_, W>) -> HeardRound {
         let name = |robot: RobotId| scenario.robots[robot.index()].name.clone();
         HeardRound {
@@ -141,6 +143,7 @@ impl<const W: usize> Round<Fact<W>> {
             path: path.cells(&mission.map).collect(),
             moves: path.moves().filter(|&step| step != Move::Wait).count() as u16,
             made: self.made[robot.index()],
+            waypoints: self.newest[robot.index()].iter().flat_map(|said| said.waypoints.to_vec()).collect(),
         };
         Some(ChosenPolicy {
             policy: choice.policy.into(),
@@ -191,6 +194,7 @@ impl fmt::Display for Way {
         };
         let steps = counted(self.path.len().max(1) - 1, "step");
         let moves = format!("{} of {} made", self.made.min(self.moves), counted(self.moves, "move"));
-        write!(f, "{:<4} to {end}{errand} in {steps}, {moves}: {}", self.robot, route(&self.path))
+        write!(f, "{:<4} to {end}{errand} in {steps}, {moves}: {}", self.robot, route(&self.path))?;
+        self.waypoints.iter().try_for_each(|cell| write!(f, ", later by way of {}", cell.0))
     }
 }

@@ -6,6 +6,7 @@
 //! | `localisation` | where a robot believes it is, and how reliable its drive is |
 //! | `obstacles`, `errands` | what it has seen; what it is to do before it goes to a goal |
 //! | `fact`, `claim`, `intention` | what it announces |
+//! | `handover` | the way-points of lost teammates |
 //! | `policies` | the joint policies that all robots make from the same facts |
 //! | `team_robot` | a tick: rounds, the list, the choice, the next move |
 //! | `task` | the lines of Algorithm 1 |
@@ -19,6 +20,7 @@ mod errands;
 mod experience;
 mod fact;
 mod intention;
+mod handover;
 mod localisation;
 mod mission;
 mod obstacles;
@@ -34,6 +36,7 @@ pub use experience::Experience;
 pub use fact::{Fact, Purpose};
 pub use intention::Intention;
 pub use localisation::{Localisation, MOVES};
+pub use handover::PendingWaypoints;
 pub use mission::{MAX_GOALS, MAX_PACE, Mission, MissionError};
 pub use obstacles::{Announced, CellEvidence, MAX_EVIDENCE, MAX_OBSTACLES};
 pub use policies::{Policies, TeamPlan};

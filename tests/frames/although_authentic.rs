@@ -29,7 +29,7 @@ fn a_value_out_of_range_is_named() {
 fn what_does_not_fit_the_team_or_the_map_is_named() {
     let with = |change: fn(&mut RoundMessage<Fact<2>, K>)| {
         let mut message = driving().message;
-        change(&mut message.0);
+        change(&mut message.rounds);
         message.check(3, 49)
     };
     let wall = || Blocks::default();
@@ -46,11 +46,29 @@ fn what_does_not_fit_the_team_or_the_map_is_named() {
         assert_eq!(with(change), Err(expected));
     }
     let mut spare = driving().message;
-    spare.0.proposal.walls.push(wall()).expect("there is room");
+    spare.rounds.proposal.walls.push(wall()).expect("there is room");
     assert_eq!(spare.check(3, 49), Err(Round::WALLS));
-    choose(&mut spare.0, K as u8 - 1);
-    spare.0.proposal.walls.clear();
+    choose(&mut spare.rounds, K as u8 - 1);
+    spare.rounds.proposal.walls.clear();
     assert_eq!(spare.check(3, 49), Ok(()));
+    assert!(spare.waypoints.push(Cell(48)).is_ok() && spare.check(3, 49).is_ok());
+    assert!(spare.waypoints.push(Cell(49)).is_ok());
+    assert_eq!(spare.check(3, 49), Err(Intention::OUTSIDE));
+}
+
+#[test]
+fn more_way_points_than_the_evidence_leaves_room_for_are_neither_sent_nor_taken() {
+    let mut said = driving();
+    said.message.waypoints = [1, 2, 3].map(Cell).into_iter().collect();
+    assert_eq!(decode(body_of(&framed(&said)), &AUTH).as_ref(), Ok(&said));
+    said.message.waypoints.push(Cell(4)).expect("there is room without evidence");
+    let mut buffer = [0; MAX_FRAME];
+    let refused = encode(&said, &AUTH, &mut buffer);
+    assert_eq!(refused, Err(EncodeError::Invalid(Intention::TOO_MANY)));
+    let mut plain = body(&driving());
+    plain.pop();
+    plain.extend([4, 1, 2, 3, 4]);
+    assert_eq!(decode(&sealed(VERSION, &plain), &AUTH), Err(DecodeError::Invalid(Intention::TOO_MANY)));
 }
 
 type Round = RoundMessage<Fact<2>, K>;

@@ -32,12 +32,13 @@ fn in_the_published_layout() {
         0,                       // no scores any more
         1, 3, 191,               // policy 3 with a probability of 191/255
         5,                       // five moves are made
+        0,                       // no way-points
     ];
     let (signed, tag) = plain.split_at(plain.len() - TAG_BYTES);
     assert_eq!(signed, expected);
     assert_eq!(tag, GOLDEN_TAG);
     assert_eq!(CONTEXT.to_bits(), GOLDEN_CONTEXT);
-    assert_eq!(frame.len(), 35, "a typical frame");
+    assert_eq!(frame.len(), 36, "a typical frame");
 }
 
 #[test]
@@ -48,10 +49,9 @@ fn in_the_published_layout_while_a_robot_decides_without_another() {
     let fact = Fact { anchor: Cell(8), purpose: Purpose::Visit(Cell(40)), evidence: Announced::new() };
     let scores = [Score { delay: 8, price: 0 }, Score::CANNOT].into_iter().collect();
     let answer = Answer::Scored { digest: Digest([1, 2, 3, 4]), scores };
-    let said = Said {
-        message: iibt_core::navigation::Intention(RoundMessage { proposal, fact, answer }),
-        ..driving()
-    };
+    let waypoints = [41, 42].map(Cell).into_iter().collect();
+    let message = Intention { rounds: RoundMessage { proposal, fact, answer }, waypoints };
+    let said = Said { message, ..driving() };
     let plain = unstuffed(body_of(&framed(&said)));
     #[rustfmt::skip]
     let expected = [
@@ -60,6 +60,7 @@ fn in_the_published_layout_while_a_robot_decides_without_another() {
         8, 1, 40, 0,                   // from p8 to the way-point p40, no evidence
         1, 1, 2, 3, 4,                 // it has scored the list of this digest
         2, 8, 0, 255, 255,             // two policies: a tick late, and cannot
+        2, 41, 42,                     // then to the way-points p41 and p42
     ];
     assert_eq!(plain[5..plain.len() - TAG_BYTES], expected);
     assert_eq!(decode(body_of(&framed(&said)), &AUTH), Ok(said));

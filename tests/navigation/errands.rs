@@ -240,3 +240,135 @@ fn a_teammate_that_stands_in_the_way_to_a_charger_steps_aside() {
     assert!(passed(&tracks[0], &[0]), "{:?}", tracks[0]);
     assert!(on_goals(&team, &mission));
 }
+
+/// Flies a robot with these way-points until it is on the way to the first; then it dies, and the
+/// others fly to their end. Returns the team and the tracks of all robots since.
+fn after_a_death<'m>(mission: &'m Mission<'m, 2>, told: &[u16]) -> (Team<'m>, Vec<Vec<u16>>) {
+    let mut team = agreed(mission);
+    told.iter().for_each(|&cell| visit(&mut team, 2, cell));
+    fly_until(&mut team, "all know that it is on its way", |team| {
+        protocol(team, 2).fact().purpose == Purpose::Visit(Cell(told[0])) && all_decided_in_one_round(team)
+    });
+    team.cause(EventEffect::Stop(2, None));
+    let mut tracks = vec![vec![]; team.cells().len()];
+    let note = |team: &Team<'_>| {
+        for (track, cell) in tracks.iter_mut().zip(cells(team)) {
+            track.push(cell);
+        }
+    };
+    fly_watching(&mut team, "the others stop", note, |team| {
+        !report(team, 0).members.contains(RobotId(2)) && team.statuses()[..2] == [Status::Success; 2]
+    });
+    (team, tracks)
+}
+
+fn all_decided_in_one_round(team: &Team<'_>) -> bool {
+    has_decided(team) && (0..3).all(|robot| report(team, robot).round == round(team))
+}
+
+#[test]
+fn line_31_way_points_of_a_lost_robot_are_visited_by_the_others_one_each() {
+    let mission = Mission { goals: &[Cell(0), Cell(1), Cell(2)], policies: 1, ..factory() };
+    let (team, tracks) = after_a_death(&mission, &[27, 48, 42]);
+    let visitors = |cell: u16| (0..3).filter(|&robot| tracks[robot].contains(&cell)).collect::<Vec<_>>();
+    let (first, second) = (visitors(48), visitors(42));
+    assert!(first.len() == 1 && second.len() == 1 && first != second, "{first:?} {second:?}");
+    assert!((0..2).all(|robot| task(&team, robot).waypoints().is_empty()));
+    for robot in 0..2 {
+        assert!(mission.goals.contains(&team.cells()[robot]));
+    }
+}
+
+#[test]
+fn a_way_point_inside_the_wall_of_a_lost_robot_is_named_and_nobody_sets_out_for_it() {
+    let mission = Mission { goals: &[Cell(0), Cell(1), Cell(2)], policies: 1, ..factory() };
+    let (team, tracks) = after_a_death(&mission, &[27, 48]);
+    for robot in 0..2 {
+        assert_eq!(report(&team, robot).left_behind, Some(Cell(27)));
+        assert!(task(&team, robot).waypoints().is_empty() && !tracks[robot].contains(&27));
+    }
+}
+
+/// Its last report was that it stands on its first way-point: it keeps nobody from going on.
+#[test]
+fn a_robot_that_dies_where_it_blocks_nobody_is_left_out_because_it_has_more_to_visit() {
+    let mission = Mission { goals: &[Cell(0), Cell(1), Cell(2)], policies: 1, ..factory() };
+    let mut team = agreed(&mission);
+    [27, 48].into_iter().for_each(|cell| visit(&mut team, 2, cell));
+    fly_until(&mut team, "it has come to the first", |team| team.cells()[2] == Cell(27));
+    tick(&mut team, 1);
+    team.cause(EventEffect::Stop(2, None));
+    fly_others_to_the_end(&mut team, 2);
+    assert!((0..2).all(|robot| task(&team, robot).waypoints().is_empty()));
+    assert!((0..2).any(|robot| report(&team, robot).left_behind.is_none()));
+}
+
+#[test]
+fn a_robot_that_is_back_leaves_to_the_others_what_they_have_taken_over() {
+    for loss in [0.0, 0.3] {
+        for seed in 0..10 {
+            let mission = Mission { policies: 1, ..factory() };
+            let mut team = lossy(&mission, loss, seed);
+            fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
+            [27, 48, 42].into_iter().for_each(|cell| visit(&mut team, 2, cell));
+            fly_until(&mut team, "all know", |team| {
+                protocol(team, 2).fact().purpose == Purpose::Visit(Cell(27)) && all_decided_in_one_round(team)
+            });
+            team.silence(2, true);
+            fly_until(&mut team, "it is left out, and one has taken over", |team| {
+                (0..2).any(|robot| !task(team, robot).waypoints().is_empty())
+            });
+            team.silence(2, false);
+            let tracks = fly_to_the_end(&mut team);
+            for cell in [48, 42] {
+                assert!(tracks.iter().any(|track| track.contains(&cell)), "{cell}: loss {loss}, seed {seed}");
+            }
+            let none = (0..3).all(|robot| task(&team, robot).left_behind().next().is_none());
+            assert!(on_goals(&team, &mission) && none, "loss {loss}, seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn way_points_that_a_robot_forgets_when_it_starts_again_are_visited_all_the_same() {
+    let mission = factory();
+    let mut team = agreed(&mission);
+    [27, 48].into_iter().for_each(|cell| visit(&mut team, 2, cell));
+    fly_until(&mut team, "all know", |team| {
+        protocol(team, 2).fact().purpose == Purpose::Visit(Cell(27)) && all_decided_in_one_round(team)
+    });
+    team.restart(2).expect("it has been built before");
+    let tracks = fly_to_the_end(&mut team);
+    for cell in [27, 48] {
+        assert!(tracks.iter().any(|track| track.contains(&cell)), "{cell}");
+    }
+    assert!(on_goals(&team, &mission));
+}
+
+/// Eight visits are more than a robot keeps in mind, and four are all that a frame has room for.
+#[test]
+fn no_way_point_is_lost_whatever_the_members_have_heard() {
+    for seed in 0..30 {
+        let mission = Mission { goals: &[Cell(0), Cell(1), Cell(2)], policies: 1, ..factory() };
+        let mut team = lossy(&mission, 0.5, seed);
+        fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
+        [27, 48, 42, 46].into_iter().for_each(|cell| visit(&mut team, 2, cell));
+        tick(&mut team, 6);
+        team.cause(EventEffect::Stop(2, None));
+        let known: Vec<Cell> = task(&team, 2).waypoints().to_vec();
+        let mut tracks = vec![vec![]; 3];
+        let note = |team: &Team<'_>| {
+            for (track, cell) in tracks.iter_mut().zip(cells(team)) {
+                track.push(cell);
+            }
+        };
+        fly_watching(&mut team, "the others stop", note, |team| {
+            !report(team, 0).members.contains(RobotId(2)) && team.statuses()[..2] == [Status::Success; 2]
+        });
+        for cell in known {
+            let is_visited = tracks.iter().any(|track| track.contains(&cell.0));
+            let is_named = (0..2).any(|robot| task(&team, robot).left_behind().any(|left| left == cell));
+            assert!(is_visited || is_named, "{cell:?}, seed {seed}");
+        }
+    }
+}

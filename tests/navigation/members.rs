@@ -302,7 +302,8 @@ fn nobody_plans_with_a_teammate_that_speaks_of_another_map() {
     let context = context(task(&team, 0));
     team.silence(2, true);
     let fact = Fact { anchor: Cell(900), ..Fact::default() };
-    let message = Intention(RoundMessage { proposal: Proposal::first(3), fact, answer: Answer::Listing(0) });
+    let rounds = RoundMessage { proposal: Proposal::first(3), fact, answer: Answer::Listing(0) };
+    let message = Intention { rounds, waypoints: Default::default() };
     for sequence in 0..20 {
         let stamp = Stamp { epoch: 9, sequence };
         overhear(

@@ -109,7 +109,7 @@ impl Robot {
         self.end_move();
         let mates = teammates(&self.heard);
         let fact = Place { at: self.at, errand: self.errand };
-        let own = Own { fact: &fact, is_standing: !self.is_moving };
+        let own = Own { fact: &fact, is_standing: !self.is_moving, expected: View::EMPTY };
         let event = self.rounds.tick(own, &mates, &*self.list);
         let want = self.want.filter(|_| event.is_none() && own.is_standing);
         let event = event.or_else(|| self.rounds.ask(want?, &fact));

@@ -19,16 +19,18 @@ VERSION = 2
 MAX_FRAME = 127
 MAX_TEAM = 8
 MAX_EVIDENCE = 4
+MAX_WAYPOINTS = 4
 MAX_WALL_BYTES = 11
 TAG_BYTES = 8
 
 LAYOUT = (
     "sender u8; epoch u32; sequence u32; "
-    "navigation 2: round u32; view u8; walls sequence scale u8 skipped u8 bits sequence u8; "
+    "navigation 3: round u32; view u8; walls sequence scale u8 skipped u8 bits sequence u8; "
     "anchor cell u16; purpose Goal, Visit cell u16, Charge cell u16, Stand; "
     "evidence sequence cell u16 weight i8; "
     "answer Listing u8, Scored digest 4 u8 scores sequence delay u8 price u8, "
-    "Decided digest 4 u8 option scores option policy u8 probability u8 step u16"
+    "Decided digest 4 u8 option scores option policy u8 probability u8 step u16; "
+    "waypoints sequence cell u16"
 )
 
 
@@ -249,7 +251,8 @@ def message_of(policies):
     scored = Record(digest=DIGEST, scores=scores)
     decided = Record(digest=DIGEST, scores=Option(scores), choice=Option(CHOICE), step=U16)
     answer = Either(("Listing", U8), ("Scored", scored), ("Decided", decided))
-    return Record(proposal=PROPOSAL, fact=FACT, answer=answer)
+    rounds = Record(proposal=PROPOSAL, fact=FACT, answer=answer)
+    return Record(rounds=rounds, waypoints=Sequence(U16, MAX_WAYPOINTS))
 
 
 # Consistent overhead byte stuffing
@@ -290,7 +293,7 @@ class Team:
         message = said.pop("message")
         header, body = HEADER.write(said), self.message.write(message)
         self.check(said["sender"], message)
-        if len(body) > 71 + 2 * self.policies:
+        if len(body) > 72 + 2 * self.policies:
             raise Refused("a message of %d bytes" % len(body))
         signed = bytes([VERSION]) + header + body
         frame = b"\0" + stuff(signed + self.tag(signed)) + b"\0"
@@ -300,20 +303,20 @@ class Team:
 
     def decode(self, text):
         said = self.read(bytes.fromhex(text))
-        walls = [wall_cells(wall, self.cells) for wall in said["message"]["proposal"]["walls"]]
+        walls = [wall_cells(wall, self.cells) for wall in said["message"]["rounds"]["proposal"]["walls"]]
         return json.dumps({**said, "cells": walls})
 
     def digest(self, text):
         said = [self.read(bytes.fromhex(frame)) for frame in text.split()]
         said.sort(key=lambda one: one["sender"])
-        proposals = [one["message"]["proposal"] for one in said]
+        proposals = [one["message"]["rounds"]["proposal"] for one in said]
         if not said or any(proposal != proposals[0] for proposal in proposals):
             raise Refused("not of one round")
         if sum(1 << one["sender"] for one in said) != proposals[0]["view"]:
             raise Refused("not one frame of each member")
         data = PROPOSAL.write(proposals[0])
         for one in said:
-            data += U32.write(one["epoch"]) + FACT.write(one["message"]["fact"])
+            data += U32.write(one["epoch"]) + FACT.write(one["message"]["rounds"]["fact"])
         return siphash_2_4(self.mission.to_bytes(8, "little") + bytes(8), data)[:4].hex()
 
     def read(self, frame):
@@ -348,9 +351,12 @@ class Team:
 
     def check(self, sender, message):
         """What the layout does not say."""
-        proposal, fact, answer = message["proposal"], message["fact"], message["answer"]
+        rounds, waypoints = message["rounds"], message["waypoints"]
+        proposal, fact, answer = rounds["proposal"], rounds["fact"], rounds["answer"]
         if sender >= self.robots:
             raise Refused("the sender is not in the team")
+        if len(fact["evidence"]) + len(waypoints) > MAX_EVIDENCE:
+            raise Refused("there are more way-points than the frame has room for")
         if proposal["view"] >> self.robots:
             raise Refused("the view has a robot that the team does not have")
         if bin(proposal["view"]).count("1") + len(proposal["walls"]) != self.robots:
@@ -362,7 +368,7 @@ class Team:
             scores = decided["scores"]
             if decided["choice"]["policy"] >= (self.policies if scores is None else len(scores)):
                 raise Refused("the chosen policy is beyond the end of the list")
-        named = [fact["anchor"]] + [known["cell"] for known in fact["evidence"]]
+        named = waypoints + [fact["anchor"]] + [known["cell"] for known in fact["evidence"]]
         if isinstance(fact["purpose"], dict):
             named += fact["purpose"].values()
         if max(named) >= self.cells:

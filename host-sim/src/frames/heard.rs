@@ -8,27 +8,29 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 /// What was heard so far.
-pub(super) struct Heard<F: Fact> {
+pub(super) struct Heard<F: Fact, M> {
     /// The number of frames that were accepted.
     pub(super) accepted: u32,
     /// The reasons why others were refused, and how often.
     pub(super) refused: BTreeMap<String, u32>,
     /// The rounds by their numbers.
-    pub(super) rounds: Vec<Round<F>>,
+    pub(super) rounds: Vec<Round<F, M>>,
 }
 
 /// What the members of one round have said.
-pub(super) struct Round<F: Fact> {
+pub(super) struct Round<F: Fact, M> {
     pub(super) proposal: Proposal<F::Claim>,
     /// Empty for robots that are no members, and for those whose facts are missing.
     pub(super) facts: [Option<F>; MAX_TEAM],
     pub(super) made: [u16; MAX_TEAM],
+    /// The newest message of each.
+    pub(super) newest: [Option<M>; MAX_TEAM],
     pub(super) choice: Option<Choice>,
 }
 
-impl<F: Fact> Heard<F> {
+impl<F: Fact, M> Heard<F, M> {
     /// Reads frames with their delimiters.
-    pub(super) fn read<M, const K: usize>(
+    pub(super) fn read<const K: usize>(
         bytes: &[u8],
         key: &Key,
         context: Context,
@@ -48,7 +50,7 @@ impl<F: Fact> Heard<F> {
                 accepted.map(|()| envelope)
             });
             match read {
-                Ok(envelope) => heard.note(envelope.sender, envelope.message.as_ref()),
+                Ok(envelope) => heard.note(envelope.sender, envelope.message),
                 Err(reason) => *heard.refused.entry(reason).or_default() += 1,
             }
         }
@@ -59,8 +61,12 @@ impl<F: Fact> Heard<F> {
         heard
     }
 
-    fn note<const K: usize>(&mut self, sender: RobotId, message: &RoundMessage<F, K>) {
+    fn note<const K: usize>(&mut self, sender: RobotId, said: M)
+    where
+        M: AsRef<RoundMessage<F, K>>,
+    {
         self.accepted += 1;
+        let message = said.as_ref();
         let known = self.rounds.iter().position(|round| round.proposal == message.proposal);
         let index = known.unwrap_or_else(|| {
             let proposal = message.proposal.clone();
@@ -68,6 +74,7 @@ impl<F: Fact> Heard<F> {
                 proposal,
                 facts: [const { None }; MAX_TEAM],
                 made: [0; MAX_TEAM],
+                newest: [const { None }; MAX_TEAM],
                 choice: None,
             });
             self.rounds.len() - 1
@@ -76,18 +83,21 @@ impl<F: Fact> Heard<F> {
         if round.proposal.view.contains(sender) {
             round.facts[sender.index()] = Some(message.fact.clone());
         }
-        // A frame that a teammate has passed on can be older than one before it.
-        let made = &mut round.made[sender.index()];
-        *made = message.answer.step().max(*made);
         if let Answer::Decided { choice: Some(choice), .. } = message.answer {
             round.choice = Some(choice);
+        }
+        // A frame that a teammate has passed on can be older than one before it.
+        let made = &mut round.made[sender.index()];
+        if message.answer.step() >= *made {
+            *made = message.answer.step();
+            round.newest[sender.index()] = Some(said);
         }
     }
 }
 
-impl<F: Fact> Round<F> {
+impl<F: Fact, M> Round<F, M> {
     /// The members.
-    pub(super) fn members(&self) -> impl Iterator<Item = RobotId> + Clone + use<F> {
+    pub(super) fn members(&self) -> impl Iterator<Item = RobotId> + Clone + use<F, M> {
         self.proposal.view.iter()
     }
 

@@ -91,13 +91,13 @@ impl TaskFrames {
         let listener = HostTask::new(tables, RobotId(0), 1)?;
         let context = Context::of::<TableMessage>(0, tables.mission());
         let heard =
-            Heard::<Announcement>::read(bytes, key, context, |said: &TableMessage| listener.accepts(said));
+            Heard::<Announcement, _>::read(bytes, key, context, |said: &TableMessage| listener.accepts(said));
         let rounds = heard.rounds.iter().map(|round| told(round, tables)).collect();
         Ok(Self { accepted: heard.accepted, refused: heard.refused, rounds })
     }
 }
 
-fn told(round: &Round<Announcement>, tables: &Tables<'_>) -> TaskRound {
+fn told(round: &Round<Announcement, TableMessage>, tables: &Tables<'_>) -> TaskRound {
     let name = |robot: RobotId| tables.roles()[robot.index()].name.to_owned();
     let missing: Vec<String> = round.missing().map(name).collect();
     TaskRound {
@@ -109,7 +109,7 @@ fn told(round: &Round<Announcement>, tables: &Tables<'_>) -> TaskRound {
     }
 }
 
-fn chosen(round: &Round<Announcement>, choice: Choice, tables: &Tables<'_>) -> Option<ChosenParts> {
+fn chosen(round: &Round<Announcement, TableMessage>, choice: Choice, tables: &Tables<'_>) -> Option<ChosenParts> {
     let list = joint_policies(tables, &round.facts);
     let policy = *list.get(usize::from(choice.policy))?;
     let part = |robot: RobotId| {

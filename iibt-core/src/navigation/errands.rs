@@ -14,28 +14,19 @@ const FIRST_REST: u16 = 20;
 const LONGEST_REST: u16 = 1280;
 
 /// Why a robot does not take a way-point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum VisitError {
     /// No robot can be there.
+    #[error("the way-point p{} is outside the map or blocked", .0.0)]
     Blocked(Cell),
     /// No way of the map leads there from where the robot is.
+    #[error("no way of the map leads to the way-point p{}", .0.0)]
     Unreachable(Cell),
     /// It has as many as it can keep in mind.
+    #[error("a robot has at most {MAX_WAYPOINTS} way-points")]
     TooMany,
 }
-
-impl core::fmt::Display for VisitError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Blocked(cell) => write!(f, "the way-point p{} is outside the map or blocked", cell.0),
-            Self::Unreachable(cell) => write!(f, "no way of the map leads to the way-point p{}", cell.0),
-            Self::TooMany => write!(f, "a robot has at most {MAX_WAYPOINTS} way-points"),
-        }
-    }
-}
-
-impl core::error::Error for VisitError {}
 
 /// Way-points to be visited in their order. Those to which no way was found are put off, and the
 /// others come first.
@@ -109,6 +100,11 @@ impl Waypoints {
             is_next &= !is_open || cell == here;
             !(is_open && is_next)
         });
+    }
+
+    /// Gives up the way-points that others visit.
+    pub(super) fn give_up(&mut self, is_taken: impl Fn(Cell) -> bool) {
+        self.retain(|cell, _| !is_taken(cell));
     }
 
     fn iter(&self) -> impl Iterator<Item = (Cell, &State)> {

@@ -1,6 +1,8 @@
 //! What a navigating robot announces: its fact, its scores, and the plan that it follows.
 
 use super::fact::Fact;
+use super::handover::PendingWaypoints;
+use super::obstacles::MAX_EVIDENCE;
 use crate::team::rounds::RoundMessage;
 use crate::team::{Invalid, Message};
 use serde::{Deserialize, Serialize};
@@ -13,40 +15,60 @@ use serde::{Deserialize, Serialize};
 #[doc(alias = "plan sharing")]
 #[doc(alias = "commitment")]
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Intention<const W: usize, const K: usize>(pub RoundMessage<Fact<W>, K>);
+pub struct Intention<const W: usize, const K: usize> {
+    /// Its part of the rounds.
+    pub rounds: RoundMessage<Fact<W>, K>,
+    /// The way-points that it has yet to visit, in their order, beside one that its fact names:
+    /// no more than leave room for the evidence.
+    pub waypoints: PendingWaypoints,
+}
 
 impl<const W: usize, const K: usize> AsRef<RoundMessage<Fact<W>, K>> for Intention<W, K> {
     fn as_ref(&self) -> &RoundMessage<Fact<W>, K> {
-        &self.0
+        &self.rounds
     }
 }
 
 impl<const W: usize, const K: usize> Message for Intention<W, K> {
-    const SCHEMA: &'static str = "navigation 2: round u32; view u8; walls sequence scale u8 skipped u8 bits \
+    const SCHEMA: &'static str = "navigation 3: round u32; view u8; walls sequence scale u8 skipped u8 bits \
         sequence u8; anchor cell u16; purpose Goal, Visit cell u16, Charge cell u16, Stand; evidence sequence \
         cell u16 weight i8; answer Listing u8, Scored digest 4 u8 scores sequence delay u8 price u8, Decided \
-        digest 4 u8 option scores option policy u8 probability u8 step u16";
+        digest 4 u8 option scores option policy u8 probability u8 step u16; waypoints sequence cell u16";
 
-    const MAX_BYTES: usize = RoundMessage::<Fact<W>, K>::MAX_BYTES;
+    // A cell takes no more bytes than the evidence in whose place it is.
+    const MAX_BYTES: usize = RoundMessage::<Fact<W>, K>::MAX_BYTES + 1;
+
+    fn validate(&self) -> Result<(), Invalid> {
+        if self.waypoints.len() <= room(&self.rounds.fact) { Ok(()) } else { Err(Self::TOO_MANY) }
+    }
+}
+
+/// The number of way-points for which a frame has room beside the evidence.
+pub(super) fn room<const W: usize>(fact: &Fact<W>) -> usize {
+    MAX_EVIDENCE.saturating_sub(fact.evidence.len())
 }
 
 impl<const W: usize, const K: usize> Intention<W, K> {
     /// A cell is outside the map.
     pub const OUTSIDE: Invalid = Invalid("a cell is outside this robot's map");
 
+    /// There are more way-points than the evidence leaves room for.
+    pub const TOO_MANY: Invalid = Invalid("there are more way-points than the frame has room for");
+
     /// Checks the message against a team of `team` robots on a map of `cells` cells.
     ///
     /// # Errors
     /// [`Invalid`] with the first value that does not fit.
     pub fn check(&self, team: usize, cells: usize) -> Result<(), Invalid> {
-        self.0.validate(team)?;
-        if self.0.fact.fits(cells) { Ok(()) } else { Err(Self::OUTSIDE) }
+        self.rounds.validate(team)?;
+        let are_inside = self.waypoints.iter().all(|cell| cell.index() < cells);
+        if are_inside && self.rounds.fact.fits(cells) { Ok(()) } else { Err(Self::OUTSIDE) }
     }
 }
 
 #[cfg(feature = "defmt")]
 impl<const W: usize, const K: usize> defmt::Format for Intention<W, K> {
     fn format(&self, f: defmt::Formatter<'_>) {
-        self.0.format(f);
+        defmt::write!(f, "{} way-points {}", self.rounds, self.waypoints);
     }
 }

@@ -80,24 +80,32 @@ pub struct Mission<'m, const W: usize> {
 }
 
 /// Why a mission cannot be flown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MissionError {
     /// The map has more cells than the controller was built for, or than the frames can name: 2^14.
+    #[error("the map has more cells than the controller was built for")]
     MapTooLarge,
     /// No robot, more than [`MAX_TEAM`], or not as many as the robot's team has.
+    #[error("a team has 1 to {MAX_TEAM} robots")]
     TeamSize,
     /// The robot's number is not below the size of the team.
+    #[error("the robot's number is not below the size of the team")]
     NoSuchRobot,
     /// No goal, or more than [`MAX_GOALS`].
+    #[error("a mission has 1 to {MAX_GOALS} goals")]
     GoalCount,
     /// A start is outside the map, blocked, or taken by another robot.
+    #[error("the start p{} is outside the map, blocked or given twice", .0.0)]
     Start(Cell),
     /// A goal is outside the map, blocked, or given twice.
+    #[error("the goal p{} is outside the map, blocked or given twice", .0.0)]
     Goal(Cell),
     /// A charger is outside the map, blocked, or given twice.
+    #[error("the charger p{} is outside the map, blocked or given twice", .0.0)]
     Charger(Cell),
     /// A number of the model is out of its range.
+    #[error("a probability, pace, precision or number of policies is out of range")]
     Number,
 }
 
@@ -249,29 +257,6 @@ impl<'m, const W: usize> Mission<'m, W> {
         cells.clone().enumerate().find(wrong).map(|(_, cell)| cell)
     }
 }
-
-impl core::fmt::Display for MissionError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::MapTooLarge => f.write_str("the map has more cells than the controller was built for"),
-            Self::TeamSize => write!(f, "a team has 1 to {MAX_TEAM} robots"),
-            Self::NoSuchRobot => f.write_str("the robot's number is not below the size of the team"),
-            Self::GoalCount => write!(f, "a mission has 1 to {MAX_GOALS} goals"),
-            Self::Start(cell) => {
-                write!(f, "the start p{} is outside the map, blocked or given twice", cell.0)
-            }
-            Self::Goal(cell) => write!(f, "the goal p{} is outside the map, blocked or given twice", cell.0),
-            Self::Charger(cell) => {
-                write!(f, "the charger p{} is outside the map, blocked or given twice", cell.0)
-            }
-            Self::Number => {
-                f.write_str("a probability, pace, precision or number of policies is out of range")
-            }
-        }
-    }
-}
-
-impl core::error::Error for MissionError {}
 
 #[cfg(test)]
 mod tests {

@@ -54,6 +54,9 @@ pub struct Report {
     /// The first way-point that is put off, because no plan was found that leads there; it is tried
     /// again later.
     pub put_off: Option<Cell>,
+    /// The first way-point of a lost teammate that no member has taken over. If that lasts, no
+    /// member can get there, or none has room for it.
+    pub left_behind: Option<Cell>,
     /// The reason for which the robot opened the round, if it did.
     pub cause: Option<Cause>,
     /// What it waits for.
@@ -91,6 +94,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             surprise: self.localisation().surprise().ok(),
             waypoint: self.waypoints().first().copied(),
             put_off: self.first_put_off(),
+            left_behind: self.left_behind().next(),
             cause: self.cause(),
             waiting: self.waiting(),
             failure: self.failure(),

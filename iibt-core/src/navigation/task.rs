@@ -63,7 +63,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     }
 
     /// Whether the robot has done all it is for: it stands at the end of a plan that leads all
-    /// robots to goals, and has no errand.
+    /// robots to goals, has no errand, and takes none over from a lost teammate.
     #[must_use]
     pub fn has_arrived(&self) -> bool {
         let is_bound = self.purpose() == Purpose::Goal
@@ -73,6 +73,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             && self.is_on_course()
             && self.standing().is_some()
             && !self.misses_a_goal()
+            && !self.may_take_over()
     }
 }
 

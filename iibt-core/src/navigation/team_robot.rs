@@ -2,14 +2,16 @@
 
 mod course;
 mod decision;
+mod errands;
 mod perception;
 
 use super::errands::Waypoints;
 use super::fact::Fact;
+use super::handover::Handover;
 use super::obstacles::Obstacles;
 use super::policies::{OnMap, Policies, TeamPlan};
 use super::{
-    Cause, Intention, Localisation, MAX_GOALS, MAX_OBSTACLES, Mission, MissionError, Purpose, VisitError,
+    Cause, Intention, Localisation, MAX_GOALS, MAX_OBSTACLES, Mission, MissionError, Purpose,
 };
 use crate::grid::{Cell, CellSet, Move};
 use crate::inference::WeighedPolicies;
@@ -57,6 +59,7 @@ pub struct Navigation<'m, const S: usize, const W: usize, const L: usize, const 
     /// What is in view and may be teammates.
     mates_in_view: CellSet<W>,
     waypoints: Waypoints,
+    handover: Handover,
     charges: bool,
     goal_values: [f32; MAX_GOALS],
     /// `None` until the robot first knows where it stands: it has nothing true to say before.
@@ -104,6 +107,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             watched: CellSet::EMPTY,
             mates_in_view: CellSet::EMPTY,
             waypoints: Waypoints::default(),
+            handover: Handover::default(),
             charges: false,
             goal_values: [1.0; MAX_GOALS],
             rounds: None,
@@ -132,26 +136,6 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     /// goal that is better by a tenth of a nat, the team is up to 3 ticks later.
     pub fn set_goal_preferences(&mut self, values: &[f32; MAX_GOALS]) {
         self.goal_values = values.map(|value| if value > 0.0 && value <= 1.0 { value } else { 1.0 });
-    }
-
-    /// Tells the robot to visit a cell before it goes to a goal, after those it was told before.
-    ///
-    /// A way-point to which the team finds no plan is [put off](super::Report::put_off): the robot
-    /// goes on with the rest, and the team tries again after 20 ticks, then 40, up to 1,280, or as
-    /// soon as a teammate that had an errand too is done with it.
-    ///
-    /// # Errors
-    /// [`VisitError`] when the cell is blocked or no way of the map leads there, or when the robot
-    /// has enough to visit.
-    pub fn visit(&mut self, cell: Cell) -> Result<(), VisitError> {
-        let map = &self.mission.map;
-        if !map.is_free(cell) || self.is_blocked(cell) {
-            return Err(VisitError::Blocked(cell));
-        }
-        if !map.connected(self.localisation.position().0).contains(cell) {
-            return Err(VisitError::Unreachable(cell));
-        }
-        self.waypoints.push(cell)
     }
 
     /// Tells the robot whether to charge its battery before anything else.
@@ -185,17 +169,6 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     #[must_use]
     pub const fn localisation(&self) -> &Localisation<S> {
         &self.localisation
-    }
-
-    /// Returns the way-points to visit, the next one first.
-    #[must_use]
-    pub fn waypoints(&self) -> &[Cell] {
-        self.waypoints.all()
-    }
-
-    /// Returns the first way-point that is put off.
-    pub(super) fn first_put_off(&self) -> Option<Cell> {
-        self.waypoints.first_put_off()
     }
 
     /// Returns the cells of which any robot has told that they are blocked: those that are worth a

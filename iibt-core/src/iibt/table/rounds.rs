@@ -197,7 +197,8 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         // others have taken its fact to last.
         let is_lasting = self.tables.policies() < MAX_POLICIES && fact.is_as(self.fact());
         let fact = if is_lasting { *self.fact() } else { fact };
-        let (teammates, own) = (Teammates::from(peers), Own { fact: &fact, is_standing: true });
+        let teammates = Teammates::from(peers);
+        let own = Own { fact: &fact, is_standing: true, expected: View::EMPTY };
         let list = OnTables { tables: self.tables, policies: self.listing.policies() };
         let event = self.rounds.tick(own, &teammates, &list);
         self.note(event, &teammates);

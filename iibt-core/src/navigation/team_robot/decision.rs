@@ -17,7 +17,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     Navigation<'_, S, W, L, M, K>
 {
     /// Hears the teammates; joins a round, opens one where there is trouble, or learns the choice.
-    pub(super) fn attend(&mut self, peers: Peers<'_, Intention<W, K>>) {
+    /// Those that are busy will open another round.
+    pub(super) fn attend(&mut self, peers: Peers<'_, Intention<W, K>>, busy: View) {
         let teammates = Teammates::from(peers);
         let standing = self.standing();
         let anchor = standing.unwrap_or(self.localisation.position().0);
@@ -31,7 +32,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         {
             self.waypoints.put_off(cell, View::EMPTY);
         }
-        let own = Own { fact: &fact, is_standing: standing.is_some() };
+        let own = Own { fact: &fact, is_standing: standing.is_some(), expected: busy };
         let mut event = (rounds.tick(own, &teammates, &list), Cause::Teammate);
         // Where all policies were impossible for some member, there is none whose precondition
         // could ask for another round.
@@ -174,7 +175,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let policy = rounds.protocol().policy();
         let probability = policy.map_or(0.0, |policy| self.weighed.probability(policy));
         let listed = self.policies.plans().len() as u8;
-        Some(Intention(rounds.protocol().message(&Teammates::from(peers), listed, probability)))
+        let rounds = rounds.protocol().message(&Teammates::from(peers), listed, probability);
+        Some(Intention { waypoints: self.pending(&rounds.fact), rounds })
     }
 
     /// Notes what the robot waits for: whenever it has heard or done something.

@@ -1,7 +1,7 @@
 //! What a robot senses and hears: where it is, what is in its view, and what is left to visit.
 
 use super::super::claim::Cells;
-use super::super::{Fact, GridPercept, Intention, Purpose};
+use super::super::{Fact, GridPercept, Intention};
 use super::Navigation;
 use crate::grid::{Cell, CellSet};
 use crate::team::rounds::{Answer, RoundMessage, Rounds, Teammates, Timing, View};
@@ -21,7 +21,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     ) {
         (self.command, self.left, self.waiting) = (None, self.budget, None);
         self.moving = percept.moving;
-        self.waypoints.pass(self.busy(&Teammates::from(peers)));
+        let busy = self.busy(&Teammates::from(peers));
+        self.waypoints.pass(busy);
         self.locate(percept.reading);
         self.look(percept, peers);
         if let Some(here) = self.standing() {
@@ -33,19 +34,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
                 self.rounds = Some(Rounds::new(self.member, self.epoch, number, fact, Timing::DEFAULT));
             }
         }
-        self.attend(peers);
-    }
-
-    /// The members of the round that have errands, by their newest messages, and all that are left
-    /// out.
-    pub(super) fn busy(&self, teammates: &Teammates<'_, Fact<W>, K>) -> View {
-        let team = View::full(self.member.team()).without(self.robot());
-        let view = self.rounds.as_ref().map_or(team, |rounds| rounds.proposal().view);
-        let is_busy = |robot: &RobotId| {
-            let purpose = teammates.get(*robot).map(|heard| heard.message.fact.purpose);
-            !view.contains(*robot) || matches!(purpose, Some(Purpose::Visit(_) | Purpose::Charge(_)))
-        };
-        team.iter().filter(is_busy).collect()
+        self.attend(peers, busy);
+        self.hand_over(peers);
     }
 
     fn locate(&mut self, reading: Option<Cell>) {
@@ -78,11 +68,11 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.obstacles.forget(self.mission.forgets);
         let view = self.rounds.as_ref().map_or(View::full(MAX_TEAM), |rounds| rounds.proposal().view);
         let members = peers.iter().filter(|peer| view.contains(peer.envelope().sender));
-        let told = members.flat_map(|peer| peer.message().as_ref().fact.evidence.iter());
+        let told = members.flat_map(|peer| peer.message().rounds.fact.evidence.iter());
         let of = |cell| told.clone().filter(move |known| known.cell == cell).map(|known| known.weight);
         let is_vetoed = self.rounds.as_ref().is_some_and(|rounds| rounds.protocol().is_vetoed());
         self.obstacles.yield_to(of, is_vetoed);
-        let told = peers.iter().flat_map(|peer| peer.message().as_ref().fact.evidence.iter());
+        let told = peers.iter().flat_map(|peer| peer.message().rounds.fact.evidence.iter());
         let told = told.filter(|known| known.weight > 0).map(|known| known.cell);
         self.watched = told.chain(self.obstacles.suspected()).collect();
     }

@@ -123,10 +123,12 @@ impl Patience {
         Self { timing, teammates, view, trouble: 0, refractory: 0, longest_silence: 0 }
     }
 
-    /// Takes in a tick, after the newest messages were heard; returns the trouble in it.
+    /// Takes in a tick, after the newest messages were heard; returns the trouble in it. Members
+    /// that are `expected` to open a round are missed when they are silent.
     pub(super) fn observe<F, L, const K: usize>(
         &mut self,
         protocol: &Protocol<F, K>,
+        expected: View,
         teammates: &Teammates<'_, F, K>,
         list: &L,
     ) -> Trouble
@@ -150,8 +152,11 @@ impl Patience {
             }
             self.longest_silence = self.longest_silence.max(acquaintance.hear(stamp));
             // A tick without a frame is no silence: it may have passed on one of another robot.
-            let weight = if acquaintance.silence > 1 { 2 } else { 1 };
-            let is_stuck = trouble.blocking.contains(robot) && progress == acquaintance.progress;
+            let is_silent = acquaintance.silence > 1;
+            let weight = if is_silent { 2 } else { 1 };
+            let is_missed = is_silent && expected.contains(robot);
+            let is_awaited = is_missed || trouble.blocking.contains(robot);
+            let is_stuck = is_awaited && progress == acquaintance.progress;
             acquaintance.quiet = if is_stuck { acquaintance.quiet.saturating_add(weight) } else { 0 };
             let is_outside = !view.contains(robot) && protocol.is_in_round(robot, teammates).is_ok();
             acquaintance.standing = if is_outside { acquaintance.standing.saturating_add(1) } else { 0 };

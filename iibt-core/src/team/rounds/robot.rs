@@ -11,6 +11,9 @@ pub struct Own<'a, F> {
     pub fact: &'a F,
     /// Whether it stands at the place of the fact, between no two others.
     pub is_standing: bool,
+    /// The teammates that are to open another round by themselves: one that falls silent is left
+    /// out in time, although it keeps no other from going on.
+    pub expected: View,
 }
 
 impl<F> Clone for Own<'_, F> {
@@ -29,7 +32,8 @@ impl<F> Copy for Own<'_, F> {}
 /// ```
 /// use iibt_core::iibt::cheapest_policy;
 /// use iibt_core::team::rounds::{
-///     Event, Fact, Heard, JointPolicies, Own, RoundMessage, Rounds, Score, Teammates, Timing, Waiting,
+///     Event, Fact, Heard, JointPolicies, Own, RoundMessage, Rounds, Score, Teammates, Timing, View,
+///     Waiting,
 /// };
 /// use iibt_core::team::{Member, RobotId, Stamp};
 /// use serde::{Deserialize, Serialize};
@@ -72,7 +76,7 @@ impl<F> Copy for Own<'_, F> {}
 ///     Ok(Rounds::new(member, 1, 0, Load(load), Timing::DEFAULT))
 /// };
 /// let (mut first, mut second) = (robot(0, 3)?, robot(1, 5)?);
-/// let own = Own { fact: &Load(3), is_standing: true };
+/// let own = Own { fact: &Load(3), is_standing: true, expected: View::EMPTY };
 /// let hears = |robot, message| -> Teammates<'_, Load, 2> {
 ///     let stamp = Stamp { epoch: 1, sequence: 0 };
 ///     [(RobotId(robot), Heard { stamp, message })].into_iter().collect()
@@ -139,7 +143,7 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
         L: JointPolicies<Claim = F::Claim>,
     {
         let event = self.protocol.attend(own.fact, own.is_standing, teammates, list);
-        let trouble = self.patience.observe(&self.protocol, teammates, list);
+        let trouble = self.patience.observe(&self.protocol, own.expected, teammates, list);
         if event.is_some() || !own.is_standing {
             return event;
         }

@@ -1,0 +1,118 @@
+//! What a robot is to visit: what it was told, and what it takes over from lost teammates.
+
+use super::super::handover::{PendingWaypoints, Takers};
+use super::super::intention::room;
+use super::super::{Fact, Intention, Purpose, VisitError};
+use super::Navigation;
+use crate::grid::Cell;
+use crate::team::rounds::{Teammates, View};
+use crate::team::{Peers, RobotId};
+
+impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
+    Navigation<'_, S, W, L, M, K>
+{
+    /// Tells the robot to visit a cell before it goes to a goal, after those it was told before.
+    ///
+    /// A way-point to which the team finds no plan is [put off](super::Report::put_off): the robot
+    /// goes on with the rest, and the team tries again after 20 ticks, then 40, up to 1,280, or as
+    /// soon as a teammate that had an errand too is done with it.
+    ///
+    /// # Errors
+    /// [`VisitError`] when the cell is blocked or no way of the map leads there, or when the robot
+    /// has enough to visit.
+    pub fn visit(&mut self, cell: Cell) -> Result<(), VisitError> {
+        let map = &self.mission.map;
+        if !map.is_free(cell) || self.is_blocked(cell) {
+            return Err(VisitError::Blocked(cell));
+        }
+        if !map.connected(self.localisation.position().0).contains(cell) {
+            return Err(VisitError::Unreachable(cell));
+        }
+        self.waypoints.push(cell)
+    }
+
+    /// Returns the way-points to visit, the next one first.
+    #[must_use]
+    pub fn waypoints(&self) -> &[Cell] {
+        self.waypoints.all()
+    }
+
+    /// Returns the first way-point that is put off.
+    pub(in crate::navigation) fn first_put_off(&self) -> Option<Cell> {
+        self.waypoints.first_put_off()
+    }
+
+    /// Returns the way-points of lost teammates that no member has taken over: it may not have had
+    /// the time, or no member can get there.
+    pub fn left_behind(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.handover.left()
+    }
+
+    /// Whether the robot may still have to visit a way-point of a lost teammate.
+    pub(in crate::navigation) fn may_take_over(&self) -> bool {
+        self.handover.is_open()
+    }
+
+    /// The members of the round that have errands, by their newest messages, and all that are left
+    /// out.
+    pub(super) fn busy(&self, teammates: &Teammates<'_, Fact<W>, K>) -> View {
+        let team = View::full(self.member.team()).without(self.robot());
+        let view = self.rounds.as_ref().map_or(team, |rounds| rounds.proposal().view);
+        let is_busy = |robot: &RobotId| {
+            let purpose = teammates.get(*robot).map(|heard| heard.message.fact.purpose);
+            !view.contains(*robot) || matches!(purpose, Some(Purpose::Visit(_) | Purpose::Charge(_)))
+        };
+        team.iter().filter(is_busy).collect()
+    }
+
+    /// Takes over way-points of teammates that are lost, or gives up those that a member has taken
+    /// over from this robot while it was left out.
+    pub(super) fn hand_over(&mut self, peers: Peers<'_, Intention<W, K>>) {
+        let Some(rounds) = &self.rounds else { return };
+        let (own, view) = (self.robot(), rounds.proposal().view);
+        for peer in peers.iter() {
+            let (sender, said) = (peer.sender(), peer.message());
+            self.handover.hear(view.contains(sender), sender, peer.envelope().stamp.epoch, pending(said));
+        }
+        if !view.contains(own) {
+            let handover = &self.handover;
+            self.waypoints.give_up(|cell| handover.is_announced(cell));
+        } else if self.handover.left().next().is_some() && rounds.protocol().has_decided() {
+            let mut busy = self.busy(&Teammates::from(peers));
+            busy = if self.purpose() == Purpose::Goal { busy } else { busy.with(own) };
+            self.take_over(Takers { own, view, free: view.difference(busy) });
+        }
+    }
+
+    fn take_over(&mut self, takers: Takers) {
+        let mut handover = core::mem::take(&mut self.handover);
+        handover.settle(self.waypoints.all());
+        handover.pass(takers, |cell| !self.is_in_wall(cell) && self.visit(cell).is_ok());
+        self.handover = handover;
+    }
+
+    /// Whether a robot that is left out may be on the cell.
+    fn is_in_wall(&self, cell: Cell) -> bool {
+        let proposal = self.rounds.as_ref().map(|rounds| rounds.proposal());
+        let mut walls = proposal.into_iter().flat_map(|proposal| proposal.left_out(self.member.team()));
+        walls.any(|(_, wall)| wall.0.contains(cell))
+    }
+
+    /// The way-points to announce beside a fact: those that it does not name, as far as there is
+    /// room.
+    pub(super) fn pending(&self, fact: &Fact<W>) -> PendingWaypoints {
+        let others = self.waypoints.all().iter().copied().filter(|&cell| fact.purpose.cell() != Some(cell));
+        others.take(room(fact)).collect()
+    }
+}
+
+/// The way-points that a robot has yet to visit, by what it announces.
+fn pending<const W: usize, const K: usize>(said: &Intention<W, K>) -> PendingWaypoints {
+    let named = match said.rounds.fact.purpose {
+        Purpose::Visit(cell) => Some(cell),
+        Purpose::Goal | Purpose::Charge(_) | Purpose::Stand => None,
+    };
+    let mut pending: PendingWaypoints = named.into_iter().collect();
+    let _ = said.waypoints.iter().try_for_each(|&cell| pending.push(cell));
+    pending
+}
