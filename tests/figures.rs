@@ -3,7 +3,7 @@
 use host_sim::missions::{Ground, RandomMissions};
 use host_sim::{Conditions, Outcome, Scenario, fly};
 use iibt_core::grid::joint::{Errand, JointPlan, PolicyList, Problem, Target};
-use iibt_core::grid::{Cell, CellSet, Map};
+use iibt_core::grid::{Cell, Map};
 use std::path::Path;
 
 /// The missions on each map with each team. `tests/nightly` sets another number in `IIBT_FIGURES`.
@@ -41,8 +41,8 @@ fn best(scenario: &Scenario) -> (Map<2>, JointPlan<8>) {
     let map = map.avoiding(walls.collect::<Vec<_>>());
     let errand = |robot: &host_sim::RobotSpec| Errand { from: robot.start, target: Target::Any };
     let errands: Vec<Errand> = scenario.robots.iter().map(errand).collect();
-    let (closed, goals, need) = (CellSet::EMPTY, &scenario.goals, scenario.need);
-    let problem = Problem { map: &map, closed, errands: &errands, goals, need };
+    let (goals, need) = (&scenario.goals, scenario.need);
+    let problem = Problem { goals, need, ..Problem::new(&map, &errands) };
     let mut list = Box::new(PolicyList::<2, 65, 8, 4096, 16>::new());
     list.start();
     while !list.work(&problem, 1, &mut u32::MAX.clone()) {}

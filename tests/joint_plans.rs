@@ -4,12 +4,14 @@
 use firmware::bench::joint_plans;
 use host_sim::Random;
 use iibt_core::grid::joint::{
-    Errand, Failure, JointPlan, JointPlanner, PolicyList, Problem, ProblemError, Target,
+    Errand, Failure, JointPlan, JointPlanner, LookOut, PolicyList, Prefix, Problem, ProblemError, Target,
 };
 use iibt_core::grid::{Cell, CellSet, Map};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use tests::budgets::assert_within;
 use tests::qemu::{Robot, image, number, printed_on_riscv};
+
+mod prefixes;
 
 type List = PolicyList<4, 33, 8, 64, 16>;
 
@@ -21,12 +23,19 @@ struct Case {
     errands: Vec<Errand>,
     goals: Vec<Cell>,
     need: usize,
+    prefixes: Vec<Prefix>,
+    look_outs: Vec<LookOut>,
 }
 
 impl Case {
+    fn on(map: Map<4>, errands: Vec<Errand>) -> Self {
+        let (goals, prefixes, look_outs) = (Vec::new(), Vec::new(), Vec::new());
+        Self { map, closed: CellSet::EMPTY, errands, goals, need: 0, prefixes, look_outs }
+    }
+
     fn problem(&self) -> Problem<'_, 4> {
-        let Self { map, closed, errands, goals, need } = self;
-        Problem { map, closed: *closed, errands, goals, need: *need }
+        let Self { map, closed, errands, goals, need, prefixes, look_outs } = self;
+        Problem { map, closed: *closed, errands, goals, need: *need, prefixes, look_outs }
     }
 
     /// A map of up to `side` x `side` cells of which up to half are blocked, with up to `robots`
@@ -46,7 +55,7 @@ impl Case {
             let starts = draw(random, &mut free.clone(), robots);
             let errands = starts.into_iter().map(|from| Errand { from, target: Target::Any }).collect();
             let goals = draw(random, &mut free, goals);
-            return Self { map, closed: CellSet::EMPTY, errands, goals, need: robots };
+            return Self { goals, need: robots, ..Self::on(map, errands) };
         }
     }
 
@@ -305,8 +314,7 @@ fn no_plan_of_twenty_thousand_problems_has_a_conflict() {
 fn the_checker_finds_what_it_looks_for() {
     let map = Map::drawn("...\n.#.").expect("a map");
     let any = |from| Errand { from: Cell(from), target: Target::Any };
-    let case =
-        Case { map, closed: CellSet::EMPTY, errands: vec![any(0), any(1)], goals: vec![Cell(2)], need: 1 };
+    let case = Case { goals: vec![Cell(2)], need: 1, ..Case::on(map, vec![any(0), any(1)]) };
     let path = |cells: &[u16]| {
         let mut path = iibt_core::grid::Path::at(Cell(cells[0]));
         for step in cells.windows(2) {
@@ -397,7 +405,7 @@ fn drawn(rows: &[&str], goals: &[u16]) -> Case {
     let errands: Vec<Errand> =
         ('1'..='8').flat_map(all).map(|from| Errand { from, target: Target::Any }).collect();
     let goals: Vec<Cell> = goals.iter().copied().map(Cell).chain(all('G')).collect();
-    Case { map, closed: CellSet::EMPTY, need: errands.len().min(goals.len()), errands, goals }
+    Case { need: errands.len().min(goals.len()), goals, ..Case::on(map, errands) }
 }
 
 /// Missions in which robots that chose one by one stood still for ever, or took turns for a hundred
@@ -528,7 +536,7 @@ fn the_words_of_a_set_of_cells_change_no_plan() {
         let walls = (0..case.map.len() as u16).map(Cell).filter(|&cell| !case.map.is_free(cell));
         let map = map.avoiding(walls.collect::<Vec<_>>());
         let Case { errands, goals, need, .. } = &case;
-        let problem = Problem { map: &map, closed: CellSet::EMPTY, errands, goals, need: *need };
+        let problem = Problem { goals, need: *need, ..Problem::new(&map, errands) };
         small.start();
         large.start();
         assert_eq!(

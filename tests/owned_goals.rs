@@ -3,7 +3,7 @@
 
 use host_sim::Random;
 use iibt_core::grid::joint::{Errand, Failure, JointPlan, JointPlanner, Problem, Target};
-use iibt_core::grid::{Cell, CellSet, Map};
+use iibt_core::grid::{Cell, Map};
 use std::collections::HashSet;
 
 const SIDE: u16 = 7;
@@ -137,9 +137,7 @@ impl Team {
         let errand = |(&from, &to): (&Cell, &Cell)| Errand { from, target: Target::Own(to) };
         let errands: Vec<Errand> = self.starts.iter().zip(&self.goals).map(errand).collect();
         planner.start();
-        let problem =
-            Problem { map: &self.map, closed: CellSet::EMPTY, errands: &errands, goals: &[], need: 0 };
-        planner.work(&problem, &mut u32::MAX.clone()).expect("within the budget")
+        planner.work(&Problem::new(&self.map, &errands), &mut u32::MAX.clone()).expect("within the budget")
     }
 
     /// Panics unless a plan takes every robot from its start to its goal and no two get in each other's way.

@@ -141,7 +141,7 @@ impl Instance {
     fn problem(&self) -> Option<Problem<'_, 2>> {
         let Self { map, errands, goals, robots, .. } = self;
         let (errands, goals) = (errands.get(..*robots)?, goals.get(..*robots)?);
-        Some(Problem { map, closed: CellSet::EMPTY, errands, goals, need: *robots })
+        Some(Problem { goals, need: *robots, ..Problem::new(map, errands) })
     }
 
     fn hash(&self, plan: &JointPlan<8>) -> u32 {

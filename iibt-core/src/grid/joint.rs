@@ -4,6 +4,7 @@
 //! |---|---|
 //! | what is to be planned | a [`Problem`]: where robots stand, what each is for, which cells are closed |
 //! | what is the best plan | [`JointPlanner`] |
+//! | what if a robot has to go by a cell first | its plan begins with a [`Prefix`] |
 //! | what else could the team do | [`PolicyList`]: up to `K` plans, the best one first |
 //! | why is there no plan | [`Failure`]; a plan for a part of the targets says [by how many it is short](JointPlan::short_by) |
 //! | what if every robot owns its target | [`Prioritised`], and where that fails [`Lacam`]; of few joint states, all of them |
@@ -33,6 +34,7 @@ mod network;
 mod pibt;
 mod plan;
 mod planner;
+mod prefix;
 mod prioritised;
 mod problem;
 mod shorten;
@@ -52,5 +54,6 @@ pub use lacam::Lacam;
 pub use list::{PolicyList, VERSION};
 pub use plan::{Arrival, Failure, JointConflict, JointConflictKind, JointPlan};
 pub use planner::JointPlanner;
+pub use prefix::{LookOut, Prefix};
 pub use prioritised::Prioritised;
 pub use problem::{Errand, Problem, ProblemError, Target};

@@ -203,7 +203,9 @@ impl Targets {
         mission: &'a Mission<'_, W>,
         closed: CellSet<W>,
     ) -> Problem<'a, W> {
-        Problem { map: &mission.map, closed, errands: &self.errands, goals: &self.goals, need: self.need }
+        let goals =
+            Problem { goals: &self.goals, need: self.need, ..Problem::new(&mission.map, &self.errands) };
+        Problem { closed, ..goals }
     }
 }
 

@@ -29,13 +29,13 @@ pub(super) struct Assignment<const W: usize, const N: usize> {
 ///
 /// ```
 /// use iibt_core::grid::joint::{Errand, Problem, Target, own_targets};
-/// use iibt_core::grid::{Cell, CellSet, Map};
+/// use iibt_core::grid::{Cell, Map};
 ///
 /// let map = Map::<1>::drawn("....")?;
 /// let own = Errand { from: Cell(0), target: Target::Own(Cell(2)) };
 /// let stands = Errand { from: Cell(3), target: Target::Stand };
 /// let errands = [own, stands];
-/// let problem = Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &[], need: 0 };
+/// let problem = Problem::new(&map, &errands);
 /// assert_eq!(own_targets(&problem), Some([Cell(2), Cell(3)]));
 ///
 /// let errands = [own, Errand { target: Target::Any, ..stands }];
@@ -154,8 +154,7 @@ mod tests {
         ]
         .map(errand);
         let goals = [5, 0].map(Cell);
-        let problem =
-            Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &goals, need: 2 };
+        let problem = Problem { goals: &goals, need: 2, ..Problem::new(&map, &errands) };
         // Goal 0 is held by its owner, so one more is needed, and the first robot takes it.
         assert_eq!(assigned::<1, 5>(&problem), [5, 0, 2, 3, 4].map(Cell));
         let crowded = Problem { closed: [3].into_iter().map(Cell).collect(), need: 0, ..problem };

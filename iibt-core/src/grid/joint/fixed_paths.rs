@@ -5,13 +5,14 @@
 //! the second one takes the shortest around that path; then the other way round. All that are left,
 //! with their goals or without, are a flow in which the cells of a fixed path are closed one step
 //! before it is there, while it is there, and one step after. A plan that is longer begins with
-//! waits of all.
+//! waits of all, unless some of the robots begin with a prefix.
 
 use super::super::{Cell, CellSet};
 use super::attempt::{Attempt, Choice, Kind};
 use super::flow::Query;
 use super::flow_planner::{FlowPlanner, Outcome, Stage};
 use super::network::Turn;
+use super::prefix::Entry;
 use super::{Failure, Problem, Target};
 use crate::actions::HORIZON;
 
@@ -37,7 +38,7 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     /// Begins with the path of the first owner.
     pub(super) fn with_owners(&mut self, problem: &Problem<'_, W>) -> Stage {
         if problem.owned().count() > MOST_OWNERS {
-            return self.beyond_flow();
+            return self.beyond_flow(problem);
         }
         self.precedence = Precedence::default();
         self.fix_owner(problem, 0)
@@ -51,13 +52,15 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
         self.flow.network.set_rules(Turn::Both, CellSet::EMPTY);
         let goals = [target].into_iter().collect();
         let first = if row == 0 { 0 } else { self.precedence.steps };
-        self.flow.begin([from], Query { goals, need: 1, first, latest: self.below_found() });
+        let latest = if row == 0 { self.below_found() } else { self.latest_around(problem) };
+        self.flow.begin(problem, [from], Query { goals, need: 1, first, latest });
         Stage::Flow
     }
 
     /// Fixes the path that was found, and goes on with the next owner or with the others.
     pub(super) fn owner_searched(&mut self, problem: &Problem<'_, W>, row: usize, found: bool) -> Stage {
-        if !found && row == 0 && self.found.is_none() && self.flow.is_exhausted() {
+        let is_alone = row == 0 && problem.prefixes.is_empty();
+        if !found && is_alone && self.found.is_none() && self.flow.is_exhausted() {
             return Stage::Done(Outcome::None(Failure::NoWay));
         }
         if !found {
@@ -79,9 +82,16 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
         self.attempt = Attempt { kind: Kind::Around, turn, is_second };
         self.flow.network.set_rules(turn, CellSet::EMPTY);
         let first = self.precedence.steps.max(self.fewest_steps);
-        let query = Query { goals: self.goals, need: self.need, first, latest: self.below_found() };
-        self.flow.begin(problem.free_starts(), query);
+        let latest = self.latest_around(problem);
+        let query = Query { goals: self.goals, need: self.need, first, latest };
+        self.flow.begin(problem, problem.free_entries(), query);
         Stage::Flow
+    }
+
+    /// The most steps of a plan around the fixed paths, whose robots cannot wait before a prefix.
+    fn latest_around(&self, problem: &Problem<'_, W>) -> usize {
+        let latest = self.below_found();
+        if problem.prefixes.is_empty() { latest } else { latest.min(self.precedence.steps) }
     }
 
     /// After a search for a flow around the fixed paths.
@@ -118,16 +128,17 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
             return Stage::Done(Outcome::None(Failure::NotFound));
         }
         if self.need == 0 || self.spent > MOST_UNITS {
-            return self.beyond_flow();
+            return self.beyond_flow(problem);
         }
         self.lower_need();
         self.with_owners(problem)
     }
 
     /// What follows when no fixed path of the owners leaves the others a way: the searches for all
-    /// robots at once. They are for the best plan only, not for others beside it.
-    fn beyond_flow(&self) -> Stage {
-        if self.choice == Choice::BEST {
+    /// robots at once. They are for the best plan only, not for others beside it, and know no
+    /// prefixes.
+    fn beyond_flow(&self, problem: &Problem<'_, W>) -> Stage {
+        if self.choice == Choice::BEST && problem.prefixes.is_empty() {
             Stage::Done(Outcome::Beyond)
         } else {
             Stage::Done(Outcome::None(Failure::NotFound))
@@ -140,10 +151,11 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
         found.min(self.choice.latest.unwrap_or(HORIZON))
     }
 
-    /// Where the owner whose path has this number stands and what it owns.
-    fn owner(&self, problem: &Problem<'_, W>, row: usize) -> Option<(Cell, Cell)> {
-        let mut owners = problem.errands.iter().filter_map(|errand| match errand.target {
-            Target::Own(cell) => Some((errand.from, cell)),
+    /// Where the owner comes into the flow whose path has this number stands and what it owns.
+    fn owner(&self, problem: &Problem<'_, W>, row: usize) -> Option<(Entry, Cell)> {
+        let all = problem.errands.iter().enumerate();
+        let mut owners = all.filter_map(|(robot, errand)| match errand.target {
+            Target::Own(cell) => Some((problem.entry(robot, errand), cell)),
             Target::Any | Target::Stand => None,
         });
         owners.nth(self.row_of_owner(problem, row)).filter(|_| row < MOST_OWNERS)

@@ -16,10 +16,16 @@
 //! stays so. The first `need` paths end on goals, the others on any cell that is left; a path that
 //! is led elsewhere never gives its goal up, only to the path that takes its place.
 //!
+//! A robot with a prefix comes into the network on a later layer than the top. The cells of prefixes
+//! are closed around the time at which they are visited, and the search begins again with every
+//! `T`, since they lie on other layers then.
+//!
 //! How the new path is found in the sets is in [`walk`](super::walk).
 
 use super::super::{Cell, CellSet};
+use super::Problem;
 use super::network::Network;
+use super::prefix::{self, Entry};
 use super::table::{NOWHERE, Table, cell, set};
 use super::walk::Walk;
 
@@ -63,8 +69,9 @@ struct Touch {
 pub(super) struct Flow<const W: usize, const L: usize, const N: usize> {
     pub(super) network: Network<W>,
     pub(super) query: Query<W>,
-    starts: [Cell; N],
+    starts: [Entry; N],
     robots: usize,
+    has_prefixes: bool,
     /// The paths of the flow, and from the end of each layer on those that are fixed.
     pub(super) paths: Table<L, N>,
     /// How many paths there are in the flow, and how many fixed ones.
@@ -73,7 +80,7 @@ pub(super) struct Flow<const W: usize, const L: usize, const N: usize> {
     /// The number of steps now.
     pub(super) steps: usize,
     reached: [CellSet<W>; L],
-    /// The cells of the paths of the flow.
+    /// The cells of the paths of the flow, and those closed around fixed paths and prefixes.
     pub(super) occupied: [CellSet<W>; L],
     /// The layers below which the cells of each path are reached, and how that came about.
     touched: [usize; N],
@@ -95,8 +102,9 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         Self {
             network: Network::NOTHING,
             query: Query { goals: CellSet::EMPTY, need: 0, first: 0, latest: 0 },
-            starts: [NOWHERE; N],
+            starts: [Entry { cell: NOWHERE, step: 0 }; N],
             robots: 0,
+            has_prefixes: false,
             paths: [[NOWHERE; N]; L],
             matched: 0,
             fixed: 0,
@@ -113,8 +121,14 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         }
     }
 
-    /// Begins a search for the robots at `starts`, which keep clear of the fixed paths.
-    pub(super) fn begin(&mut self, starts: impl IntoIterator<Item = Cell>, query: Query<W>) {
+    /// Begins a search for the robots at `starts`, which keep clear of the prefixes of a problem and
+    /// of the fixed paths.
+    pub(super) fn begin(
+        &mut self,
+        problem: &Problem<'_, W>,
+        starts: impl IntoIterator<Item = Entry>,
+        query: Query<W>,
+    ) {
         self.robots = 0;
         for (slot, start) in self.starts.iter_mut().zip(starts) {
             *slot = start;
@@ -122,11 +136,15 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         }
         self.query = query;
         self.query.latest = query.latest.min(Self::LATEST);
-        self.steps = query.first;
+        self.has_prefixes = !problem.prefixes.is_empty();
+        self.steps = query.first.max(problem.longest_prefix());
         self.matched = 0;
         self.stage = Stage::Failed;
         if self.steps <= self.query.latest {
-            self.occupied.iter_mut().take(self.steps + 1).for_each(|layer| *layer = CellSet::EMPTY);
+            for layer in 0..=self.steps {
+                let closed = prefix::closed_around(problem, self.steps - layer);
+                self.close(layer, closed.union(&self.fixed_cells(layer)));
+            }
             self.stage = self.next_search();
         }
     }
@@ -180,6 +198,18 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         (0..=self.steps).rev().map(move |layer| cell(&self.paths, layer, path))
     }
 
+    /// The layer at whose cell `entry.cell` a robot comes into the flow.
+    pub(super) fn layer_of(&self, entry: Entry) -> usize {
+        self.steps.saturating_sub(entry.step.into())
+    }
+
+    /// Puts the prefix of a robot before its path.
+    pub(super) fn begin_with(&mut self, path: usize, cells: impl Iterator<Item = Cell>) {
+        for (layer, at) in (0..=self.steps).rev().zip(cells) {
+            set(&mut self.paths, layer, path, at);
+        }
+    }
+
     /// Whether a failed search has come to all that it ever can: no step more reaches more.
     pub(super) fn is_exhausted(&self) -> bool {
         let before = self.steps.checked_sub(1).map(|before| self.reached(before));
@@ -201,7 +231,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
             *layer = CellSet::EMPTY;
         }
         self.touch_count = 0;
-        let ends = self.open_ends().without(&self.fixed_cells(0));
+        let ends = self.open_ends();
         if let Some(arrival) = self.reached.first_mut() {
             *arrival = ends;
         }
@@ -222,14 +252,36 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         self.reached.get(layer).copied().unwrap_or(CellSet::EMPTY)
     }
 
-    /// The cells of the flow at a layer.
+    /// The cells reached at a layer on which a robot can be that was on its way before.
+    pub(super) fn passed(&self, layer: usize) -> CellSet<W> {
+        let mut cells = self.reached(layer);
+        if self.has_prefixes {
+            let entries = self.starts.iter().take(self.robots);
+            for entry in entries.filter(|entry| entry.step > 0 && self.layer_of(**entry) == layer) {
+                cells.remove(entry.cell);
+            }
+        }
+        cells
+    }
+
+    /// The cells at a layer that are on a path of the flow or closed.
     pub(super) fn occupied(&self, layer: usize) -> CellSet<W> {
         self.occupied.get(layer).copied().unwrap_or(CellSet::EMPTY)
     }
 
-    /// Finds the cells of the flow at a layer again.
+    /// Adds the cells of the flow at a layer.
     pub(super) fn occupy(&mut self, layer: usize) {
-        let cells = self.flow_at(layer).iter().copied().collect();
+        let cells: CellSet<W> = self.flow_at(layer).iter().copied().collect();
+        self.close(layer, self.occupied(layer).union(&cells));
+    }
+
+    /// Takes the cells of the flow out at a layer.
+    pub(super) fn vacate(&mut self, layer: usize) {
+        let cells: CellSet<W> = self.flow_at(layer).iter().copied().collect();
+        self.close(layer, self.occupied(layer).without(&cells));
+    }
+
+    fn close(&mut self, layer: usize, cells: CellSet<W>) {
         if let Some(occupied) = self.occupied.get_mut(layer) {
             *occupied = cells;
         }
@@ -312,8 +364,8 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         if next >= above {
             return self.lead_elsewhere(path, layer, above);
         }
-        let from = self.network.before(&self.reached(self.level), self.level);
-        let mut reached = from.without(&self.occupied(next)).without(&self.fixed_cells(next));
+        let from = self.network.before(&self.passed(self.level), self.level);
+        let mut reached = from.without(&self.occupied(next));
         for (&at, _) in self.flow_at(next).iter().zip(&self.touched).filter(|&(_, &below)| next < below) {
             reached.insert(at);
         }
@@ -325,16 +377,23 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     }
 
     /// The first robot from a place on that has no path and whose start is reached.
-    pub(super) fn start_reached(&self, first: usize) -> Option<(usize, Cell)> {
-        let open = self.reached(self.steps).without(&self.occupied(self.steps));
+    pub(super) fn start_reached(&self, first: usize) -> Option<(usize, Entry)> {
+        let top = self.reached(self.steps).without(&self.occupied(self.steps));
         let mut starts = self.starts.iter().copied().enumerate().take(self.robots).skip(first);
-        starts.find(|&(_, start)| open.contains(start))
+        starts.find(|&(_, Entry { cell, step })| {
+            let layer = self.layer_of(Entry { cell, step });
+            let below = || self.reached(layer).contains(cell) && !self.occupied(layer).contains(cell);
+            if step == 0 { top.contains(cell) } else { below() }
+        })
     }
 
     /// One step more, in which all robots wait at their starts.
     fn lengthen(&mut self) -> Stage {
         let last = self.steps;
         self.steps += 1;
+        if self.has_prefixes {
+            return self.lengthen_after_prefixes();
+        }
         for path in 0..self.matched {
             let start = cell(&self.paths, last, path);
             set(&mut self.paths, last + 1, path, start);
@@ -342,22 +401,33 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         if let Some(layer) = self.reached.get_mut(last + 1) {
             *layer = CellSet::EMPTY;
         }
-        let waiting = self.occupied(last);
-        if let Some(layer) = self.occupied.get_mut(last + 1) {
-            *layer = waiting;
-        }
+        self.close(last + 1, self.fixed_cells(last + 1));
+        self.occupy(last + 1);
         Stage::Search
+    }
+
+    /// The same with prefixes: what is closed around them moves to the next layers, without fixed
+    /// paths, and the search begins with the first path.
+    fn lengthen_after_prefixes(&mut self) -> Stage {
+        let mut closed = CellSet::EMPTY;
+        for layer in 0..=self.steps {
+            self.vacate(layer);
+            let below = core::mem::replace(&mut closed, self.occupied(layer));
+            self.close(layer, below);
+        }
+        self.matched = 0;
+        self.next_search()
     }
 
     /// Reaches from the highest known layer to the next one; returns whether there was room to note
     /// the paths that it came to.
     fn sweep(&mut self) -> bool {
         let next = self.level + 1;
-        let from = self.network.before(&self.reached(self.level), self.level);
+        let from = self.network.before(&self.passed(self.level), self.level);
         let taken = from.intersection(&self.occupied(next));
         self.level = next;
         let has_room = taken.is_empty() || self.touch_all(&taken, next);
-        let open = from.without(&taken).without(&self.fixed_cells(next));
+        let open = from.without(&taken);
         if let Some(layer) = self.reached.get_mut(next) {
             *layer = layer.union(&open);
         }

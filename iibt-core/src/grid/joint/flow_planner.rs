@@ -197,7 +197,7 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
         if problem.owned().next().is_some() {
             return self.with_owners(problem);
         }
-        if most == 0 {
+        if most == 0 && (self.short_by > 0 || problem.prefixes.is_empty()) {
             return self.nothing_to_reach(problem);
         }
         let farthest = self.survey.farthest().unwrap_or_default();
@@ -222,13 +222,13 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
 
     fn attempt(&mut self, problem: &Problem<'_, W>, attempt: Attempt) -> Stage {
         self.attempt = attempt;
-        let starts: CellSet<W> = problem.free_starts().collect();
+        let starts: CellSet<W> = problem.free_entries().map(|entry| entry.cell).collect();
         let is_together = attempt.kind == Kind::Together;
         let entered_last = if is_together { self.goals.without(&starts) } else { CellSet::EMPTY };
         self.flow.network.set_rules(attempt.turn, entered_last);
         let (first, latest) = self.steps_to_try();
         let query = Query { goals: self.goals, need: self.need, first, latest };
-        self.flow.begin(problem.free_starts(), query);
+        self.flow.begin(problem, problem.free_entries(), query);
         Stage::Flow
     }
 
@@ -263,6 +263,11 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     }
 
     fn execute(&mut self, problem: &Problem<'_, W>) -> Stage {
+        for prefix in problem.prefixes {
+            if let Some(row) = self.row_of(problem, prefix.robot.into()) {
+                self.flow.begin_with(row, prefix.path.cells(problem.map));
+            }
+        }
         let spread = self.flow.execution().map(|execution| execution.spread);
         let mut found = Found { steps: 0, turn: self.attempt.turn, spread };
         if (self.attempt.kind != Kind::Together || found.arrives_together())
@@ -321,20 +326,32 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     /// Reads the plan off that the flow has found.
     fn read_plan(&mut self, problem: &Problem<'_, W>) -> Option<()> {
         self.plan.robots = problem.errands.len() as u8;
-        let mut owners = 0..;
         for (robot, errand) in problem.errands.iter().enumerate() {
-            let row = match errand.target {
-                Target::Any => Some(self.flow.path_on(errand.from, self.flow.steps)?),
-                Target::Own(_) => Some(self.flow.row_of_fixed(self.row_of_owner(problem, owners.next()?))),
-                Target::Stand => None,
-            };
+            let row = self.row_of(problem, robot);
             let path = self.plan.paths.get_mut(robot)?;
             *path = Path::at(errand.from);
-            if let Some(row) = row {
-                extend_through(path, problem.map, self.flow.cells_of(row))?;
+            if errand.target != Target::Stand {
+                extend_through(path, problem.map, self.flow.cells_of(row?))?;
             }
         }
         Some(())
+    }
+
+    /// The path of a robot among those of the flow and the fixed ones.
+    fn row_of(&self, problem: &Problem<'_, W>, robot: usize) -> Option<usize> {
+        let errand = problem.errands.get(robot)?;
+        match errand.target {
+            Target::Any => {
+                let entry = problem.entry(robot, errand);
+                self.flow.path_on(entry.cell, self.flow.layer_of(entry))
+            }
+            Target::Own(_) => {
+                let own = problem.errands.iter().take(robot);
+                let owner = own.filter(|errand| matches!(errand.target, Target::Own(_))).count();
+                Some(self.flow.row_of_fixed(self.row_of_owner(problem, owner)))
+            }
+            Target::Stand => None,
+        }
     }
 }
 

@@ -28,7 +28,7 @@ use crate::grid::{Cell, Path};
 ///
 /// ```
 /// use iibt_core::grid::joint::{Errand, Failure, Lacam, Problem, Target, own_targets};
-/// use iibt_core::grid::{Cell, CellSet, Map};
+/// use iibt_core::grid::{Cell, Map};
 ///
 /// let own = |from, to| Errand { from: Cell(from), target: Target::Own(Cell(to)) };
 /// let mut planner = Lacam::<1, 2, 64>::new(600);
@@ -36,7 +36,7 @@ use crate::grid::{Cell, Path};
 /// // Two robots change places where there is a cell to step aside.
 /// let map = Map::<1>::drawn("....\n#.##")?;
 /// let errands = [own(0, 3), own(3, 0)];
-/// let problem = Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &[], need: 0 };
+/// let problem = Problem::new(&map, &errands);
 /// let targets = own_targets(&problem).ok_or("a robot without a target")?;
 /// let plan = planner.work(&problem, &targets, &mut 1000).ok_or("over budget")??;
 /// assert_eq!((plan.conflict(&map), plan.paths()[0].end(&map)), (None, Cell(3)));

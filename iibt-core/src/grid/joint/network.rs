@@ -150,7 +150,7 @@ mod tests {
     fn network(errands: &[Errand], closed: &[u16]) -> Network<32> {
         let map = drawn(&["...", "...", "..."]);
         let closed = closed.iter().copied().map(Cell).collect();
-        Network::of(&Problem { map: &map, closed, errands, goals: &[], need: 0 })
+        Network::of(&Problem { closed, ..Problem::new(&map, errands) })
     }
 
     fn cells(set: &CellSet<32>) -> Vec<u16> {

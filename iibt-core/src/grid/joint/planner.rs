@@ -21,14 +21,13 @@ use super::{Failure, JointPlan, Lacam, Prioritised, Problem, assignment};
 ///
 /// ```
 /// use iibt_core::grid::joint::{Errand, JointPlanner, Problem, Target};
-/// use iibt_core::grid::{Cell, CellSet, Map};
+/// use iibt_core::grid::{Cell, Map};
 ///
 /// // Two robots into a dead end: the first one has to go in first.
 /// let map = Map::<1>::drawn(".#####\n......\n.#####").map_err(|_| "no map")?;
 /// let errands = [0, 12].map(|from| Errand { from: Cell(from), target: Target::Any });
 /// let goals = [10, 11].map(Cell);
-/// let (closed, need) = (CellSet::EMPTY, 2);
-/// let problem = Problem { map: &map, closed, errands: &errands, goals: &goals, need };
+/// let problem = Problem { goals: &goals, need: 2, ..Problem::new(&map, &errands) };
 ///
 /// let mut planner = JointPlanner::<1, 33, 8, 64>::new();
 /// planner.start();

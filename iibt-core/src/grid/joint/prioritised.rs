@@ -44,13 +44,13 @@ const MOST_PATHS: u16 = 300;
 ///
 /// ```
 /// use iibt_core::grid::joint::{Errand, Prioritised, Problem, Target, own_targets};
-/// use iibt_core::grid::{Cell, CellSet, Map};
+/// use iibt_core::grid::{Cell, Map};
 ///
 /// // Two robots change places; the second one steps aside.
 /// let map = Map::<1>::drawn("....\n#.##")?;
 /// let own = |from, to| Errand { from: Cell(from), target: Target::Own(Cell(to)) };
 /// let errands = [own(0, 3), own(3, 0)];
-/// let problem = Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &[], need: 0 };
+/// let problem = Problem::new(&map, &errands);
 /// let targets = own_targets(&problem).ok_or("a robot without a target")?;
 ///
 /// let mut planner = Prioritised::<1, 65, 2>::new();

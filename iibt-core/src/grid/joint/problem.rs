@@ -1,7 +1,8 @@
 //! What a team is to plan: where its robots stand and what each of them is for.
 
 use super::super::{Cell, CellSet, Map};
-use core::fmt;
+use super::{LookOut, Prefix, prefix};
+use thiserror::Error;
 
 /// Where a robot is to end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -29,15 +30,14 @@ pub struct Errand {
 ///
 /// ```
 /// use iibt_core::grid::joint::{Errand, Problem, ProblemError, Target};
-/// use iibt_core::grid::{Cell, CellSet, Map, words};
+/// use iibt_core::grid::{Cell, Map, words};
 ///
 /// let map = Map::<{ words(7, 7) }>::new(7, 7)?;
 /// let errands = [
 ///     Errand { from: Cell(28), target: Target::Any },
 ///     Errand { from: Cell(48), target: Target::Own(Cell(0)) },
 /// ];
-/// let mut problem =
-///     Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &[Cell(24)], need: 1 };
+/// let mut problem = Problem { goals: &[Cell(24)], need: 1, ..Problem::new(&map, &errands) };
 /// assert_eq!(problem.check(8), Ok(()));
 /// assert_eq!(problem.check(1), Err(ProblemError::TooManyRobots));
 /// let crowded = [errands[1]; 2];
@@ -60,34 +60,65 @@ pub struct Problem<'a, const W: usize> {
     pub goals: &'a [Cell],
     /// On how many of the goals a robot must end.
     pub need: usize,
+    /// Paths with which some of the robots begin in any plan, at most one for each.
+    pub prefixes: &'a [Prefix],
+    /// Cells that a robot goes to first in other plans of a [list](super::PolicyList) than the
+    /// best one.
+    pub look_outs: &'a [LookOut],
 }
 
 /// Why a problem makes no sense.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ProblemError {
     /// More robots than the planner has room for.
+    #[error("more robots than the planner has room for")]
     TooManyRobots,
     /// A robot is not on the map.
+    #[error("a robot on cell {}, which the map has not", cell.0)]
     StartOutside {
         /// Where it says it stands.
         cell: Cell,
     },
     /// Two robots are on one cell.
+    #[error("two robots on cell {}", cell.0)]
     SharedStart {
         /// The cell.
         cell: Cell,
     },
     /// A robot's own target or a goal is not on the map.
+    #[error("a target {}, which the map has not", cell.0)]
     TargetOutside {
         /// The target.
         cell: Cell,
     },
     /// Two robots own one target.
+    #[error("two robots own the target {}", cell.0)]
     SharedTarget {
         /// The target.
         cell: Cell,
     },
+    /// A prefix is of a robot that there is not or that stands, or of one that has another prefix;
+    /// or it does not begin where the robot is; or it enters a cell that no robot may enter.
+    #[error("robot {robot} cannot begin with its prefix")]
+    UnusablePrefix {
+        /// The robot, by its place among the errands.
+        robot: u8,
+    },
+    /// Two prefixes are on one cell at a time, or one enters the cell that the other one leaves.
+    #[error("the prefix of robot {robot} gets in the way of another one")]
+    CrossingPrefixes {
+        /// The second of the two robots.
+        robot: u8,
+    },
+}
+
+impl<'a, const W: usize> Problem<'a, W> {
+    /// Robots on a map on which no cell is closed, without goals that no robot owns.
+    #[must_use]
+    pub const fn new(map: &'a Map<W>, errands: &'a [Errand]) -> Self {
+        Self { map, closed: CellSet::EMPTY, errands, goals: &[], need: 0, prefixes: &[], look_outs: &[] }
+    }
 }
 
 impl<const W: usize> Problem<'_, W> {
@@ -109,7 +140,10 @@ impl<const W: usize> Problem<'_, W> {
         if let Some(cell) = self.owned().chain(self.goals.iter().copied()).find(outside) {
             return Err(ProblemError::TargetOutside { cell });
         }
-        repeated::<W>(self.owned()).map_or(Ok(()), |cell| Err(ProblemError::SharedTarget { cell }))
+        if let Some(cell) = repeated::<W>(self.owned()) {
+            return Err(ProblemError::SharedTarget { cell });
+        }
+        prefix::check(self)
     }
 
     /// The cells that the robots stand on, in their order.
@@ -154,17 +188,3 @@ fn repeated<const W: usize>(mut cells: impl Iterator<Item = Cell>) -> Option<Cel
     let mut seen = CellSet::<W>::EMPTY;
     cells.find(|&cell| !seen.insert(cell))
 }
-
-impl fmt::Display for ProblemError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooManyRobots => f.write_str("more robots than the planner has room for"),
-            Self::StartOutside { cell } => write!(f, "a robot on cell {}, which the map has not", cell.0),
-            Self::SharedStart { cell } => write!(f, "two robots on cell {}", cell.0),
-            Self::TargetOutside { cell } => write!(f, "a target {}, which the map has not", cell.0),
-            Self::SharedTarget { cell } => write!(f, "two robots own the target {}", cell.0),
-        }
-    }
-}
-
-impl core::error::Error for ProblemError {}

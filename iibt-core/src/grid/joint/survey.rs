@@ -139,7 +139,7 @@ mod tests {
         let closed: CellSet<32> = all('c').into_iter().collect();
         let starts = all('r').into_iter().chain(all('c'));
         let errands: Vec<_> = starts.map(|from| Errand { from, target: Target::Any }).collect();
-        let problem = Problem { map: &map, closed, errands: &errands, goals: &[], need };
+        let problem = Problem { closed, need, ..Problem::new(&map, &errands) };
         let network = Network::of(&problem);
         let goals = all('g').into_iter().collect();
         let mut survey = Survey::begin(problem.starts().collect(), goals, need);

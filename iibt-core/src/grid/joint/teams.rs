@@ -62,7 +62,7 @@ impl Trial {
     }
 
     pub(super) fn problem(&self) -> Problem<'_, 2> {
-        Problem { map: &self.map, closed: self.closed, errands: &self.errands, goals: &[], need: 0 }
+        Problem { closed: self.closed, ..Problem::new(&self.map, &self.errands) }
     }
 
     pub(super) fn targets(&self) -> [Cell; 8] {

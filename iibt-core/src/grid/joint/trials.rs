@@ -2,7 +2,7 @@
 //! cell, and what is said of small teams is compared with all that they can do.
 
 use super::super::pictures::Random;
-use super::super::{Cell, CellSet, Map, Move};
+use super::super::{Cell, Map, Move};
 use super::teams::{Answer, Trial, own, print_units, random_map};
 use super::{Errand, Failure, Lacam, Prioritised, Problem, ProblemError, Target};
 use std::boxed::Box;
@@ -216,7 +216,7 @@ fn assert_fails(trial: &Trial, failure: Failure) {
 fn what_makes_no_sense_is_named() {
     let map = Map::drawn("....").unwrap();
     let errands = [0, 1].map(|from| Errand { from: Cell(from), target: Target::Any });
-    let problem = Problem { map: &map, closed: CellSet::EMPTY, errands: &errands, goals: &[], need: 0 };
+    let problem = Problem::new(&map, &errands);
     let check = |targets: [Cell; 8], error| {
         let answer = Some(Err(Failure::Invalid(error)));
         assert_eq!(Lacam::<2, 8, 64>::new(600).work(&problem, &targets, &mut 1000), answer);

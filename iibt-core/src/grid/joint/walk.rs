@@ -15,7 +15,8 @@
 use super::super::Cell;
 use super::execution::{self, Execution};
 use super::flow::{Flow, Stage};
-use super::table::{Table, cell, set};
+use super::prefix::Entry;
+use super::table::{NOWHERE, Table, cell, set};
 
 /// How often a new path may take the rest of another one.
 pub(super) const MOST_CHANGES: usize = 32;
@@ -111,15 +112,19 @@ impl<const L: usize, const N: usize> Walk<L, N> {
 }
 
 impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
-    /// Begins the path of a robot of the flow, which is at `start`.
-    pub(super) fn set_out(&mut self, robot: usize, start: Cell) {
+    /// Begins the path of a robot of the flow where it comes into it.
+    pub(super) fn set_out(&mut self, robot: usize, start: Entry) {
         self.walk.robot = robot;
         self.walk.top = self.steps;
-        if let Some(first) = self.walk.tail.get_mut(self.steps) {
-            *first = start;
+        let first = self.layer_of(start);
+        if let Some(before) = self.walk.tail.get_mut(first..=self.steps) {
+            before.fill(NOWHERE);
+        }
+        if let Some(first) = self.walk.tail.get_mut(first) {
+            *first = start.cell;
         }
         self.walk.changed = 0;
-        (self.walk.at, self.walk.layer) = (start, self.steps);
+        (self.walk.at, self.walk.layer) = (start.cell, first);
     }
 
     /// Executes the flow and the fixed paths with a barrier before the last moves.
@@ -177,7 +182,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     /// The cell of the next lower layer: the same if possible, else the first neighbour that is on
     /// no path, else the first one.
     fn step_to(&self, below: usize) -> Option<Cell> {
-        let (at, reached, occupied) = (self.walk.at, self.reached(below), self.occupied(below));
+        let (at, reached, occupied) = (self.walk.at, self.passed(below), self.occupied(below));
         let may_be_on_path = !self.walk.is_extra;
         if reached.contains(at)
             && self.network.may_wait(at, below)
@@ -206,6 +211,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
 
     fn add_path(&mut self) -> Stage {
         if self.walk.changed > 0 {
+            (0..=self.steps).for_each(|layer| self.vacate(layer));
             self.paths = self.walk.paths;
         }
         let new = self.paths.iter_mut().zip(&self.walk.tail).zip(&mut self.occupied);
