@@ -31,6 +31,9 @@ struct Progress {
     heard: usize,
     /// The step of its next move.
     next: Option<usize>,
+    /// The last robot before it on the cell that this leads to, and the step after which that one
+    /// is there no longer.
+    behind: Option<(usize, usize)>,
     /// The steps of the last move and of the one before it.
     last: usize,
     last_but_one: usize,
@@ -105,6 +108,9 @@ pub(super) fn run<const L: usize, const N: usize>(
         count += 1;
     }
     let robots = robots.get_mut(..count)?;
+    for (index, robot) in robots.iter_mut().enumerate() {
+        robot.behind = robot.next.and_then(|step| last_on_target(table, count, index, step));
+    }
     let mut first_end = None;
     for tick in 0.. {
         if robots.iter().all(|robot| robot.next.is_none()) {
@@ -140,6 +146,23 @@ fn decode<const L: usize, const N: usize>(
     robot
 }
 
+/// The last of the others on the cell that a robot enters with a step, and the step after which it
+/// is there no longer. Those that were there before that one had left when it came.
+fn last_on_target<const L: usize, const N: usize>(
+    table: &Table<L, N>,
+    robots: usize,
+    index: usize,
+    step: usize,
+) -> Option<(usize, usize)> {
+    let target = cell(table, step, index);
+    let before = table.get(..step)?.iter().enumerate().rev();
+    let mut visits = before.filter_map(|(at, cells)| {
+        let robot = cells.iter().take(robots).position(|&cell| cell == target)?;
+        Some((robot, at + 1))
+    });
+    visits.next().filter(|&(robot, _)| robot != index)
+}
+
 /// One tick; returns whether anything was done or heard, and whether a robot made its last move.
 fn advance<const L: usize, const N: usize>(
     table: &Table<L, N>,
@@ -147,11 +170,16 @@ fn advance<const L: usize, const N: usize>(
     barrier: bool,
 ) -> (bool, bool) {
     let mut due = 0_u32; // one bit for each robot that moves
-    let heard = robots.iter().map(|robot| robot.heard).min().unwrap_or(0);
-    for index in 0..robots.len() {
-        due |= u32::from(may_move(table, robots, index, barrier, heard)) << (index % 32);
+    let early = robots.iter().filter(|robot| !robot.is_before_last()).count();
+    for (index, robot) in robots.iter().enumerate() {
+        let others_are_early = early > usize::from(!robot.is_before_last());
+        let must_wait = barrier && robot.next == Some(robot.last) && others_are_early;
+        let has_left = |(other, step)| robots.get(other).is_some_and(|other: &Progress| other.heard >= step);
+        let may_move = robot.next.is_some() && !must_wait && robot.behind.is_none_or(has_left);
+        due |= u32::from(may_move) << (index % 32);
     }
     let (mut moved, mut ended) = (false, false);
+    let count = robots.len();
     for (index, robot) in robots.iter_mut().enumerate() {
         moved |= robot.heard != robot.done;
         robot.heard = robot.done;
@@ -159,41 +187,18 @@ fn advance<const L: usize, const N: usize>(
         let at = cell(table, step, index);
         robot.done = step;
         robot.next = (step + 1..=robot.last).find(|&step| cell(table, step, index) != at);
+        robot.behind = robot.next.and_then(|step| last_on_target(table, count, index, step));
         moved = true;
         ended |= robot.next.is_none();
     }
     (moved, ended)
 }
 
-/// Whether the order of the plan, as far as it was heard, lets a robot make its next move.
-fn may_move<const L: usize, const N: usize>(
-    table: &Table<L, N>,
-    robots: &[Progress],
-    index: usize,
-    barrier: bool,
-    all_heard: usize,
-) -> bool {
-    let Some((robot, step)) = robots.get(index).and_then(|robot| Some((robot, robot.next?))) else {
-        return false;
-    };
-    if barrier && robot.last == step {
-        let is_before_last =
-            |(other, robot): (usize, &Progress)| other == index || robot.heard >= robot.last_but_one;
-        if !robots.iter().enumerate().all(is_before_last) {
-            return false;
-        }
+impl Progress {
+    /// Whether the others have heard that it has made all moves but the last one.
+    fn is_before_last(&self) -> bool {
+        self.heard >= self.last_but_one
     }
-    let target = cell(table, step, index);
-    let rows = |heard: usize| table.get(heard..step).unwrap_or_default().iter();
-    // Most often no robot at all is there in the meantime.
-    let is_there = |cells: &[Cell; N]| cells.get(..robots.len()).unwrap_or(cells).contains(&target);
-    let is_empty = !rows(all_heard).any(is_there);
-    is_empty
-        || robots
-            .iter()
-            .enumerate()
-            .filter(|&(other, _)| other != index)
-            .all(|(path, other)| rows(other.heard).all(|cells| cells.get(path) != Some(&target)))
 }
 
 #[cfg(test)]

@@ -149,6 +149,34 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         }
     }
 
+    /// Begins a search in the other turn for a plan of so many steps, one less than of the plan that
+    /// was found: the paths that are on goals before its last step are good there too. Only without
+    /// prefixes and fixed paths.
+    pub(super) fn begin_shorter(&mut self, steps: usize) {
+        self.stage = Stage::Failed;
+        if steps < self.query.first || steps + 1 != self.steps {
+            return; // a plan in the one turn has at most one step more than the best in the other
+        }
+        self.paths.copy_within(1..L, 0);
+        let mut kept = 0;
+        for path in 0..self.matched {
+            let end = cell(&self.paths, 0, path);
+            if kept < self.query.need && self.query.goals.contains(end) {
+                for layer in 0..self.steps {
+                    let at = cell(&self.paths, layer, path);
+                    set(&mut self.paths, layer, kept, at);
+                }
+                kept += 1;
+            }
+        }
+        (self.matched, self.steps, self.query.latest) = (kept, steps, steps);
+        for layer in 0..=self.steps {
+            self.close(layer, CellSet::EMPTY);
+            self.occupy(layer);
+        }
+        self.stage = self.next_search();
+    }
+
     /// Fixes the path that was found for a robot alone, which ends `rest` steps before the others.
     pub(super) fn fix(&mut self, rest: usize) {
         let fixed = N.saturating_sub(self.fixed + 1);
@@ -275,8 +303,20 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         self.close(layer, self.occupied(layer).union(&cells));
     }
 
+    /// Takes the cells of the flow out at all layers.
+    pub(super) fn vacate_all(&mut self) {
+        let is_closed = self.has_prefixes || self.fixed > 0;
+        for layer in 0..=self.steps {
+            if is_closed {
+                self.vacate(layer);
+            } else {
+                self.close(layer, CellSet::EMPTY);
+            }
+        }
+    }
+
     /// Takes the cells of the flow out at a layer.
-    pub(super) fn vacate(&mut self, layer: usize) {
+    fn vacate(&mut self, layer: usize) {
         let cells: CellSet<W> = self.flow_at(layer).iter().copied().collect();
         self.close(layer, self.occupied(layer).without(&cells));
     }

@@ -285,7 +285,16 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
             return self.searched_around(problem);
         }
         if !is_second && self.choice.turn.is_none() {
-            return self.attempt(problem, Attempt { kind, turn: turn.other(), is_second: true });
+            let second = Attempt { kind, turn: turn.other(), is_second: true };
+            return match self.found {
+                Some(found) if kind == Kind::Plain && problem.prefixes.is_empty() => {
+                    self.attempt = second;
+                    self.flow.network.set_rules(second.turn, CellSet::EMPTY);
+                    self.flow.begin_shorter(found.steps.saturating_sub(1));
+                    Stage::Flow
+                }
+                _ => self.attempt(problem, second),
+            };
         }
         let Some(found) = self.found else { return self.fewer_goals(problem) };
         if kind == Kind::Plain {

@@ -211,7 +211,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
 
     fn add_path(&mut self) -> Stage {
         if self.walk.changed > 0 {
-            (0..=self.steps).for_each(|layer| self.vacate(layer));
+            self.vacate_all();
             self.paths = self.walk.paths;
         }
         let new = self.paths.iter_mut().zip(&self.walk.tail).zip(&mut self.occupied);
