@@ -100,8 +100,9 @@ pub(super) fn search<const W: usize, const N: usize>(
     };
     loop {
         *budget = budget.checked_sub(1)?;
-        if let Some(answer) = unit(&team) {
-            return Some(answer);
+        let answer = unit(&team);
+        if answer.is_some() {
+            return answer;
         }
     }
 }
@@ -120,6 +121,13 @@ impl<const W: usize, const N: usize> Assignment<W, N> {
         check_targets(problem.map, to.get(..robots).unwrap_or_default()).map_err(Failure::Invalid)?;
         let closed = problem.map.free_cells().without(&problem.enterable());
         Ok(Self { map: problem.map.avoiding(closed.iter()), from, to, robots })
+    }
+
+    /// The plan in which all stay where they are.
+    pub(super) fn standing(&self) -> JointPlan<N> {
+        let mut plan = JointPlan::NOBODY;
+        plan.stand(self.from.iter().copied().take(self.robots));
+        plan
     }
 }
 

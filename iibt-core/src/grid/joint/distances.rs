@@ -15,7 +15,8 @@ pub(super) struct Distances<const W: usize> {
 pub(super) const UNREACHED: u16 = 0xfff;
 
 impl<const W: usize> Distances<W> {
-    pub(super) const EMPTY: Self = Self { low: [[0xff; 32]; W], high: [[0xff; 16]; W] };
+    /// Those that are not measured yet.
+    pub(super) const EMPTY: Self = Self { low: [[0; 32]; W], high: [[0; 16]; W] };
 
     /// Measures the distances to a target over the free cells of a map. Unless a robot stands
     /// there, nothing is near a target that is not free.

@@ -11,6 +11,7 @@ use super::super::{Cell, Map};
 use super::table::{Table, cell, set};
 use super::{Arrival, JointPlan};
 use crate::actions::HORIZON;
+use core::ops::Range;
 
 /// The execution of a plan without loss of messages; see [`JointPlan::execution`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -66,16 +67,25 @@ impl<const N: usize> JointPlan<N> {
 }
 
 impl<const N: usize> JointPlan<N> {
-    /// This plan with a barrier before the last moves, if that brings them close together. The
-    /// table is overwritten.
-    pub(super) fn with_useful_barrier<const W: usize, const L: usize>(
-        self,
+    /// Puts a barrier before the last moves, if that brings them close together.
+    ///
+    /// Takes as many cells of stack as the robots have in `L` steps.
+    #[inline(never)]
+    pub(super) fn add_useful_barrier<const W: usize, const L: usize>(&mut self, map: &Map<W>) {
+        let mut table: Table<L, N> = [[Cell(0); N]; L];
+        if self.spread(map, &mut table).is_some_and(|spread| self.is_close(spread)) {
+            self.arrival = Arrival::Together;
+        }
+    }
+
+    /// How many ticks the robots arrive apart with a barrier before their last moves; `None` where
+    /// that is a standstill. The table is overwritten.
+    pub(super) fn spread<const W: usize, const L: usize>(
+        &self,
         map: &Map<W>,
         table: &mut Table<L, N>,
-    ) -> Self {
-        let execution = run(self.timelines(map), true, table);
-        let is_of_use = execution.is_some_and(|run| self.is_close(run.spread));
-        if is_of_use { self.arriving(Arrival::Together) } else { self }
+    ) -> Option<usize> {
+        run(self.timelines(map), true, table).map(|run| run.spread)
     }
 
     /// Whether robots that arrive this many ticks apart are as close together as goals in series
@@ -109,7 +119,7 @@ pub(super) fn run<const L: usize, const N: usize>(
     }
     let robots = robots.get_mut(..count)?;
     for (index, robot) in robots.iter_mut().enumerate() {
-        robot.behind = robot.next.and_then(|step| last_on_target(table, count, index, step));
+        robot.behind = robot.next.and_then(|step| last_on_target(table, count, index, 0..step));
     }
     let mut first_end = None;
     for tick in 0.. {
@@ -146,19 +156,20 @@ fn decode<const L: usize, const N: usize>(
     robot
 }
 
-/// The last of the others on the cell that a robot enters with a step, and the step after which it
-/// is there no longer. Those that were there before that one had left when it came.
+/// The last of the others that is, in one of these steps, on the cell that a robot enters after
+/// them, and the step after which it is there no longer. Those that were there before that one had
+/// left when it came.
 fn last_on_target<const L: usize, const N: usize>(
     table: &Table<L, N>,
     robots: usize,
     index: usize,
-    step: usize,
+    steps: Range<usize>,
 ) -> Option<(usize, usize)> {
-    let target = cell(table, step, index);
-    let before = table.get(..step)?.iter().enumerate().rev();
-    let mut visits = before.filter_map(|(at, cells)| {
+    let target = cell(table, steps.end, index);
+    let before = steps.clone().zip(table.get(steps)?).rev();
+    let mut visits = before.filter_map(|(step, cells)| {
         let robot = cells.iter().take(robots).position(|&cell| cell == target)?;
-        Some((robot, at + 1))
+        Some((robot, step + 1))
     });
     visits.next().filter(|&(robot, _)| robot != index)
 }
@@ -180,6 +191,9 @@ fn advance<const L: usize, const N: usize>(
     }
     let (mut moved, mut ended) = (false, false);
     let count = robots.len();
+    // What is before that, all have heard of.
+    let is_at_work = |robot: &&Progress| robot.next.is_some() || robot.heard != robot.done;
+    let heard = robots.iter().filter(is_at_work).map(|robot| robot.heard).min().unwrap_or(0);
     for (index, robot) in robots.iter_mut().enumerate() {
         moved |= robot.heard != robot.done;
         robot.heard = robot.done;
@@ -187,7 +201,7 @@ fn advance<const L: usize, const N: usize>(
         let at = cell(table, step, index);
         robot.done = step;
         robot.next = (step + 1..=robot.last).find(|&step| cell(table, step, index) != at);
-        robot.behind = robot.next.and_then(|step| last_on_target(table, count, index, step));
+        robot.behind = robot.next.and_then(|step| last_on_target(table, count, index, heard..step));
         moved = true;
         ended |= robot.next.is_none();
     }

@@ -56,8 +56,9 @@ pub(super) struct Exhaustive<const W: usize, const N: usize, const M: usize> {
 /// The places of the robots that can move.
 type Places<const N: usize> = [u16; N];
 
-/// What is to be done next.
+/// What is to be done next. The first stage is all zeros, so that a new search is cleared memory.
 #[derive(Clone, Copy, Debug)]
+#[repr(u8)]
 enum Stage<const N: usize> {
     /// Number the states.
     Begin,
@@ -88,6 +89,12 @@ impl<const W: usize, const N: usize, const M: usize> Exhaustive<W, N, M> {
         }
     }
 
+    /// Begins with a problem of at most this many states.
+    pub(super) const fn start_with(&mut self, most_states: u32) {
+        self.most_states = most_states;
+        self.stage = Stage::Begin;
+    }
+
     /// Whether it searches fewer states than it has room for.
     pub(super) const fn is_limited(&self) -> bool {
         self.most_states < Self::MOST_STATES
@@ -96,6 +103,7 @@ impl<const W: usize, const N: usize, const M: usize> Exhaustive<W, N, M> {
     /// Works on the plan as [`Lacam::work`](super::Lacam::work) does.
     ///
     /// A work unit is a state whose neighbours are looked at, 64 states without any, or a move.
+    #[inline(never)] // one search at a time is on the stack
     pub(super) fn work(
         &mut self,
         problem: &Problem<'_, W>,

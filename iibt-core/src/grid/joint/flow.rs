@@ -89,6 +89,8 @@ pub(super) struct Flow<const W: usize, const L: usize, const N: usize> {
     /// The layer that the search has come to, and the lowest one that has changed since.
     level: usize,
     changed: usize,
+    /// Whether a layer has changed since the search went on from it.
+    is_new: [bool; L],
     pub(super) walk: Walk<L, N>,
     stage: Stage,
 }
@@ -116,6 +118,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
             touch_count: 0,
             level: 0,
             changed: 0,
+            is_new: [false; L],
             walk: Walk::new(),
             stage: Stage::Failed,
         }
@@ -260,8 +263,9 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         }
         self.touch_count = 0;
         let ends = self.open_ends();
-        if let Some(arrival) = self.reached.first_mut() {
-            *arrival = ends;
+        self.is_new = [false; L];
+        if let Some((arrival, is_new)) = self.reached.first_mut().zip(self.is_new.first_mut()) {
+            (*arrival, *is_new) = (ends, true);
         }
         self.touched = [0; N];
         (self.level, self.changed) = (0, usize::MAX);
@@ -354,9 +358,11 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     }
 
     fn search(&mut self) -> Stage {
+        self.skip_old_layers();
         if self.level < self.steps && !self.sweep() {
             return Stage::Failed; // never: there is room for all touches
         }
+        self.skip_old_layers();
         if self.level < self.steps {
             return Stage::Search;
         }
@@ -459,28 +465,39 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         self.next_search()
     }
 
+    /// Goes up to the next layer from which there is anything new to reach.
+    fn skip_old_layers(&mut self) {
+        let above = self.is_new.get(self.level..self.steps).unwrap_or_default();
+        self.level =
+            above.iter().position(|&is_new| is_new).map_or(self.steps, |skipped| self.level + skipped);
+    }
+
     /// Reaches from the highest known layer to the next one; returns whether there was room to note
     /// the paths that it came to.
     fn sweep(&mut self) -> bool {
         let next = self.level + 1;
         let from = self.network.before(&self.passed(self.level), self.level);
         let taken = from.intersection(&self.occupied(next));
+        if let Some(is_new) = self.is_new.get_mut(self.level) {
+            *is_new = false;
+        }
         self.level = next;
         let has_room = taken.is_empty() || self.touch_all(&taken, next);
         let open = from.without(&taken);
-        if let Some(layer) = self.reached.get_mut(next) {
-            *layer = layer.union(&open);
+        if let Some((layer, is_new)) = self.reached.get_mut(next).zip(self.is_new.get_mut(next)) {
+            let with_open = layer.union(&open);
+            *is_new |= with_open != *layer;
+            *layer = with_open;
         }
         has_room
     }
 
     /// Reaches the cells that the paths on some cells of a layer have below it.
     fn touch_all(&mut self, taken: &CellSet<W>, layer: usize) -> bool {
-        let paths = self.paths.get(layer).copied().unwrap_or([NOWHERE; N]);
         let mut has_room = true;
-        for (path, _) in paths.iter().enumerate().take(self.matched).filter(|&(_, &at)| taken.contains(at)) {
+        for path in 0..self.matched {
             let from = self.touched.get(path).copied().unwrap_or(layer);
-            if from < layer {
+            if from < layer && taken.contains(cell(&self.paths, layer, path)) {
                 has_room &= self.touch(path, from, layer);
                 self.changed = self.changed.min(from);
             }
@@ -494,8 +511,9 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         if let Some(touched) = self.touched.get_mut(path) {
             *touched = layer;
         }
-        for (cells, reached) in self.paths.iter().zip(&mut self.reached).take(layer).skip(from) {
-            reached.insert(cells.get(path).copied().unwrap_or(NOWHERE));
+        let layers = self.paths.iter().zip(&mut self.reached).zip(&mut self.is_new);
+        for ((cells, reached), is_new) in layers.take(layer).skip(from) {
+            *is_new |= reached.insert(cells.get(path).copied().unwrap_or(NOWHERE));
         }
         let slot = self.touches.as_flattened_mut().get_mut(self.touch_count);
         self.touch_count += 1;

@@ -11,7 +11,7 @@ use super::{Arrival, Failure, JointPlan, Problem, Target};
 
 /// No plan whose robots arrive together is searched for any longer when the searches have taken so
 /// many work units.
-pub(super) const MOST_UNITS: u32 = 400;
+pub(super) const MOST_UNITS: u32 = 360;
 
 /// What became of a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,8 +57,9 @@ pub(super) struct Found {
     pub(super) steps: usize,
     turn: Turn,
     /// How many ticks the robots arrive apart with a barrier before their last moves; `None` where
-    /// that is a standstill.
+    /// that is a standstill, or not known yet.
     spread: Option<usize>,
+    is_executed: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -66,8 +67,10 @@ pub(super) enum Stage {
     Begin,
     Survey,
     Flow,
-    /// How the robots of the plan that was found arrive.
+    /// Read the plan that was found off the flow, and how its robots arrive.
     Execute,
+    /// How the robots of the plan that was found first arrive, since there is no shorter one.
+    ExecuteFirst,
     Choose,
     Done(Outcome),
 }
@@ -103,6 +106,7 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     }
 
     /// Goes on; `None` when the budget is used up.
+    #[inline(never)] // not on the stack of the searches that follow
     pub(super) fn work(&mut self, problem: &Problem<'_, W>, budget: &mut u32) -> Option<Outcome> {
         loop {
             match self.stage {
@@ -115,7 +119,7 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
                     let found = self.search(budget)?;
                     self.stage = self.searched(problem, found);
                 }
-                Stage::Begin | Stage::Execute | Stage::Choose => {
+                Stage::Begin | Stage::Execute | Stage::ExecuteFirst | Stage::Choose => {
                     *budget = budget.checked_sub(1)?;
                     self.stage = self.unit(problem);
                 }
@@ -166,6 +170,7 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
         match self.stage {
             Stage::Begin => self.begin(problem),
             Stage::Execute => self.execute(problem),
+            Stage::ExecuteFirst => self.execute_first(problem),
             Stage::Choose => self.choose(),
             stage => stage,
         }
@@ -268,14 +273,24 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
                 self.flow.begin_with(row, prefix.path.cells(problem.map));
             }
         }
-        let spread = self.flow.execution().map(|execution| execution.spread);
-        let mut found = Found { steps: 0, turn: self.attempt.turn, spread };
+        let Attempt { kind, turn, is_second } = self.attempt;
+        // If there is a shorter plan, it does not matter how the robots of this one arrive.
+        let is_executed = kind != Kind::Plain || is_second || self.choice.turn.is_some();
+        let execution = if is_executed { self.flow.execution() } else { None };
+        let spread = execution.map(|execution| execution.spread);
+        let mut found = Found { steps: 0, turn, spread, is_executed };
         if (self.attempt.kind != Kind::Together || found.arrives_together())
             && self.read_plan(problem).is_some()
         {
             found.steps = self.plan.steps();
             self.found = Some(found);
         }
+        self.next_attempt(problem)
+    }
+
+    fn execute_first(&mut self, problem: &Problem<'_, W>) -> Stage {
+        let spread = self.plan.spread(problem.map, &mut self.flow.walk.paths);
+        self.found = self.found.map(|found| Found { spread, is_executed: true, ..found });
         self.next_attempt(problem)
     }
 
@@ -297,6 +312,9 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
             };
         }
         let Some(found) = self.found else { return self.fewer_goals(problem) };
+        if !found.is_executed {
+            return Stage::ExecuteFirst;
+        }
         if kind == Kind::Plain {
             self.soonest = found.steps;
             if !self.choice.staggered && !found.arrives_together() {

@@ -14,7 +14,7 @@ use super::pibt::{Step, scramble};
 use super::shorten::Shortening;
 use super::states::{NONE, Node, States};
 use super::{Failure, JointPlan, Problem};
-use crate::grid::{Cell, Path};
+use crate::grid::Cell;
 
 /// Plans for up to `N` robots that own their targets on maps of `W` words, searching at most `M`
 /// joint states (1 to 65,534) at a time.
@@ -62,8 +62,9 @@ pub struct Lacam<const W: usize, const N: usize, const M: usize> {
     stage: Stage,
 }
 
-/// What is to be done next.
+/// What is to be done next. The first stage is all zeros, so that a new search is cleared memory.
 #[derive(Clone, Copy, Debug)]
+#[repr(u8)]
 enum Stage {
     /// Measure the distances to the target of this robot.
     Measure { robot: usize },
@@ -95,9 +96,15 @@ impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
             most_calls,
             calls: 0,
             run: 0,
-            top: NONE,
+            top: 0,
             stage: Stage::Measure { robot: 0 },
         }
+    }
+
+    /// Begins a search that tries at most this many successors.
+    pub(super) const fn start_with(&mut self, most_calls: u32) {
+        self.most_calls = most_calls;
+        self.start();
     }
 
     /// Drops an unfinished search, so that the next call begins another.
@@ -122,15 +129,18 @@ impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
     /// - [`Failure::Impossible`]: all that can be reached has been searched;
     /// - [`Failure::NotFound`]: the calls are used up, or 65,535 of them for one state, or the plan is
     ///   longer than a path can be.
+    #[inline(never)] // one search at a time is on the stack
     pub fn work(
         &mut self,
         problem: &Problem<'_, W>,
         targets: &[Cell; N],
         budget: &mut u32,
     ) -> Option<Result<JointPlan<N>, Failure>> {
-        let answer = assignment::search(problem, targets, budget, |team| self.unit(team))?;
-        self.start();
-        Some(answer)
+        let answer = assignment::search(problem, targets, budget, |team| self.unit(team));
+        if answer.is_some() {
+            self.start();
+        }
+        answer
     }
 
     fn unit(&mut self, team: &Assignment<W, N>) -> Option<Answer<N>> {
@@ -265,17 +275,18 @@ fn bind<const W: usize, const N: usize>(step: &mut Step<'_, W, N>, number: u32, 
 
 impl<const N: usize, const M: usize> States<N, M> {
     /// The plan through the states that are linked from the first one on.
+    #[inline(never)] // on the stack only once there is a plan
     fn plan<const W: usize>(&self, first: u16, team: &Assignment<W, N>) -> Answer<N> {
-        let mut paths = team.from.map(Path::at);
+        let mut plan = team.standing();
         let mut before = team.from;
         let states = core::iter::successors(self.node(first), |node| self.node(node.link));
         for node in states.skip(1) {
-            for (path, (from, to)) in paths.iter_mut().zip(before.iter().zip(&node.cells)).take(team.robots) {
+            for (path, (from, to)) in plan.paths_mut().iter_mut().zip(before.iter().zip(&node.cells)) {
                 let step = team.map.move_between(*from, *to).ok_or(Failure::NotFound)?;
                 path.push(step).or(Err(Failure::NotFound))?;
             }
             before = node.cells;
         }
-        paths.get(..team.robots).and_then(JointPlan::new).ok_or(Failure::NotFound)
+        Ok(plan)
     }
 }

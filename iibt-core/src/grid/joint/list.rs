@@ -154,7 +154,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
             let variant = self.variant(problem, &mut errands, &mut goals, &prefix);
             let Some(result) = self.planner.work(&variant, budget) else { return false };
             let has_plan = result.is_ok();
-            self.take(problem, result);
+            self.take(problem, &result);
             self.go_on(problem, count.min(K), has_plan);
         }
         true
@@ -218,16 +218,16 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
 
     /// Adds what the planner has found.
     #[inline(never)]
-    fn take(&mut self, problem: &Problem<'_, W>, result: Result<JointPlan<N>, Failure>) {
+    fn take(&mut self, problem: &Problem<'_, W>, result: &Result<JointPlan<N>, Failure>) {
         match (self.source, result) {
             (Source::Alone(owner), Ok(plan)) => {
                 let owners = problem.owned().count();
                 let unserved = owners - usize::from(owner < owners);
-                self.add(plan.with_short_by(plan.short_by() + unserved));
+                self.add(plan, plan.short_by() + unserved);
             }
-            (Source::Owners, Ok(plan)) => self.add(plan.with_short_by(problem.need)),
-            (_, Ok(plan)) => self.add(plan),
-            (Source::Best, Err(failure)) => self.failure = Some(failure),
+            (Source::Owners, Ok(plan)) => self.add(plan, problem.need),
+            (_, Ok(plan)) => self.add(plan, plan.short_by()),
+            (Source::Best, &Err(failure)) => self.failure = Some(failure),
             (_, Err(_)) => {}
         }
         if self.source == Source::Best {
@@ -235,13 +235,20 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
         }
     }
 
-    /// Adds a plan unless it is one of the list.
-    fn add(&mut self, plan: JointPlan<N>) {
-        let is_known = self.policies().iter().any(|policy| policy.paths() == plan.paths());
-        if let Some(slot) = self.policies.get_mut(self.len).filter(|_| !is_known) {
-            *slot = plan;
-            self.len += 1;
+    /// Adds a plan that is short of so many goals, unless it is one of the list.
+    fn add(&mut self, plan: &JointPlan<N>, short_by: usize) {
+        if let Some(slot) = self.policies.get_mut(self.len) {
+            slot.clone_from(plan);
+            slot.set_short_by(short_by);
+            self.keep_new();
         }
+    }
+
+    /// Keeps the plan after the last one unless it is one of the list.
+    fn keep_new(&mut self) {
+        let Some((new, known)) = self.policies.get(..=self.len).and_then(<[_]>::split_last) else { return };
+        let is_known = known.iter().any(|policy| policy.paths() == new.paths());
+        self.len += usize::from(!is_known);
     }
 
     /// Begins with the next source, or ends the list.
@@ -364,16 +371,23 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     /// Fills the list with the best plan set out later, or lets all robots stand.
     #[inline(never)]
     fn finish(&mut self, problem: &Problem<'_, W>, count: usize) {
-        if self.len == 0 {
-            let standing = JointPlan::standing(problem.starts().take(N)).unwrap_or(JointPlan::NOBODY);
-            self.add(standing.with_short_by(problem.need + problem.owned().count()));
+        if let Some(first) = self.policies.first_mut().filter(|_| self.len == 0) {
+            first.stand(problem.starts().take(N));
+            first.set_short_by(problem.need + problem.owned().count());
+            self.len = 1;
         }
         // What begins at a certain step cannot begin later.
-        let can_be_later = |best: &&JointPlan<N>| best.steps() > 0 && problem.prefixes.is_empty();
-        let Some(&best) = self.policies.first().filter(can_be_later) else { return };
-        for delay in (2..=JointPlanner::<W, L, N, M>::LATEST.saturating_sub(best.steps())).step_by(2) {
-            if self.len < count {
-                self.add(best.delayed(delay));
+        let steps = self.policies.first().map_or(0, JointPlan::steps);
+        let can_be_later = steps > 0 && problem.prefixes.is_empty();
+        let most = if can_be_later { JointPlanner::<W, L, N, M>::LATEST.saturating_sub(steps) } else { 0 };
+        for delay in (2..=most).step_by(2) {
+            if self.len < count
+                && let Some((best, later)) = self.policies.split_first_mut()
+                && let Some(slot) = later.get_mut(self.len - 1)
+            {
+                slot.clone_from(best);
+                slot.delay(delay);
+                self.keep_new();
             }
         }
     }
@@ -407,12 +421,11 @@ fn released<'a, const W: usize>(
 }
 
 impl<const N: usize> JointPlan<N> {
-    /// This plan with waits before the first step of each robot that moves.
-    fn delayed(mut self, delay: usize) -> Self {
+    /// Puts waits before the first step of each robot that moves.
+    fn delay(&mut self, steps: usize) {
         for path in self.paths_mut().iter_mut().filter(|path| !path.is_empty()) {
-            *path = path.with_waits(path.len() + delay, WaitPlace::AtStart).unwrap_or(*path);
+            *path = path.with_waits(path.len() + steps, WaitPlace::AtStart).unwrap_or(*path);
         }
-        self
     }
 }
 

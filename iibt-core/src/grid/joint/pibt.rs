@@ -41,6 +41,7 @@ impl<'a, const W: usize, const N: usize> Step<'a, W, N> {
     }
 
     /// Binds a robot to be on a cell after the step; returns whether it can.
+    #[inline(never)] // as for `choices`
     pub(super) fn bind(&mut self, robot: usize, cell: Cell) -> bool {
         let open = !self.is_taken(cell) && !self.closes_ring(robot, cell);
         if open {
@@ -64,7 +65,7 @@ impl<'a, const W: usize, const N: usize> Step<'a, W, N> {
     ///
     /// It calls itself for the robot that is pushed: at most as deep as there are robots.
     fn place(&mut self, robot: usize) -> bool {
-        for cell in self.choices(robot) {
+        for cell in self.choices(robot).into_iter().take_while(|&cell| cell != NOWHERE) {
             if !self.bind(robot, cell) {
                 continue;
             }
@@ -78,8 +79,9 @@ impl<'a, const W: usize, const N: usize> Step<'a, W, N> {
     }
 
     /// The moves of a robot, the nearest to its target first; of equally near cells an empty one,
-    /// and then as the seed has it.
-    fn choices(&self, robot: usize) -> impl Iterator<Item = Cell> + use<W, N> {
+    /// and then as the seed has it. Past the last one they are [`NOWHERE`].
+    #[inline(never)] // `place` is on the stack once for each robot
+    fn choices(&self, robot: usize) -> [Cell; 5] {
         let mut choices = [(u32::MAX, NOWHERE); 5];
         for (slot, cell) in choices.iter_mut().zip(self.moves(robot)) {
             let occupied = self.occupant(cell).is_some_and(|other| other != robot);
@@ -88,10 +90,11 @@ impl<'a, const W: usize, const N: usize> Step<'a, W, N> {
             *slot = (distance << 16 | u32::from(occupied) << 15 | tie, cell);
         }
         let mut before = None;
-        core::iter::from_fn(move || {
+        core::array::from_fn(|_| {
             let open = choices.iter().filter(|choice| choice.1 != NOWHERE);
-            before = Some(*open.filter(|&choice| before.is_none_or(|before| *choice > before)).min()?);
-            before.map(|(_, cell)| cell)
+            let next = open.filter(|&choice| before.is_none_or(|before| choice > before)).min();
+            before = next.or(before);
+            next.map_or(NOWHERE, |&(_, cell)| cell)
         })
     }
 

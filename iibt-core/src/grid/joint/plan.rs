@@ -125,8 +125,12 @@ impl<const N: usize> JointPlan<N> {
     /// This plan, short of this many of the goals that the problem needs.
     #[must_use]
     pub fn with_short_by(mut self, goals: usize) -> Self {
-        self.short_by = goals.min(u8::MAX.into()) as u8;
+        self.set_short_by(goals);
         self
+    }
+
+    pub(super) fn set_short_by(&mut self, goals: usize) {
+        self.short_by = goals.min(u8::MAX.into()) as u8;
     }
 
     /// This plan with another way to arrive.

@@ -1,11 +1,10 @@
 //! One joint plan for a problem, by the cheapest search that has one.
 
-use super::super::{Cell, Map};
+use super::super::Cell;
 use super::attempt::Choice;
 use super::exhaustive::Exhaustive;
 use super::flow_planner::{FlowPlanner, Outcome};
 use super::network::Turn;
-use super::table::Table;
 use super::{Failure, JointPlan, Lacam, Prioritised, Problem, assignment};
 
 /// Finds the joint plan of fewest steps in which robots take turns by the colour of their cells;
@@ -91,6 +90,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
     ///
     /// # Errors
     /// Every [`Failure`].
+    #[inline(never)] // the plan is on the stack once
     pub fn work(
         &mut self,
         problem: &Problem<'_, W>,
@@ -117,16 +117,21 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         budget: &mut u32,
     ) -> Option<Result<JointPlan<N>, Failure>> {
         loop {
-            let answer = match &mut self.search {
-                Search::Flow(_) => return Some(Err(Failure::NotFound)),
-                Search::Prioritised(search) => search.work(problem, &self.targets, budget)?,
-                Search::Lacam(search) => search.work(problem, &self.targets, budget)?,
-                Search::Exhaustive(search) => search.work(problem, &self.targets, budget)?,
+            let mut answer = match &mut self.search {
+                Search::Flow(_) => Some(Err(Failure::NotFound)),
+                Search::Prioritised(search) => search.work(problem, &self.targets, budget),
+                Search::Lacam(search) => search.work(problem, &self.targets, budget),
+                Search::Exhaustive(search) => search.work(problem, &self.targets, budget),
             };
-            match answer {
-                Err(failure) if self.go_on(failure) => {}
-                answer => return Some(answer.map(|plan| self.finished(plan, problem.map))),
+            match &mut answer {
+                Some(Err(failure)) if self.go_on(*failure) => continue,
+                Some(Ok(plan)) => {
+                    plan.add_useful_barrier::<W, L>(problem.map);
+                    plan.set_short_by(self.short_by);
+                }
+                _ => {}
             }
+            return answer;
         }
     }
 
@@ -153,8 +158,9 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         }
     }
 
-    // A search is built on the stack before it is moved to where it stays: in functions of their
-    // own, the stack is only taken when that is done.
+    // A search that is not a constant is built on the stack before it is moved to where it stays: in
+    // functions of their own, the stack is only taken when that is done. The constants are zeros,
+    // so that nothing is copied.
 
     #[inline(never)]
     fn search_flows(&mut self, choice: Choice) {
@@ -168,19 +174,18 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
 
     #[inline(never)]
     fn search_states(&mut self) {
-        self.search = Search::Lacam(Lacam::new(Self::MOST_CALLS));
+        self.search = Search::Lacam(const { Lacam::new(0) });
+        if let Search::Lacam(search) = &mut self.search {
+            search.start_with(Self::MOST_CALLS);
+        }
     }
 
     #[inline(never)]
     fn search_all_states(&mut self, most: u32) {
-        self.search = Search::Exhaustive(Exhaustive::new(most));
-    }
-
-    /// The plan of a search in which every robot had a target of its own.
-    #[inline(never)]
-    fn finished(&self, plan: JointPlan<N>, map: &Map<W>) -> JointPlan<N> {
-        let mut table: Table<L, N> = [[Cell(0); N]; L];
-        plan.with_useful_barrier(map, &mut table).with_short_by(self.short_by)
+        self.search = Search::Exhaustive(const { Exhaustive::new(0) });
+        if let Search::Exhaustive(search) = &mut self.search {
+            search.start_with(most);
+        }
     }
 
     /// Whether a plan could have fewer steps than the one that was found if the robots did not

@@ -15,7 +15,7 @@
 //! those before it (prioritised planning; Erdmann and Lozano-Pérez 1987; Silver 2005). When one
 //! finds no path it plans first in the next try.
 
-use super::super::{Cell, CellSet, Map, Move, Path};
+use super::super::{Cell, CellSet, Map, Move};
 use super::assignment::{self, Answer, Assignment};
 use super::network::{Network, Turn};
 use super::pibt::scramble;
@@ -140,15 +140,18 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     ///   on the map;
     /// - [`Failure::NoWay`]: obstacles cut a robot off from its target;
     /// - [`Failure::NotFound`]: no order that was tried has a plan of at most `L - 1` steps.
+    #[inline(never)] // one search at a time is on the stack
     pub fn work(
         &mut self,
         problem: &Problem<'_, W>,
         targets: &[Cell; N],
         budget: &mut u32,
     ) -> Option<Result<JointPlan<N>, Failure>> {
-        let answer = assignment::search(problem, targets, budget, |team| self.unit(problem, team))?;
-        self.start();
-        Some(answer)
+        let answer = assignment::search(problem, targets, budget, |team| self.unit(problem, team));
+        if answer.is_some() {
+            self.start();
+        }
+        answer
     }
 
     fn unit(&mut self, problem: &Problem<'_, W>, team: &Assignment<W, N>) -> Option<Answer<N>> {
@@ -301,9 +304,10 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     }
 
     /// The plan of the paths that are planned.
+    #[inline(never)] // on the stack only once there is a plan
     fn plan(&self, team: &Assignment<W, N>) -> Answer<N> {
-        let mut paths = team.from.map(Path::at);
-        for (path, cells) in paths.iter_mut().zip(&self.planned).take(team.robots) {
+        let mut plan = team.standing();
+        for (path, cells) in plan.paths_mut().iter_mut().zip(&self.planned) {
             let mut before = path.start;
             for &cell in cells.iter().take(self.attempt.steps.into()).rev() {
                 let step = team.map.move_between(before, cell).ok_or(Failure::NotFound)?;
@@ -311,7 +315,7 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
                 before = cell;
             }
         }
-        paths.get(..team.robots).and_then(JointPlan::new).ok_or(Failure::NotFound)
+        Ok(plan)
     }
 
     /// Puts a robot on its target, where its search begins.

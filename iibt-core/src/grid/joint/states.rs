@@ -1,6 +1,7 @@
 //! An arena of joint states in which none is twice.
 
-use super::assignment::{NOWHERE, State};
+use super::super::Cell;
+use super::assignment::State;
 use super::pibt::scramble;
 
 /// The number of no state.
@@ -29,13 +30,14 @@ pub(super) struct States<const N: usize, const M: usize> {
 }
 
 impl<const N: usize> Node<N> {
-    const EMPTY: Self = Self { cells: [NOWHERE; N], patience: [0; N], tried: 0, link: NONE, chain: NONE };
+    const EMPTY: Self = Self { cells: [Cell(0); N], patience: [0; N], tried: 0, link: 0, chain: 0 };
 }
 
 impl<const N: usize, const M: usize> States<N, M> {
+    /// Memory that is to be [cleared](Self::clear) before its first use.
     pub(super) const fn new() -> Self {
         const { assert!(M > 0 && M < NONE as usize, "states have numbers of 16 bits") }
-        Self { nodes: [Node::EMPTY; M], heads: [NONE; M], used: 0 }
+        Self { nodes: [Node::EMPTY; M], heads: [0; M], used: 0 }
     }
 
     pub(super) fn clear(&mut self) {

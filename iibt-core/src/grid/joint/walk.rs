@@ -32,8 +32,8 @@ struct Change {
 /// A path in the making.
 #[derive(Clone, Debug)]
 pub(super) struct Walk<const L: usize, const N: usize> {
-    /// The other paths as they will be.
-    paths: Table<L, N>,
+    /// The other paths as they will be; free for other use while there is no walk.
+    pub(super) paths: Table<L, N>,
     /// The new path above the layer of the walk.
     tail: [Cell; L],
     /// What was walked since the last change.
