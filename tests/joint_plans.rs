@@ -557,6 +557,34 @@ fn plans_on_the_chip_are_those_of_the_host() {
         check_image(&mut robot, "plans", robots, &plans);
         let decisions = joint_plans::plan_all(robots, |problem| (problem.decide(&mut list), 0));
         check_image(&mut robot, "decisions", robots, &decisions);
+        let hardest = robot.wait_for(&format!("hardest of {robots} robots: took")).message;
+        let instructions = u64::from(number(&hardest, "took ")) * 1000 / 168;
+        assert_within("joint_plans", &format!("plans_{robots}_of_20000"), instructions);
+    }
+}
+
+/// Those that are planned on the chip are the hardest, by work units.
+#[test]
+fn no_problem_of_twenty_thousand_is_harder_than_the_hardest() {
+    let mut planner = joint_plans::Planner::new();
+    for robots in [2, 4, 8] {
+        let mut problems = joint_plans::Problems::new(2026);
+        let (mut solved, mut hard, mut others) = (0, Vec::new(), 0);
+        for draw in 0.. {
+            let planned = problems.next(robots).and_then(|problem| problem.plan(&mut planner));
+            let Some((_, units)) = planned else { continue };
+            if joint_plans::hardest(robots).contains(&draw) {
+                hard.push(units);
+            } else {
+                others = others.max(units);
+            }
+            solved += 1;
+            if solved == joint_plans::SEARCHED {
+                break;
+            }
+        }
+        println!("{robots} robots: {hard:?} units, {others} of all others");
+        assert!(hard.iter().max() >= Some(&others), "{robots} robots: {hard:?}, {others} of another problem");
     }
 }
 

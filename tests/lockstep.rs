@@ -7,7 +7,7 @@ use firmware::missions::{LAYERS, NODES, POLICIES};
 use host_sim::{Faults, NavigatorFlight, Reading};
 use std::path::Path;
 use tests::budgets::assert_within;
-use tests::qemu::{Robot, image};
+use tests::qemu::{Robot, image, number};
 
 type Flight<'m> = NavigatorFlight<'m, CELLS, WORDS, LAYERS, NODES, POLICIES>;
 
@@ -33,7 +33,7 @@ impl Measured {
         let mut flight = Flight::with_key(&mission, KEY, Faults::default(), 0).expect("it is sound");
         let mut chip = Robot::boot_counting(image);
         chip.wait_for("boot");
-        chip.send(&[robots as u8, draw as u8, number as u8]);
+        chip.send(&[robots as u8, draw as u8, number as u8, 0]);
         let stage = |flight: &Flight<'_>| {
             let protocol = flight.robot(number).robot().navigation().rounds().map(|rounds| rounds.protocol());
             protocol.map(|protocol| (protocol.proposal().round, protocol.digest(), protocol.has_decided()))
@@ -41,12 +41,8 @@ impl Measured {
         let mut heard = Vec::new();
         while !flight.has_arrived() {
             assert!(flight.ticks() < 60, "no arrival in problem {draw} for {robots}");
-            let (before, here) = (stage(&flight), flight.cells()[number]);
-            flight.set_reading(number, Reading::Cell(here));
-            flight.tick();
-            let (took, frame) = tick(&mut chip, here.0, &heard);
-            let at = format!("tick {} of problem {draw} for {robots}", flight.ticks());
-            assert_eq!(frame, flight.sent(number).concat(), "{at}: not the frame of the host");
+            let before = stage(&flight);
+            let took = in_step(&mut flight, &mut chip, number, &mut heard);
             let after = stage(&flight);
             let has = |decided: bool, stage: Option<(u32, Option<_>, bool)>| {
                 stage.is_some_and(|(_, digest, has_decided)| digest.is_some() && (has_decided || !decided))
@@ -58,12 +54,20 @@ impl Measured {
                     _ => &mut self.ordinary,
                 };
             kind.push(took);
-            heard = (0..robots)
-                .filter(|&other| other != number)
-                .flat_map(|other| flight.sent(other).concat())
-                .collect();
         }
     }
+}
+
+/// Ticks the flight and the robot on the chip; returns the instructions that the latter took.
+fn in_step(flight: &mut Flight<'_>, chip: &mut Robot, number: usize, heard: &mut Vec<u8>) -> u64 {
+    let (robots, here) = (flight.cells().len(), flight.cells()[number]);
+    flight.set_reading(number, Reading::Cell(here));
+    flight.tick();
+    let (took, frame) = tick(chip, here.0, heard);
+    assert_eq!(frame, flight.sent(number).concat(), "tick {}: not the frame of the host", flight.ticks());
+    let others = (0..robots).filter(|&other| other != number);
+    *heard = others.flat_map(|other| flight.sent(other).concat()).collect();
+    took
 }
 
 /// The instructions of a tick on the chip, and the frame that it sends.
@@ -109,6 +113,30 @@ fn a_robot_of_any_team_ticks_on_the_chip_as_on_the_host_and_within_budget() {
             assert_within("team_of_eight", "deciding_tick", mean(deciding));
         }
     }
+}
+
+/// Eight robots that own their goals: in the tick in which the list is made, searches over all of
+/// them follow each other. Beside the stack, what the robot takes of the statics.
+#[test]
+fn the_memory_of_a_team_that_searches_is_within_budget() {
+    let problem = problem(8, 0).expect("the map has room");
+    let mission = problem.mission_with_owners();
+    let mut flight = Flight::with_key(&mission, KEY, Faults::default(), 0).expect("it is sound");
+    let mut chip = Robot::boot_counting(&image("lockstep"));
+    chip.wait_for("boot");
+    chip.send(&[8, 0, 0, 1]);
+    let navigation = chip.wait_for("navigation takes").message;
+    assert_within("team_of_eight", "ram_of_navigation", number(&navigation, "takes ").into());
+    let mut heard = Vec::new();
+    in_step(&mut flight, &mut chip, 0, &mut heard); // the robot has been built
+    let top = chip.pause().paint();
+    let mut searched = 0;
+    while !flight.has_arrived() && flight.ticks() < 30 {
+        searched = searched.max(in_step(&mut flight, &mut chip, 0, &mut heard));
+    }
+    assert!(searched > 200_000, "{searched} instructions in no tick for a list");
+    let used = top - chip.pause().lowest_used();
+    assert_within("team_of_eight", "stack_of_a_searching_tick", used.into());
 }
 
 #[test]

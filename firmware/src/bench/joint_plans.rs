@@ -17,6 +17,21 @@ pub const LISTED: usize = 4;
 /// How many problems of each size are planned.
 pub const PROBLEMS: u32 = 200;
 
+/// Of how many problems of each size the [hardest](hardest) are known.
+pub const SEARCHED: usize = 20_000;
+
+/// The draws of the problems whose plans take the most work units or instructions of the first
+/// [`SEARCHED`] that have one, for teams of a size.
+#[must_use]
+pub const fn hardest(robots: usize) -> &'static [u32] {
+    match robots {
+        2 => &[0, 412, 4619, 19923],
+        4 => &[6676, 15828, 16067, 17696],
+        8 => &[749, 1247, 13996, 21391],
+        _ => &[],
+    }
+}
+
 /// A generator of numbers (Marsaglia's 32-bit xorshift).
 #[derive(Clone, Debug)]
 pub struct Problems(u32);
@@ -28,6 +43,7 @@ pub struct Instance {
     starts: [Cell; 8],
     errands: [Errand; 8],
     goals: [Cell; 8],
+    owned: [Option<Cell>; 8],
     robots: usize,
 }
 
@@ -60,7 +76,8 @@ impl Problems {
             errand.from = self.draw(&mut free)?;
             *goal = self.draw(&mut free)?;
         }
-        Some(Instance { map, starts: errands.map(|errand| errand.from), errands, goals, robots })
+        let (starts, owned) = (errands.map(|errand| errand.from), goals.map(Some));
+        Some(Instance { map, starts, errands, goals, owned, robots })
     }
 
     fn draw(&mut self, from: &mut CellSet<2>) -> Option<Cell> {
@@ -105,12 +122,27 @@ pub fn plan_all(
     plans
 }
 
+/// The most that is measured of the plans for the hardest problems for a number of robots.
+pub fn worst(robots: usize, mut measure: impl FnMut(&Instance) -> (Option<(JointPlan<8>, u32)>, u32)) -> u32 {
+    let mut problems = Problems::new(2026);
+    let draws = 0..=hardest(robots).last().copied().unwrap_or(0);
+    let drawn = draws.filter_map(|draw| Some((draw, problems.next(robots)?)));
+    let hard = drawn.filter(|(draw, _)| hardest(robots).contains(draw));
+    hard.map(|(_, problem)| measure(&problem).1).max().unwrap_or(0)
+}
+
 impl Instance {
     /// The mission of a team that has the problem.
     #[must_use]
     pub fn mission(&self) -> Mission<'_, 2> {
         let (starts, goals) = (self.starts.get(..self.robots), self.goals.get(..self.robots));
         Mission::new(self.map, starts.unwrap_or_default(), goals.unwrap_or_default())
+    }
+
+    /// The mission of a team in which each robot owns one of the goals.
+    #[must_use]
+    pub fn mission_with_owners(&self) -> Mission<'_, 2> {
+        Mission { own_goals: self.owned.get(..self.robots).unwrap_or_default(), ..self.mission() }
     }
 
     /// Plans, all at once; returns the plan and the work units that it took, or `None` where not

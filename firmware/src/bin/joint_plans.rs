@@ -1,5 +1,6 @@
 //! Joint plans on the STM32F405: logs how long the plans for random problems of two, four and eight
-//! robots take, and the decisions among four, and the digests of all of them.
+//! robots take, and the decisions among four, and the digests of all of them; and the plans for the
+//! hardest of twenty thousand problems.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -12,7 +13,7 @@ fn main() {
 #[cfg(target_os = "none")]
 mod image {
     use firmware::adapters::Chassis;
-    use firmware::bench::joint_plans::{Instance, List, Planner, Plans, plan_all};
+    use firmware::bench::joint_plans::{Instance, List, Planner, Plans, plan_all, worst};
     use firmware::board::{self, Board};
     use iibt_core::grid::joint::JointPlan;
 
@@ -38,6 +39,8 @@ mod image {
             log("plans", robots, &plans);
             let decisions = plan_all(robots, |problem| measured(&mut || decide(problem, &mut memory)));
             log("decisions", robots, &decisions);
+            let hardest = worst(robots, |problem| measured(&mut || plan(problem, &mut memory)));
+            defmt::info!("hardest of {=usize} robots: took {=u32} cycles", robots, hardest);
         }
         loop {
             board::sleep();

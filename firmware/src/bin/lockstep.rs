@@ -1,8 +1,8 @@
 //! A robot of a team on the STM32F405, in step with a host: it ticks when the host has told it what
 //! it reads and hears, and answers with the cycles of the tick and its frame.
 //!
-//! Over USART2 it gets the number of robots, of the draw of their problem and its own; then for
-//! each tick the cell (two bytes) and the length of what it hears (two bytes), little-endian, and
+//! Over USART2 it gets the number of robots, of the draw of their problem and its own, and whether
+//! each robot owns a goal; then for each tick the cell (two bytes) and the length of what it hears (two bytes), little-endian, and
 //! that. It answers with the cycles (four bytes), the length of its frame (one byte) and the frame.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -27,7 +27,10 @@ mod image {
         let Some(mut board) = Board::take(Chassis::STANDING) else { board::restart() };
         defmt::info!("boot: in step with a host");
         match start(&mut board.link) {
-            Some(robot) => run(robot, &mut board),
+            Some(robot) => {
+                defmt::info!("navigation takes {=usize} bytes", size_of_val(robot.robot()));
+                run(robot, &mut board)
+            }
             None => board::restart(),
         }
     }
@@ -35,11 +38,11 @@ mod image {
     /// `None` when there is no such problem or robot.
     #[inline(never)]
     fn start(link: &mut TeamLink) -> Option<&'static mut Robot<'static>> {
-        let [robots, draw, number] = [(); 3].map(|()| byte(link));
+        let [robots, draw, number, owned] = [(); 4].map(|()| byte(link));
         let problem = lockstep::problem(robots.into(), draw.into())?;
         let problem: &'static Instance = singleton!(: Instance = problem)?;
-        let mission: &'static Mission<'static, WORDS> =
-            singleton!(: Mission<'static, WORDS> = problem.mission())?;
+        let mission = if owned == 0 { problem.mission() } else { problem.mission_with_owners() };
+        let mission: &'static Mission<'static, WORDS> = singleton!(: Mission<'static, WORDS> = mission)?;
         let robot = lockstep::robot(mission, number)?;
         singleton!(: Robot<'static> = robot)
     }
