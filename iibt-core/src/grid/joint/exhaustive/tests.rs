@@ -108,5 +108,5 @@ fn a_robot_that_stands_is_a_wall_and_a_closed_cell_is_only_left() {
 #[test]
 fn the_arena_takes_no_more_memory_than_the_other_searches() {
     let sizes = [size_of::<Exhaustive<2, 8, 64>>(), size_of::<JointPlanner<2, 33, 8, 64>>()];
-    assert!(sizes[0] < 3000 && sizes[1] <= 3232, "{sizes:?}");
+    assert!(sizes[0] < 3000 && sizes[1] <= 3300, "{sizes:?}");
 }
