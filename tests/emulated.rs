@@ -33,8 +33,7 @@ fn the_image_decides_with_the_same_bits_as_the_host_and_arrives_with_a_robot_on_
     // Robot 2 hears every frame of the image and answers each with one of its own.
     let auth = SipHash64::new(DEMO_KEY);
     let mut said: Vec<Envelope<Message>> = vec![];
-    let has_arrived =
-        |said: &Envelope<Message>| matches!(said.message.rounds.answer, Answer::Decided { step, .. } if step == 6);
+    let has_arrived = |said: &Envelope<Message>| matches!(said.message.rounds.answer, Answer::Decided { step, .. } if step == 6);
     while stage(&second) != Stage::Arrived || !said.last().is_some_and(has_arrived) {
         let frame = image.receive();
         said.push(

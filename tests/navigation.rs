@@ -3,6 +3,7 @@
 
 mod errands;
 mod lines;
+mod look_outs;
 mod members;
 mod obstacles;
 

@@ -166,8 +166,10 @@ fn the_script_reads_every_frame_of_robots_in_flight() {
 #[test]
 fn the_script_computes_the_digests_of_robots_in_flight() {
     let (shared, frames) = recorded();
-    let said: Vec<_> =
-        frames.iter().map(|frame| (frame, shared.read(frame).expect("sent by a robot").message.rounds)).collect();
+    let said: Vec<_> = frames
+        .iter()
+        .map(|frame| (frame, shared.read(frame).expect("sent by a robot").message.rounds))
+        .collect();
     let (mut lines, mut expected) = (vec![], vec![]);
     for (_, message) in &said {
         let Some(Digest(digest)) = message.answer.digest() else { continue };
@@ -265,7 +267,9 @@ fn both_make_the_same_of_any_authentic_body() {
 fn both_refuse_to_write_what_is_no_message() {
     let whole = as_json(&example(), None);
     let mut lines = vec![];
-    for path in ["/sender", "/epoch", "/sequence", "/message/rounds/proposal/round", "/message/rounds/proposal/view"] {
+    for path in
+        ["/sender", "/epoch", "/sequence", "/message/rounds/proposal/round", "/message/rounds/proposal/view"]
+    {
         for wrong in [json!(-1), json!(1_u64 << 32), json!(1.5), json!("1"), Value::Null] {
             lines.push(changed(&whole, path, wrong));
         }
@@ -282,7 +286,10 @@ fn both_refuse_to_write_what_is_no_message() {
         ("/message/waypoints", json!([1, 2, 3, 4, 5])),
         ("/message/rounds/proposal/walls/0/bits", json!(vec![0; 12])),
         ("/message/rounds/fact/evidence", json!(vec![json!({ "cell": 1, "weight": 1 }); 5])),
-        ("/message/rounds/answer/Decided/scores", json!(vec![json!({ "delay": 1, "price": 1 }); POLICIES + 1])),
+        (
+            "/message/rounds/answer/Decided/scores",
+            json!(vec![json!({ "delay": 1, "price": 1 }); POLICIES + 1]),
+        ),
     ] {
         lines.push(changed(&whole, path, wrong));
     }

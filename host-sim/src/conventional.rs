@@ -243,6 +243,7 @@ impl<const S: usize, const W: usize> AnyRobot for Controller<ConventionalRobot<S
             waypoint: navigator.waypoints.first().copied(),
             put_off: None,
             left_behind: None,
+            look_out: None,
             cause: None,
             waiting: None,
             failure: None,

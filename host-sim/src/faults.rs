@@ -135,6 +135,7 @@ impl Scenario {
             limit: u32::MAX,
             map: resized(&mission.map).ok_or(MissionError::MapTooLarge)?,
             serves: vec![1.0; goals.len()],
+            unknowns: mission.unknowns.to_vec(),
             need: mission.need.map_or(goals.len().min(mission.starts.len()), usize::from),
             goals,
             waits_for_charging: mission.waits_for_charging,

@@ -83,6 +83,9 @@ pub struct Way {
     pub moves: u16,
     /// The moves that its newest frame of the round says are made.
     pub made: u16,
+    /// The look-outs that its path leads by, to see cells of which no member knows whether they are
+    /// blocked.
+    pub look_outs: Vec<Cell>,
     /// The way-points that its newest frame of the round says it visits later.
     pub waypoints: Vec<Cell>,
 }
@@ -143,6 +146,10 @@ impl<const W: usize> Round<Fact<W>, Intention<W, POLICIES>> {
             path: path.cells(&mission.map).collect(),
             moves: path.moves().filter(|&step| step != Move::Wait).count() as u16,
             made: self.made[robot.index()],
+            look_outs: list
+                .look_outs(mission)
+                .filter(|at| path.cells(&mission.map).any(|cell| cell == *at))
+                .collect(),
             waypoints: self.newest[robot.index()].iter().flat_map(|said| said.waypoints.to_vec()).collect(),
         };
         Some(ChosenPolicy {
@@ -195,6 +202,7 @@ impl fmt::Display for Way {
         let steps = counted(self.path.len().max(1) - 1, "step");
         let moves = format!("{} of {} made", self.made.min(self.moves), counted(self.moves, "move"));
         write!(f, "{:<4} to {end}{errand} in {steps}, {moves}: {}", self.robot, route(&self.path))?;
+        self.look_outs.iter().try_for_each(|cell| write!(f, ", by the look-out {}", cell.0))?;
         self.waypoints.iter().try_for_each(|cell| write!(f, ", later by way of {}", cell.0))
     }
 }

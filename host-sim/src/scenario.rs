@@ -14,6 +14,7 @@ pub(crate) use reach::parts;
 
 use crate::input::{Fault, FileError, utf8};
 use iibt_core::grid::{Cell, Map, Move, Path};
+use iibt_core::navigation::Unknown;
 
 /// The most cells a map has.
 pub const MAX_CELLS: usize = 1024;
@@ -73,6 +74,8 @@ pub struct Scenario {
     /// The probability with which each goal serves a robot that stands there at the end of a
     /// mission.
     pub serves: Vec<f64>,
+    /// Cells that may be blocked, from where a robot sees them, and what that is worth.
+    pub unknowns: Vec<Unknown>,
     /// The number of missions flown in a row.
     pub missions: u32,
     /// The team, in the order of the robots' numbers.

@@ -171,6 +171,7 @@ pub(crate) fn on_mission<const W: usize, T>(
     if paths.iter().all(|paths| !paths.is_empty()) {
         mission.paths = Some(&paths);
     }
+    mission.unknowns = &scenario.unknowns;
     tune(&mut mission, scenario);
     let paces: Vec<u8> = scenario.robots.iter().map(crate::scenario::RobotSpec::steps).collect();
     let sensor = mission.sensor;

@@ -3,10 +3,11 @@
 //! | file | what it is |
 //! |---|---|
 //! | `mission` | what all robots of a team know from the beginning |
+//! | `unknown` | cells that may be blocked, and look-outs from which a robot sees them |
 //! | `localisation` | where a robot believes it is, and how reliable its drive is |
 //! | `obstacles`, `errands` | what it has seen; what it is to do before it goes to a goal |
-//! | `fact`, `claim`, `intention` | what it announces |
 //! | `handover` | the way-points of lost teammates |
+//! | `fact`, `claim`, `intention` | what it announces |
 //! | `policies` | the joint policies that all robots make from the same facts |
 //! | `team_robot` | a tick: rounds, the list, the choice, the next move |
 //! | `task` | the lines of Algorithm 1 |
@@ -19,8 +20,8 @@ mod combinations;
 mod errands;
 mod experience;
 mod fact;
-mod intention;
 mod handover;
+mod intention;
 mod localisation;
 mod mission;
 mod obstacles;
@@ -28,18 +29,20 @@ mod policies;
 mod report;
 mod task;
 mod team_robot;
+mod unknown;
 
 pub use cause::Cause;
 pub use claim::{Blocks, Cells};
 pub use errands::{MAX_WAYPOINTS, VisitError};
 pub use experience::Experience;
 pub use fact::{Fact, Purpose};
+pub use handover::PendingWaypoints;
 pub use intention::Intention;
 pub use localisation::{Localisation, MOVES};
-pub use handover::PendingWaypoints;
 pub use mission::{MAX_GOALS, MAX_PACE, Mission, MissionError};
 pub use obstacles::{Announced, CellEvidence, MAX_EVIDENCE, MAX_OBSTACLES};
 pub use policies::{Policies, TeamPlan};
 pub use report::{Report, Stage};
 pub use task::{BLOCKED, CHARGED, JointPolicy, ON_COURSE, PRECONDITION, REACHED, SERVED, VISITED};
 pub use team_robot::{GridPercept, MAX_HAZARDS, Navigation};
+pub use unknown::{MAX_UNKNOWNS, Unknown};

@@ -298,9 +298,12 @@ fn a_robot_that_dies_where_it_blocks_nobody_is_left_out_because_it_has_more_to_v
     fly_until(&mut team, "it has come to the first", |team| team.cells()[2] == Cell(27));
     tick(&mut team, 1);
     team.cause(EventEffect::Stop(2, None));
-    fly_others_to_the_end(&mut team, 2);
-    assert!((0..2).all(|robot| task(&team, robot).waypoints().is_empty()));
-    assert!((0..2).any(|robot| report(&team, robot).left_behind.is_none()));
+    let mut is_visited = false;
+    let note = |team: &Team<'_>| is_visited |= team.cells()[..2].contains(&Cell(48));
+    fly_watching(&mut team, "the others stop", note, |team| {
+        !report(team, 0).members.contains(RobotId(2)) && team.statuses()[..2] == [Status::Success; 2]
+    });
+    assert!(is_visited && (0..2).all(|robot| report(&team, robot).left_behind == Some(Cell(27))));
 }
 
 #[test]
@@ -311,13 +314,16 @@ fn a_robot_that_is_back_leaves_to_the_others_what_they_have_taken_over() {
             let mut team = lossy(&mission, loss, seed);
             fly_until(&mut team, "all agree", |team| all(team, Stage::Agreed));
             [27, 48, 42].into_iter().for_each(|cell| visit(&mut team, 2, cell));
-            fly_until(&mut team, "all know", |team| {
-                protocol(team, 2).fact().purpose == Purpose::Visit(Cell(27)) && all_decided_in_one_round(team)
+            fly_until(&mut team, "it sets out", |team| {
+                protocol(team, 2).fact().purpose == Purpose::Visit(Cell(27))
             });
+            tick(&mut team, 5);
             team.silence(2, true);
-            fly_until(&mut team, "it is left out, and one has taken over", |team| {
-                (0..2).any(|robot| !task(team, robot).waypoints().is_empty())
-            });
+            let both = |team: &Team<'_>| (0..2).all(|robot| task(team, robot).waypoints().len() == 1);
+            fly_until(&mut team, "it is left out, and each other has taken one over", both);
+            tick(&mut team, 5);
+            let kept = [48, 42].map(Cell).iter().any(|cell| task(&team, 2).waypoints().contains(cell));
+            assert!(!kept || loss > 0.0, "it hears what the others announce");
             team.silence(2, false);
             let tracks = fly_to_the_end(&mut team);
             for cell in [48, 42] {

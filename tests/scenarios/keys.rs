@@ -29,6 +29,7 @@ fn every_key_is_described_and_no_other() {
         "[[robot]]",
         "[[event]]",
         "[[goal]]\ncell = 2\nserves = 1",
+        "[[unknown]]\ncell = 1\nlook_out = 2\nworth = 1",
         "[[wear]]\nrobot = 'R1'\nmove = 'up'\nfails = 1",
     ]
     .into_iter()

@@ -109,7 +109,11 @@ fn told(round: &Round<Announcement, TableMessage>, tables: &Tables<'_>) -> TaskR
     }
 }
 
-fn chosen(round: &Round<Announcement, TableMessage>, choice: Choice, tables: &Tables<'_>) -> Option<ChosenParts> {
+fn chosen(
+    round: &Round<Announcement, TableMessage>,
+    choice: Choice,
+    tables: &Tables<'_>,
+) -> Option<ChosenParts> {
     let list = joint_policies(tables, &round.facts);
     let policy = *list.get(usize::from(choice.policy))?;
     let part = |robot: RobotId| {

@@ -25,6 +25,8 @@ pub(super) struct ScenarioFile {
     pub robots: Vec<Spanned<RobotEntry>>,
     #[serde(default, rename = "goal")]
     pub services: Vec<Spanned<GoalEntry>>,
+    #[serde(default, rename = "unknown")]
+    pub unknowns: Vec<Spanned<UnknownEntry>>,
     #[serde(default, rename = "event")]
     pub events: Vec<Spanned<EventEntry>>,
     #[serde(default, rename = "wear")]
@@ -84,6 +86,14 @@ pub(super) struct EventEntry {
 pub(super) struct GoalEntry {
     pub cell: WholeNumber,
     pub serves: RealNumber,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct UnknownEntry {
+    pub cell: WholeNumber,
+    pub look_out: WholeNumber,
+    pub worth: WholeNumber,
 }
 
 #[derive(Deserialize)]

@@ -99,11 +99,15 @@ fn robot_line(snapshot: &Snapshot<'_>, robot: usize, palette: Palette) -> String
     let stopped = snapshot.stopped[robot].then_some("stopped");
     let activity = stopped.or(snapshot.activities[robot]).unwrap_or("-");
     let errand = report.waypoint.map_or_else(String::new, |cell| format!(", by way of {}", cell.0));
+    let look = report.look_out.map_or_else(String::new, |cell| format!(", by the look-out {}", cell.0));
     let awaited = report.waiting.and_then(|waiting| Awaited::of(waiting, snapshot.scenario).robot);
     let waiting = awaited.map_or_else(String::new, |name| format!(", waits for {name}"));
     let charge = snapshot.charges[robot];
     let battery = if charge < 100 { format!(", battery {charge} %") } else { String::new() };
-    format!("  {name} at {:>3}  {activity:<10}  {plan}{errand}{battery}{waiting}", snapshot.cells[robot].0)
+    format!(
+        "  {name} at {:>3}  {activity:<10}  {plan}{errand}{look}{battery}{waiting}",
+        snapshot.cells[robot].0
+    )
 }
 
 fn colour(robot: usize) -> Style {

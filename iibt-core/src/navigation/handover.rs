@@ -100,7 +100,8 @@ impl Handover {
     /// Forgets what a member visits, or this robot.
     pub(super) fn settle(&mut self, own: &[Cell]) {
         let heard = &self.heard;
-        let is_taken = |cell: &Cell| own.contains(cell) || heard.iter().any(|heard| heard.pending.contains(cell));
+        let is_taken =
+            |cell: &Cell| own.contains(cell) || heard.iter().any(|heard| heard.pending.contains(cell));
         self.left.retain(|left| !is_taken(&left.cell));
     }
 

@@ -2,6 +2,7 @@
 //! model.
 
 use super::fact::MAX_CELLS;
+use super::unknown::{MAX_UNKNOWNS, Unknown};
 use crate::grid::{Cell, Map, Path};
 use crate::inference::learning::Rates;
 use crate::team::rounds::View;
@@ -58,6 +59,9 @@ pub struct Mission<'m, const W: usize> {
     /// Paths given by hand for each robot, used while all robots stand where theirs begin: the
     /// joint policies are their combinations without conflicts, in order.
     pub paths: Option<&'m [&'m [Path]]>,
+    /// Cells that may be blocked, at most [`MAX_UNKNOWNS`]: joint policies in which a robot looks
+    /// first are made for them.
+    pub unknowns: &'m [Unknown],
     /// The number of joint policies to weigh, at least 1, by default 4; the robot's `K` is the
     /// most. Of a mission that lists paths, all their combinations are weighed, up to `K`.
     pub policies: u8,
@@ -104,6 +108,12 @@ pub enum MissionError {
     /// A charger is outside the map, blocked, or given twice.
     #[error("the charger p{} is outside the map, blocked or given twice", .0.0)]
     Charger(Cell),
+    /// More than [`MAX_UNKNOWNS`] unknown cells.
+    #[error("a mission has at most {MAX_UNKNOWNS} unknown cells")]
+    UnknownCount,
+    /// An unknown cell or its look-out is outside the map or blocked.
+    #[error("the unknown cell or look-out p{} is outside the map or blocked", .0.0)]
+    Unknown(Cell),
     /// A number of the model is out of its range.
     #[error("a probability, pace, precision or number of policies is out of range")]
     Number,
@@ -123,6 +133,7 @@ impl<'m, const W: usize> Mission<'m, W> {
             chargers: &[],
             waits_for_charging: false,
             paths: None,
+            unknowns: &[],
             policies: 4,
             precision: 1.0,
             sensor: 0.9952,
@@ -209,6 +220,9 @@ impl<'m, const W: usize> Mission<'m, W> {
             path.moves()
                 .fold(hash.write(&path.start.0.to_le_bytes()), |hash, step| hash.write(&[step.code()]))
         });
+        let numbers = |unknown: &Unknown| [unknown.cell.0, unknown.look_out.0, unknown.worth.into()];
+        let unknowns = self.unknowns.iter().flat_map(numbers);
+        let hash = unknowns.fold(hash, |hash, number| hash.write(&number.to_le_bytes()));
         hash.write(self.paces).finish()
     }
 
@@ -238,6 +252,13 @@ impl<'m, const W: usize> Mission<'m, W> {
         }
         if let Some(cell) = self.misplaced(self.chargers.iter().copied().flatten()) {
             return Err(MissionError::Charger(cell));
+        }
+        if self.unknowns.len() > MAX_UNKNOWNS {
+            return Err(MissionError::UnknownCount);
+        }
+        let mut seen = self.unknowns.iter().flat_map(|unknown| [unknown.cell, unknown.look_out]);
+        if let Some(cell) = seen.find(|&cell| !self.map.is_free(cell)) {
+            return Err(MissionError::Unknown(cell));
         }
         let probability = |p: f32| (0.0..=1.0).contains(&p);
         let sensors = [self.sensor].into_iter().chain(self.sensors.iter().copied());

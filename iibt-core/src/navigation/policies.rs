@@ -4,8 +4,9 @@ use super::claim::Cells;
 use super::combinations::Combinations;
 use super::fact::{Fact, Purpose, blocked};
 use super::mission::{MAX_GOALS, Mission};
+use super::unknown::{MAX_UNKNOWNS, Open, Unknown, nearest};
 use crate::bounded::up_to;
-use crate::grid::joint::{Errand, Failure, JointPlan, LATER_TOGETHER, PolicyList, Problem, Target};
+use crate::grid::joint::{Errand, Failure, JointPlan, LATER_TOGETHER, LookOut, PolicyList, Problem, Target};
 use crate::grid::{Cell, CellSet, Map, Move, Path};
 use crate::iibt::{cheapest_policy, weigh};
 use crate::inference::WeighedPolicies;
@@ -54,12 +55,15 @@ pub struct Policies<const W: usize, const L: usize, const M: usize, const K: usi
     list: PolicyList<W, L, MAX_TEAM, M, K>,
     /// Those of paths given by hand, as long as there may be more.
     combinations: Option<Combinations>,
+    /// The unknown cells that are worth a look in this round.
+    open: Open,
     is_done: bool,
 }
 
 impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W, L, M, K> {
     pub(super) const fn new() -> Self {
-        Self { list: PolicyList::new(), combinations: Some(Combinations::new()), is_done: false }
+        let (list, combinations) = (PolicyList::new(), Some(Combinations::new()));
+        Self { list, combinations, open: Open::NONE, is_done: false }
     }
 
     /// Makes the whole list of a round; `None` if the fact of a member is missing. On maps of `W`
@@ -119,6 +123,19 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
         self.list.policies()
     }
 
+    /// Returns the look-outs from which a robot sees a cell about which no member has evidence.
+    pub fn look_outs<'m>(
+        &self,
+        mission: &Mission<'m, W>,
+    ) -> impl Iterator<Item = Cell> + use<'m, W, L, M, K> {
+        self.open.iter(mission).map(|unknown| unknown.look_out)
+    }
+
+    /// The policies as far as they are made, with what the rounds ask about them.
+    pub(super) fn on_map<'a>(&'a self, mission: &'a Mission<'a, W>, view: View) -> OnMap<'a, W, K> {
+        OnMap { open: self.open, ..OnMap::new(mission, self.plans(), view) }
+    }
+
     /// Returns why the robots do not come to all their targets, if they do not.
     #[must_use]
     pub fn failure(&self) -> Option<Failure> {
@@ -137,6 +154,7 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
             return;
         }
         let closed = blocked::<W>(members.facts()).union(walls);
+        self.open = Open::of(mission, members);
         if self.combinations.is_some() {
             if self.combine(mission, members, &closed, budget).is_none() {
                 return;
@@ -144,7 +162,7 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
             self.is_done = !self.plans().is_empty();
         }
         if !self.is_done {
-            let targets = Targets::of(mission, members, &closed);
+            let targets = Targets::of(mission, members, &closed, self.open);
             let count = usize::from(mission.policies).min(K);
             self.is_done = self.list.work(&targets.problem(mission, closed), count, budget);
         }
@@ -178,10 +196,16 @@ struct Targets {
     errands: Vec<Errand, MAX_TEAM>,
     goals: Vec<Cell, { MAX_GOALS + MAX_TEAM }>,
     need: usize,
+    look_outs: Vec<LookOut, MAX_UNKNOWNS>,
 }
 
 impl Targets {
-    fn of<const W: usize>(mission: &Mission<'_, W>, members: &Members<'_, W>, closed: &CellSet<W>) -> Self {
+    fn of<const W: usize>(
+        mission: &Mission<'_, W>,
+        members: &Members<'_, W>,
+        closed: &CellSet<W>,
+        open_unknowns: Open,
+    ) -> Self {
         let errand = |(robot, fact): (_, &Fact<W>)| Errand {
             from: fact.anchor,
             target: target(mission, members, robot, fact),
@@ -195,7 +219,17 @@ impl Targets {
         // A goal that is blocked is still needed: the plan is then short of it, and says so.
         let all = open.count();
         let need = mission.need.map_or(all, usize::from).min(all).min(seeking + held);
-        Self { errands, goals, need: need.saturating_sub(held) }
+        let need = need.saturating_sub(held);
+        // The nearest of those on the way to goals looks: errands come first.
+        let is_free =
+            |(_, fact): &(_, &Fact<W>)| fact.purpose == Purpose::Goal && !closed.contains(fact.anchor);
+        let starts = members.iter().filter(is_free).map(|(robot, fact)| (robot, fact.anchor));
+        let look_out = |unknown: &Unknown| {
+            let robot = nearest(mission, closed, unknown.look_out, starts.clone())?;
+            Some(LookOut { robot: members.view.place(robot)? as u8, cell: unknown.look_out })
+        };
+        let look_outs = up_to(open_unknowns.iter(mission).filter_map(look_out));
+        Self { errands, goals, need, look_outs }
     }
 
     fn problem<'a, const W: usize>(
@@ -203,9 +237,8 @@ impl Targets {
         mission: &'a Mission<'_, W>,
         closed: CellSet<W>,
     ) -> Problem<'a, W> {
-        let goals =
-            Problem { goals: &self.goals, need: self.need, ..Problem::new(&mission.map, &self.errands) };
-        Problem { closed, ..goals }
+        let (goals, need, look_outs) = (&self.goals, self.need, &self.look_outs);
+        Problem { closed, goals, need, look_outs, ..Problem::new(&mission.map, &self.errands) }
     }
 }
 
@@ -266,11 +299,13 @@ pub(super) struct OnMap<'a, const W: usize, const K: usize> {
     pub mission: &'a Mission<'a, W>,
     pub plans: &'a [TeamPlan],
     pub view: View,
+    pub open: Open,
 }
 
 impl<'a, const W: usize, const K: usize> OnMap<'a, W, K> {
+    /// Policies of a round in which nothing is unknown.
     pub(super) const fn new(mission: &'a Mission<'a, W>, plans: &'a [TeamPlan], view: View) -> Self {
-        Self { mission, plans, view }
+        Self { mission, plans, view, open: Open::NONE }
     }
 
     /// The path of a member in a policy.
@@ -314,14 +349,15 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
     }
 
     /// The steps of the plan, an eighth of a tick for each step that the first robot to arrive
-    /// waits for the last, five ticks if they do not arrive together, and the goals that are
-    /// missed.
+    /// waits for the last, five ticks if they do not arrive together, the goals that are missed,
+    /// and what it is worth to have looked at cells at which none looks.
     fn cost(&self, policy: usize) -> u16 {
         let Some(plan) = self.plans.get(policy) else { return u16::MAX };
         let arrivals = plan.paths().iter().filter_map(|path| Some(made(path).last()?.0 + 1));
         let idle = plan.steps() - arrivals.min().unwrap_or(plan.steps()).min(plan.steps());
         let apart = if plan.is_together() { 0 } else { APART };
-        let cost = 8 * plan.steps() + idle + apart + SHORT * plan.short_by();
+        let unseen = self.open.cost(self.mission, plan.paths());
+        let cost = 8 * plan.steps() + idle + apart + SHORT * plan.short_by() + unseen;
         u16::try_from(cost).unwrap_or(u16::MAX)
     }
 

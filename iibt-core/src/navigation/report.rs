@@ -57,6 +57,9 @@ pub struct Report {
     /// The first way-point of a lost teammate that no member has taken over. If that lasts, no
     /// member can get there, or none has room for it.
     pub left_behind: Option<Cell>,
+    /// The look-out that its path leads by, to see a cell of which no member knows whether it is
+    /// blocked.
+    pub look_out: Option<Cell>,
     /// The reason for which the robot opened the round, if it did.
     pub cause: Option<Cause>,
     /// What it waits for.
@@ -95,6 +98,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             waypoint: self.waypoints().first().copied(),
             put_off: self.first_put_off(),
             left_behind: self.left_behind().next(),
+            look_out: self.look_out(),
             cause: self.cause(),
             waiting: self.waiting(),
             failure: self.failure(),

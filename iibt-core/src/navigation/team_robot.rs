@@ -10,9 +10,7 @@ use super::fact::Fact;
 use super::handover::Handover;
 use super::obstacles::Obstacles;
 use super::policies::{OnMap, Policies, TeamPlan};
-use super::{
-    Cause, Intention, Localisation, MAX_GOALS, MAX_OBSTACLES, Mission, MissionError, Purpose,
-};
+use super::{Cause, Intention, Localisation, MAX_GOALS, MAX_OBSTACLES, Mission, MissionError, Purpose};
 use crate::grid::{Cell, CellSet, Move};
 use crate::inference::WeighedPolicies;
 use crate::team::rounds::{Digest, Rounds, Waiting};
@@ -188,6 +186,15 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         self.policies.plans()
     }
 
+    /// Returns the look-out that the robot's path leads by, to see a cell of which no member knows
+    /// whether it is blocked.
+    #[must_use]
+    pub fn look_out(&self) -> Option<Cell> {
+        let (path, _) = self.course()?;
+        let is_by = |at: &Cell| path.cells(&self.mission.map).any(|cell| cell == *at);
+        self.policies.look_outs(self.mission).find(is_by)
+    }
+
     /// Returns the posterior over the joint policies, and what each costs; empty before the choice.
     #[must_use]
     pub const fn weighed(&self) -> &WeighedPolicies<K> {
@@ -220,7 +227,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
 
     pub(super) fn on_map(&self) -> Option<OnMap<'_, W, K>> {
         let view = self.rounds.as_ref()?.proposal().view;
-        Some(OnMap::new(self.mission, self.policies.plans(), view))
+        Some(self.policies.on_map(self.mission, view))
     }
 
     pub(super) const fn mission(&self) -> &'m Mission<'m, W> {

@@ -1,6 +1,5 @@
 //! How a robot decides with its team: rounds, the list, its scores, the choice.
 
-use super::super::policies::OnMap;
 use super::super::{Cause, Fact, Intention, Purpose};
 use super::Navigation;
 use crate::bounded::up_to;
@@ -24,7 +23,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let anchor = standing.unwrap_or(self.localisation.position().0);
         let fact = self.fact(anchor, self.purpose());
         let Some(rounds) = &mut self.rounds else { return };
-        let list = OnMap::<W, K>::new(self.mission, self.policies.plans(), rounds.proposal().view);
+        let list = self.policies.on_map(self.mission, rounds.proposal().view);
         let protocol = rounds.protocol();
         if let Purpose::Visit(cell) = fact.purpose
             && protocol.is_vetoed()
@@ -119,7 +118,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             && let Some(rounds) = &mut self.rounds
             && rounds.protocol().wanted(&teammates) == Some(digest)
         {
-            let list = OnMap::<W, K>::new(self.mission, self.policies.plans(), rounds.proposal().view);
+            let list = self.policies.on_map(self.mission, rounds.proposal().view);
             let protocol = rounds.protocol_mut();
             if protocol.give(digest, scores, &list, &teammates).is_ok() && protocol.has_decided() {
                 self.take_choice(&teammates);

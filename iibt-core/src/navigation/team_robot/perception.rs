@@ -74,7 +74,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.obstacles.yield_to(of, is_vetoed);
         let told = peers.iter().flat_map(|peer| peer.message().rounds.fact.evidence.iter());
         let told = told.filter(|known| known.weight > 0).map(|known| known.cell);
-        self.watched = told.chain(self.obstacles.suspected()).collect();
+        let unknown = self.mission.unknowns.iter().map(|unknown| unknown.cell);
+        self.watched = told.chain(self.obstacles.suspected()).chain(unknown).collect();
     }
 
     /// What is seen where a teammate may be, may be the teammate; but not in the cell that the plan
