@@ -289,21 +289,23 @@ fn a_way_point_inside_the_wall_of_a_lost_robot_is_named_and_nobody_sets_out_for_
     }
 }
 
-/// Its last report was that it stands on its first way-point: it keeps nobody from going on.
+/// The others have arrived and wait for nothing that it does.
 #[test]
-fn a_robot_that_dies_where_it_blocks_nobody_is_left_out_because_it_has_more_to_visit() {
-    let mission = Mission { goals: &[Cell(0), Cell(1), Cell(2)], policies: 1, ..factory() };
+fn a_robot_that_dies_while_it_charges_is_left_out_and_its_way_point_visited() {
+    let mission = with_chargers();
     let mut team = agreed(&mission);
-    [27, 48].into_iter().for_each(|cell| visit(&mut team, 2, cell));
-    fly_until(&mut team, "it has come to the first", |team| team.cells()[2] == Cell(27));
-    tick(&mut team, 1);
-    team.cause(EventEffect::Stop(2, None));
+    visit(&mut team, 0, 48);
+    team.set_charge(0, 10);
+    fly_until(&mut team, "it is on its charger", |team| team.cells()[0] == Cell(13));
+    fly_until(&mut team, "the others arrive", |team| stages(team)[1..] == [Stage::Arrived; 2]);
+    assert_eq!(stages(&team)[0], Stage::Away);
+    team.cause(EventEffect::Stop(0, None));
     let mut is_visited = false;
-    let note = |team: &Team<'_>| is_visited |= team.cells()[..2].contains(&Cell(48));
-    fly_watching(&mut team, "the others stop", note, |team| {
-        !report(team, 0).members.contains(RobotId(2)) && team.statuses()[..2] == [Status::Success; 2]
+    let note = |team: &Team<'_>| is_visited |= team.cells()[1..].contains(&Cell(48));
+    fly_watching(&mut team, "the others stop without it", note, |team| {
+        !report(team, 1).members.contains(RobotId(0)) && team.statuses()[1..] == [Status::Success; 2]
     });
-    assert!(is_visited && (0..2).all(|robot| report(&team, robot).left_behind == Some(Cell(27))));
+    assert!(is_visited);
 }
 
 #[test]
@@ -325,12 +327,14 @@ fn a_robot_that_is_back_leaves_to_the_others_what_they_have_taken_over() {
             let kept = [48, 42].map(Cell).iter().any(|cell| task(&team, 2).waypoints().contains(cell));
             assert!(!kept || loss > 0.0, "it hears what the others announce");
             team.silence(2, false);
-            let tracks = fly_to_the_end(&mut team);
-            for cell in [48, 42] {
-                assert!(tracks.iter().any(|track| track.contains(&cell)), "{cell}: loss {loss}, seed {seed}");
-            }
-            let none = (0..3).all(|robot| task(&team, robot).left_behind().next().is_none());
-            assert!(on_goals(&team, &mission) && none, "loss {loss}, seed {seed}");
+            let mut seen = vec![];
+            let none = |team: &Team<'_>| (0..3).all(|robot| task(team, robot).left_behind().next().is_none());
+            let note = |team: &Team<'_>| seen.extend(cells(team));
+            fly_watching(&mut team, "all stop, and nothing is left", note, |team| {
+                stopped(team) && none(team)
+            });
+            assert!(on_goals(&team, &mission), "loss {loss}, seed {seed}");
+            assert!([48, 42].iter().all(|cell| seen.contains(cell)), "loss {loss}, seed {seed}");
         }
     }
 }

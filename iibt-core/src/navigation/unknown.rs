@@ -13,6 +13,9 @@ pub const MAX_UNKNOWNS: usize = super::obstacles::MAX_EVIDENCE;
 /// As long as no member has evidence about the cell, one of the joint policies leads the nearest
 /// robot by the look-out first. Policies by which no robot comes to the look-out cost `worth` more.
 /// With that the team looks where the way by the look-out is not longer than that.
+///
+/// What is seen where a teammate's path leads may be that teammate, and is no evidence as long as
+/// it may be there.
 #[doc(alias = "landmark")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
