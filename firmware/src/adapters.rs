@@ -3,10 +3,12 @@
 //! [`IoLink`] makes a link of two `embedded-io` streams, [`DifferentialDrive`] a drive of two
 //! motors behind `embedded-hal` outputs, and [`DeadReckoning`] a localiser of nothing but the moves
 //! that were made. [`Body`] puts a robot's parts together; [`Absent`] stands for a sensor that it
-//! does not have. [`FrameQueue`] is the buffer between a sender that must not wait and a slow port.
+//! does not have. [`FrameQueue`] is the buffer between a sender that must not wait and a slow port,
+//! [`ByteQueue`] that between a port and a receiver.
 
 mod absent;
 mod body;
+mod byte_queue;
 mod dead_reckoning;
 mod differential_drive;
 mod frame_queue;
@@ -14,6 +16,7 @@ mod io_link;
 
 pub use absent::Absent;
 pub use body::Body;
+pub use byte_queue::ByteQueue;
 pub use dead_reckoning::{Counted, DeadReckoning};
 pub use differential_drive::{Chassis, DifferentialDrive, Motor, Wheel};
 pub use frame_queue::FrameQueue;

@@ -9,16 +9,16 @@ use iibt_core::team::{
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
 
-/// The most bytes that one tick takes from the link: two frames of every robot. A flood of bytes
-/// delays frames, but no tick.
-const BYTES_PER_TICK: usize = 2 * MAX_TEAM * MAX_FRAME;
+/// How often one tick reads from the link, a frame's bytes at a time: two frames of every robot. A
+/// flood of bytes delays frames, but no tick.
+const READS_PER_TICK: usize = 2 * MAX_TEAM;
 
 /// The one loop that runs every robot: any [`Robot`] on any hardware with a [`Link`] and a
 /// [`Clock`].
 ///
 /// Call [`tick`](Self::tick) at the period of its [`Settings`], on the real time of the robot's
-/// clock. The work of a tick is that of the robot's own methods, at most `BYTES_PER_TICK` (2,032)
-/// bytes received, and one frame sent. [`Robot`] has an example.
+/// clock. The work of a tick is that of the robot's own methods, at most 2,032 bytes
+/// received, and one frame sent. [`Robot`] has an example.
 #[doc(alias = "control loop")]
 #[doc(alias = "executor")]
 #[doc(alias = "heartbeat")]
@@ -116,10 +116,14 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
 
     fn listen(&mut self, now: Instant) {
         self.roster.expire(now);
-        let robot = &self.robot;
-        for _ in 0..BYTES_PER_TICK {
-            let Some(byte) = self.hardware.receive() else { break };
-            if let Some(frame) = self.deframer.feed(byte) {
+        let (robot, mut room) = (&self.robot, [0; MAX_FRAME]);
+        for _ in 0..READS_PER_TICK {
+            let count = self.hardware.read(&mut room);
+            let mut bytes = room.get(..count).unwrap_or(&room);
+            if bytes.is_empty() {
+                break;
+            }
+            while let Some(frame) = self.deframer.take(&mut bytes) {
                 let accepts = |message: &R::Message| robot.accepts(message);
                 // The roster counts what it refuses.
                 let _ = self.roster.receive(frame, &self.auth, self.context, now, accepts);

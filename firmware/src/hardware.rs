@@ -20,6 +20,14 @@ pub trait Link {
     /// Returns the next received byte, if there is one.
     fn receive(&mut self) -> Option<u8>;
 
+    /// Moves received bytes to the front of `bytes`, as many as there are and fit; returns how many.
+    ///
+    /// A link that can move many at once does better than byte by byte.
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        let received = bytes.iter_mut().map_while(|to| Some(*to = self.receive()?));
+        received.count()
+    }
+
     /// Takes one whole encoded frame, delimiters included, of at most
     /// [`MAX_FRAME`](iibt_core::team::MAX_FRAME) bytes; returns whether the link could take it.
     fn send(&mut self, frame: &[u8]) -> bool;

@@ -112,7 +112,9 @@ impl Actions {
 
     /// The actions in order.
     pub fn iter(&self) -> impl Iterator<Item = Action> + '_ {
-        (0..self.len()).filter_map(|index| self.get(index))
+        let code =
+            |index: usize| self.packed.get(index / 2).map_or(0, |byte| (byte >> (4 * (index % 2))) & 0xf);
+        (0..self.len()).map(code)
     }
 
     /// The largest action code; zero without actions.

@@ -110,7 +110,8 @@ impl Robot {
         let mates = teammates(&self.heard);
         let fact = Place { at: self.at, errand: self.errand };
         let own = Own { fact: &fact, is_standing: !self.is_moving, expected: View::EMPTY };
-        let event = self.rounds.tick(own, &mates, &*self.list);
+        let (event, waiting) = self.rounds.tick(own, &mates, &*self.list);
+        assert_eq!(waiting, self.rounds.waiting(&mates, &*self.list));
         let want = self.want.filter(|_| event.is_none() && own.is_standing);
         let event = event.or_else(|| self.rounds.ask(want?, &fact));
         if matches!(event, Some(Event::Opened(_) | Event::Joined(_))) {

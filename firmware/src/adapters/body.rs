@@ -68,6 +68,9 @@ impl<L: Link, C, D, P, S, B> Link for Body<L, C, D, P, S, B> {
     fn receive(&mut self) -> Option<u8> {
         self.link.receive()
     }
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        self.link.read(bytes)
+    }
     fn send(&mut self, frame: &[u8]) -> bool {
         self.link.send(frame)
     }

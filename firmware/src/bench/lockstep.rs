@@ -3,12 +3,12 @@
 //! counted.
 
 use super::joint_plans::{Instance, Problems};
-use crate::adapters::Body;
+use crate::adapters::{Body, ByteQueue};
 use crate::hardware::{Clock, Drive, Link, Localiser};
 use crate::missions::{LAYERS, NODES, POLICIES};
 use crate::{Controller, Navigator, Settings};
 use core::num::NonZero;
-use heapless::{Deque, Vec};
+use heapless::Vec;
 use iibt_core::grid::{Cell, Move, words};
 use iibt_core::navigation::Mission;
 use iibt_core::team::{Key, MAX_FRAME, MAX_TEAM, Member, RobotId};
@@ -69,13 +69,18 @@ pub fn tick<'r>(robot: &'r mut Robot<'_>, reading: Cell) -> &'r [u8] {
 #[derive(Clone, Debug, Default)]
 pub struct Line {
     /// What the robot will hear.
-    pub heard: Deque<u8, { MAX_TEAM * MAX_FRAME }>,
+    pub heard: ByteQueue<{ MAX_TEAM * MAX_FRAME }>,
     sent: Vec<u8, MAX_FRAME>,
 }
 
 impl Link for Line {
     fn receive(&mut self) -> Option<u8> {
-        self.heard.pop_front()
+        let mut byte = [0];
+        (self.read(&mut byte) == 1).then_some(byte[0])
+    }
+
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        self.heard.read(bytes)
     }
 
     fn send(&mut self, frame: &[u8]) -> bool {

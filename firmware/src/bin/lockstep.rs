@@ -52,7 +52,7 @@ mod image {
             let [low, high, short, long] = [(); 4].map(|()| byte(&mut board.link));
             for _ in 0..u16::from_le_bytes([short, long]) {
                 // What does not fit is lost, as on the air.
-                let _ = robot.hardware_mut().link.heard.push_back(byte(&mut board.link));
+                let _ = robot.hardware_mut().link.heard.push(byte(&mut board.link));
             }
             let started = board.clock.cycles();
             let frame = lockstep::tick(robot, Cell(u16::from_le_bytes([low, high])));

@@ -2,12 +2,11 @@
 
 use super::serial::{enable, feed};
 use super::shared::Shared;
-use crate::adapters::FrameQueue;
+use crate::adapters::{ByteQueue, FrameQueue};
 use crate::hardware::Link;
 use cortex_m::peripheral::NVIC;
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial::Read;
-use heapless::Deque;
 use stm32f4xx_hal::interrupt;
 use stm32f4xx_hal::pac::{Interrupt, USART2};
 use stm32f4xx_hal::serial::{Rx, RxListen, Serial, Tx};
@@ -44,7 +43,12 @@ impl TeamLink {
 
 impl Link for TeamLink {
     fn receive(&mut self) -> Option<u8> {
-        QUEUES.with(|queues| queues.inbox.pop_front())?
+        let mut byte = [0];
+        (self.read(&mut byte) == 1).then_some(byte[0])
+    }
+
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        QUEUES.with(|queues| queues.inbox.read(bytes)).unwrap_or(0)
     }
 
     fn send(&mut self, frame: &[u8]) -> bool {
@@ -60,19 +64,19 @@ struct Port {
 }
 
 struct Queues {
-    inbox: Deque<u8, INBOX>,
+    inbox: ByteQueue<INBOX>,
     outbox: FrameQueue<OUTBOX>,
     lost: u32,
 }
 
 impl Queues {
     const fn new() -> Self {
-        Self { inbox: Deque::new(), outbox: FrameQueue::new(), lost: 0 }
+        Self { inbox: ByteQueue::new(), outbox: FrameQueue::new(), lost: 0 }
     }
 
     fn receive(&mut self, rx: &mut Rx<USART2>) {
         let kept = match rx.read() {
-            Ok(byte) => self.inbox.push_back(byte).is_ok(),
+            Ok(byte) => self.inbox.push(byte),
             Err(nb::Error::WouldBlock) => true,
             Err(nb::Error::Other(_)) => false,
         };

@@ -38,6 +38,14 @@ impl<const W: usize, const K: usize> Message for Intention<W, K> {
     // A cell takes no more bytes than the evidence in whose place it is.
     const MAX_BYTES: usize = RoundMessage::<Fact<W>, K>::MAX_BYTES + 1;
 
+    fn read(bytes: &[u8]) -> Option<(Self, &[u8])> {
+        let whole = |rounds| Self { rounds, waypoints: PendingWaypoints::default() };
+        let (mut message, rest) = RoundMessage::read(bytes, whole)?;
+        let (waypoints, rest) = postcard::take_from_bytes(rest).ok()?;
+        message.waypoints = waypoints;
+        Some((message, rest))
+    }
+
     fn validate(&self) -> Result<(), Invalid> {
         if self.waypoints.len() <= room(&self.rounds.fact) { Ok(()) } else { Err(Self::TOO_MANY) }
     }
@@ -59,6 +67,7 @@ impl<const W: usize, const K: usize> Intention<W, K> {
     ///
     /// # Errors
     /// [`Invalid`] with the first value that does not fit.
+    #[inline(never)] // what is only passed by reference is copied as a whole
     pub fn check(&self, team: usize, cells: usize) -> Result<(), Invalid> {
         self.rounds.validate(team)?;
         let are_inside = self.waypoints.iter().all(|cell| cell.index() < cells);

@@ -36,7 +36,7 @@ pub struct Localisation<const S: usize> {
     belief: Beliefs<S, 1>,
     /// The most likely cell, and its probability.
     position: (Cell, f32),
-    prior: [f32; S],
+    prior: Beliefs<S, 1>,
     sensor: IdentityNoise,
     slips: SlipCounts<MOVES>,
     /// The move that was begun and not yet predicted.
@@ -61,15 +61,16 @@ impl<const S: usize> Localisation<S> {
         let cells = map.len().clamp(1, S);
         let is_free = |state: usize| state < cells && map.is_free(Cell(state as u16));
         let share = (1.0 - AT_START) / (0..cells).filter(|&state| is_free(state)).count().max(1) as f32;
-        let mut prior = core::array::from_fn(|state| if is_free(state) { share } else { 0.0 });
-        if let Some(start) = prior.get_mut(start.index()) {
+        let mut prior = Beliefs::EMPTY;
+        for (state, p) in prior.as_flat_mut().iter_mut().enumerate() {
+            *p = if is_free(state) { share } else { 0.0 };
+        }
+        if let Some(start) = prior.as_flat_mut().get_mut(start.index()) {
             *start += AT_START;
         }
-        let mut belief = Beliefs::EMPTY;
-        math::assign(belief.as_flat_mut(), &prior);
         Self {
-            position: likeliest(belief.as_flat()),
-            belief,
+            position: likeliest(prior.as_flat()),
+            belief: prior,
             prior,
             sensor: IdentityNoise::among(sensor, cells),
             slips: SlipCounts::new(TRUST, rates),
@@ -104,7 +105,8 @@ impl<const S: usize> Localisation<S> {
     fn infer<const W: usize>(&mut self, map: &Map<W>, moved: Option<(Move, f32)>, reading: Option<Cell>) {
         let motion = GridMotion(map);
         let Some(place) = Shape::new(self.cells, &[self.cells]) else { return };
-        let prior = self.prior.get(..self.cells).unwrap_or(&self.prior);
+        let prior = self.prior.as_flat();
+        let prior = prior.get(..self.cells).unwrap_or(prior);
         let indifferent = const { &[0.0; S] };
         let indifferent = indifferent.get(..self.cells).unwrap_or(indifferent);
         let factors = [Factor::trusted(&motion, place, prior)];
@@ -117,9 +119,7 @@ impl<const S: usize> Localisation<S> {
             let _ = belief.predict(&model, &[Some(step.code())]);
             belief.mix(&before, slip);
         }
-        if let Ok(prior) = Beliefs::try_prior(&model) {
-            belief.mix(&prior, DOUBT);
-        }
+        belief.mix(&self.prior, DOUBT);
         if let Some(reading) = reading {
             self.surprise = belief.observe(&model, POSITION, Evidence::Outcome(reading.index()));
         }

@@ -294,18 +294,20 @@ fn give_up_twins<const W: usize>(errands: &mut [Errand], closed: &CellSet<W>) {
 /// Policies as the rounds ask about them, on a map.
 ///
 /// A step of a path is a move: its waits only keep it behind others, and the order does that.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct OnMap<'a, const W: usize, const K: usize> {
     pub mission: &'a Mission<'a, W>,
     pub plans: &'a [TeamPlan],
     pub view: View,
     pub open: Open,
+    /// The question and the answer of the last [`entry`](Self::entry): it is asked of each teammate.
+    entry: core::cell::Cell<Option<((usize, RobotId, u16), Option<(usize, Cell)>)>>,
 }
 
 impl<'a, const W: usize, const K: usize> OnMap<'a, W, K> {
     /// Policies of a round in which nothing is unknown.
     pub(super) const fn new(mission: &'a Mission<'a, W>, plans: &'a [TeamPlan], view: View) -> Self {
-        Self { mission, plans, view, open: Open::NONE }
+        Self { mission, plans, view, open: Open::NONE, entry: core::cell::Cell::new(None) }
     }
 
     /// The path of a member in a policy.
@@ -316,6 +318,19 @@ impl<'a, const W: usize, const K: usize> OnMap<'a, W, K> {
     /// The next move of a member that has made `moves` moves, and its step in the plan.
     pub(super) fn next_move(&self, policy: usize, robot: RobotId, moves: u16) -> Option<(usize, Move)> {
         made(self.path(policy, robot)?).nth(moves.into())
+    }
+
+    /// The cell that a member enters with its next move, and the step at whose end it is there.
+    fn entry(&self, policy: usize, robot: RobotId, moves: u16) -> Option<(usize, Cell)> {
+        let question = (policy, robot, moves);
+        if let Some((_, answer)) = self.entry.get().filter(|&(asked, _)| asked == question) {
+            return answer;
+        }
+        let (at, _) = self.next_move(policy, robot, moves)?;
+        let path = self.path(policy, robot)?;
+        let answer = Some((at + 1, path.cell_at(self.map(), at + 1)));
+        self.entry.set(Some((question, answer)));
+        answer
     }
 
     /// The posterior over the policies, by the scores of the members.
@@ -336,9 +351,20 @@ fn made(path: &Path) -> impl Iterator<Item = (usize, Move)> + '_ {
     path.moves().enumerate().filter(|&(_, step)| step != Move::Wait)
 }
 
+/// The cells of a path at every step from its start to its end, with the moves made until then.
+fn visits<'a, const W: usize>(path: &'a Path, map: &'a Map<W>) -> impl Iterator<Item = (u16, Cell)> + 'a {
+    let (mut moves, mut visit) = (path.moves(), Some((0, path.start)));
+    core::iter::from_fn(move || {
+        let (made, here) = visit?;
+        let next = |step| (made + u16::from(step != Move::Wait), map.neighbour(here, step));
+        visit = moves.next().map(next);
+        Some((made, here))
+    })
+}
+
 /// The number of moves, waits left out, that a path makes.
 pub(super) fn moves_of(path: &Path) -> u16 {
-    made(path).count() as u16
+    path.moves().map(|step| u16::from(step != Move::Wait)).sum()
 }
 
 impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
@@ -369,8 +395,15 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
 
     fn claim(&self, policy: usize, robot: RobotId, step: u16) -> Cells<W> {
         let Some(path) = self.path(policy, robot) else { return Cells(CellSet::EMPTY) };
-        let done = made(path).take(step.into()).last().map_or(0, |(at, _)| at + 1);
-        Cells(path.cells(self.map()).skip(done).collect())
+        let (mut left, mut end) = (CellSet::EMPTY, path.start);
+        for (moves, cell) in visits(path, self.map()) {
+            end = cell;
+            if moves >= step {
+                left.insert(cell);
+            }
+        }
+        left.insert(end);
+        Cells(left)
     }
 
     fn moves(&self, policy: usize, robot: RobotId) -> u16 {
@@ -378,16 +411,11 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
     }
 
     fn is_clear(&self, policy: usize, robot: RobotId, step: u16, teammate: RobotId, reported: u16) -> bool {
-        let Some((at, _)) = self.next_move(policy, robot, step) else { return true };
-        let (Some(own), Some(other)) = (self.path(policy, robot), self.path(policy, teammate)) else {
-            return false;
-        };
-        let to = own.cell_at(self.map(), at + 1);
-        let visits = other.cells(self.map()).enumerate().take(at + 2).filter(|&(_, cell)| cell == to);
-        // The move with which it leaves is the first after its last visit.
-        visits.last().is_none_or(|(last, _)| {
-            made(other).take_while(|&(step, _)| step < last).count() < reported.into()
-        })
+        let Some((at, to)) = self.entry(policy, robot, step) else { return true };
+        let Some(other) = self.path(policy, teammate) else { return false };
+        // It has left a cell to which it comes with fewer moves than it has made.
+        let mut earlier = visits(other, self.map()).take(at + 1);
+        !earlier.any(|(moves, cell)| moves >= reported && cell == to)
     }
 
     fn is_together(&self, policy: usize) -> bool {
@@ -432,6 +460,52 @@ mod tests {
         assert_eq!(policies.next_move(0, second, 0), Some((3, Move::Up)));
     }
 
+    /// Claims and entries by their definitions, step by step, for random walks of two robots.
+    #[test]
+    fn claims_and_entries_follow_from_the_cells_at_every_step() {
+        let (mission, view) = (mission(), View::full(2));
+        let mut random = 1_u32;
+        let mut walk = |start: u16| {
+            let mut path = Path::at(Cell(start));
+            for _ in 0..9 {
+                random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let step = Move::from_code((random >> 24) as u8 % 5).unwrap_or(Move::Wait);
+                let here = path.end(&mission.map);
+                let is_move = mission.map.neighbour(here, step) != here;
+                path.push(if is_move { step } else { Move::Wait }).unwrap();
+            }
+            path
+        };
+        let mut kept = 0;
+        for _ in 0..500 {
+            let (own, other) = (walk(8), walk(10));
+            let plans = [TeamPlan::new(&[own, other]).unwrap()];
+            let policies = OnMap::<2, 16>::new(&mission, &plans, view);
+            let at = |path: &Path, time: usize| path.cell_at(&mission.map, time);
+            let made =
+                |path: &Path, time: usize| path.moves().take(time).filter(|&step| step != Move::Wait).count();
+            for (step, reported) in (0..10).flat_map(|step| (0..10).map(move |reported| (step, reported))) {
+                let done = made(&other, 9).min(reported);
+                let left: CellSet<2> =
+                    (0..=9).filter(|&time| made(&other, time) >= done).map(|time| at(&other, time)).collect();
+                let (first, second) = (RobotId(0), RobotId(1));
+                // What was passed before the last of the moves that are made is not left.
+                let claim = policies.claim(0, second, reported as u16).0;
+                assert_eq!(
+                    claim,
+                    if done == reported { left } else { [at(&other, 9)].into_iter().collect() }
+                );
+                let enters = (1..=9).find(|&time| made(&own, time) == step + 1);
+                let last =
+                    enters.and_then(|time| (0..=time).rev().find(|&t| at(&other, t) == at(&own, time)));
+                let is_clear = last.is_none_or(|last| made(&other, last) < reported);
+                assert_eq!(policies.is_clear(0, first, step as u16, second, reported as u16), is_clear);
+                kept += usize::from(!is_clear);
+            }
+        }
+        assert!(kept > 1000);
+    }
+
     #[test]
     fn a_claim_is_what_is_left_of_the_path() {
         let plans = [plan(&[&[0, 1, 1, 2], &[14]])];
@@ -458,7 +532,7 @@ mod tests {
         assert!(policies.needs(0, RobotId(0)) && !policies.needs(0, RobotId(1)));
         assert!(!policies.is_together(0));
         let joint = [even.arriving(Arrival::Together)];
-        let policies = OnMap { plans: &joint, ..policies };
+        let policies = OnMap::<2, 16>::new(&mission, &joint, policies.view);
         assert!(policies.is_together(0));
         assert_eq!(policies.cost(0), 16);
     }

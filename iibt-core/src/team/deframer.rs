@@ -40,15 +40,28 @@ impl Deframer {
     /// Takes one byte; at a delimiter, returns the bytes since the last one, without delimiters,
     /// unless they are none or too many for a frame.
     pub fn feed(&mut self, byte: u8) -> Option<&[u8]> {
-        if byte == 0 {
-            return self.cut();
-        }
-        match self.buffer.get_mut(self.length) {
-            Some(place) => {
-                *place = byte;
-                self.length += 1;
+        self.take(&mut &[byte][..])
+    }
+
+    /// Takes bytes from the front of `bytes` up to a delimiter at which [`feed`](Self::feed) returns
+    /// a frame, and returns that; or all of them.
+    ///
+    /// ```
+    /// use iibt_core::team::Deframer;
+    ///
+    /// let (mut deframer, mut bytes) = (Deframer::new(), &[1, 2, 0, 0, 3, 0, 4][..]);
+    /// assert_eq!(deframer.take(&mut bytes), Some(&[1, 2][..]));
+    /// assert_eq!(deframer.take(&mut bytes), Some(&[3][..]));
+    /// assert_eq!((deframer.take(&mut bytes), bytes), (None, &[][..]));
+    /// ```
+    pub fn take(&mut self, bytes: &mut &[u8]) -> Option<&[u8]> {
+        while let Some((&byte, rest)) = bytes.split_first() {
+            *bytes = rest;
+            if byte != 0 {
+                self.push(byte);
+            } else if let Some(length) = self.cut() {
+                return self.buffer.get(..length);
             }
-            None => self.overlong = true,
         }
         None
     }
@@ -60,13 +73,22 @@ impl Deframer {
         self.dropped
     }
 
-    fn cut(&mut self) -> Option<&[u8]> {
-        let length = core::mem::take(&mut self.length);
-        if core::mem::take(&mut self.overlong) {
-            self.dropped = self.dropped.saturating_add(1);
-            return None;
+    fn push(&mut self, byte: u8) {
+        match self.buffer.get_mut(self.length) {
+            Some(place) => {
+                *place = byte;
+                self.length += 1;
+            }
+            None => self.overlong = true,
         }
-        self.buffer.get(..length).filter(|frame| !frame.is_empty())
+    }
+
+    /// The length of what a delimiter ends, unless it is nothing or too long.
+    fn cut(&mut self) -> Option<usize> {
+        let length = core::mem::take(&mut self.length);
+        let is_overlong = core::mem::take(&mut self.overlong);
+        self.dropped = self.dropped.saturating_add(is_overlong.into());
+        Some(length).filter(|&length| length > 0 && !is_overlong)
     }
 }
 

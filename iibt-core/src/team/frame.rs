@@ -25,13 +25,13 @@ pub const MAX_FRAME: usize = 127;
 const MAX_HEADER: usize = 1 + 1 + 5 + 5;
 
 /// The longest content before COBS, which adds a byte.
-const MAX_PLAIN: usize = MAX_FRAME - 2 - 1;
+pub(super) const MAX_PLAIN: usize = MAX_FRAME - 2 - 1;
 
 /// The longest encoding of a [`Message`] in bytes.
 pub const MAX_MESSAGE: usize = MAX_PLAIN - MAX_HEADER - TAG_BYTES;
 
 // A block of 254 bytes without a zero has two COBS forms; shorter frames have one.
-const _: () = assert!(cobs::max_encoding_length(MAX_PLAIN) + 2 == MAX_FRAME && MAX_FRAME < 255);
+const _: () = assert!(MAX_FRAME < 255);
 
 /// A message with its sender and its stamp in the sender's order.
 #[doc(alias = "packet")]
@@ -49,10 +49,16 @@ pub struct Envelope<M> {
 
 /// The head of a frame after the version.
 #[derive(Serialize, Deserialize)]
-struct Header {
-    sender: RobotId,
+pub(super) struct Header {
+    pub(super) sender: RobotId,
     epoch: u32,
     sequence: u32,
+}
+
+impl Header {
+    pub(super) const fn stamp(&self) -> Stamp {
+        Stamp { epoch: self.epoch, sequence: self.sequence }
+    }
 }
 
 /// The reason why a message was not encoded.
@@ -170,9 +176,22 @@ pub fn decode<M: Message>(
     auth: &impl FrameAuth,
     context: Context,
 ) -> Result<Envelope<M>, DecodeError> {
-    let mut plain = [0; MAX_PLAIN];
-    let (signed, tag) =
-        unstuff(frame, &mut plain)?.split_last_chunk::<TAG_BYTES>().ok_or(DecodeError::TooShort)?;
+    let mut room = [0; MAX_PLAIN + 1];
+    let (header, rest) = unseal(frame, auth, context, &mut room)?;
+    let (message, rest) = M::read(rest).ok_or(DecodeError::Body)?;
+    check(&header, &message, rest)?;
+    Ok(Envelope { sender: header.sender, stamp: header.stamp(), message })
+}
+
+/// The header of an authentic frame, and the bytes that follow it.
+#[inline]
+pub(super) fn unseal<'a>(
+    frame: &[u8],
+    auth: &impl FrameAuth,
+    context: Context,
+    room: &'a mut [u8; MAX_PLAIN + 1],
+) -> Result<(Header, &'a [u8]), DecodeError> {
+    let (signed, tag) = unstuff(frame, room)?.split_last_chunk::<TAG_BYTES>().ok_or(DecodeError::TooShort)?;
     let (&version, body) = signed.split_first().ok_or(DecodeError::TooShort)?;
     if version != VERSION {
         return Err(DecodeError::Version(version));
@@ -181,7 +200,18 @@ pub fn decode<M: Message>(
     if !auth.verify(RobotId(sender), context, signed, tag) {
         return Err(DecodeError::Tag);
     }
-    open(body)
+    postcard::take_from_bytes(body).map_err(|_| DecodeError::Body)
+}
+
+/// Whether an authentic frame says what a robot can mean, and ends there.
+pub(super) fn check<M: Message>(header: &Header, message: &M, rest: &[u8]) -> Result<(), DecodeError> {
+    if !rest.is_empty() {
+        return Err(DecodeError::Trailing);
+    }
+    if header.sender.index() >= MAX_TEAM {
+        return Err(DecodeError::Sender);
+    }
+    message.validate().map_err(DecodeError::Invalid)
 }
 
 /// Version, header, message and tag at the front of `plain`; returns their length.
@@ -205,38 +235,78 @@ fn seal<M: Message>(
     Some(signed.len() + TAG_BYTES)
 }
 
+/// COBS between delimiters: a byte for each zero, and one before the first, says how far on the
+/// next of them is, the last one how far the end is.
 fn stuff<'a>(plain: &[u8], buffer: &'a mut [u8]) -> Option<&'a [u8]> {
-    let (first, rest) = buffer.split_first_mut()?;
-    *first = 0;
-    let length = cobs::try_encode(plain, rest).ok()?;
-    *rest.get_mut(length)? = 0;
-    buffer.get(..length + 2)
+    let frame = buffer.get_mut(..plain.len() + 3)?;
+    let [before, first, bytes @ .., after] = &mut *frame else { return None };
+    (*before, *after) = (0, 0);
+    let mut distance = 1;
+    for (to, &byte) in bytes.iter_mut().zip(plain).rev() {
+        *to = if byte == 0 { core::mem::take(&mut distance) } else { byte };
+        distance += 1;
+    }
+    *first = distance;
+    Some(frame)
 }
 
-fn unstuff<'a>(frame: &[u8], plain: &'a mut [u8]) -> Result<&'a [u8], DecodeError> {
+/// Puts the zeros back, in a copy of the frame: one visit for each.
+fn unstuff<'a>(frame: &[u8], room: &'a mut [u8; MAX_PLAIN + 1]) -> Result<&'a [u8], DecodeError> {
     if frame.is_empty() {
         return Err(DecodeError::TooShort);
     }
-    if frame.len() > MAX_FRAME - 2 {
-        return Err(DecodeError::TooLong);
-    }
+    let copy = room.get_mut(..frame.len()).ok_or(DecodeError::TooLong)?;
     if frame.contains(&0) {
         return Err(DecodeError::Cobs);
     }
-    let length = cobs::decode(frame, plain).map_err(|_| DecodeError::Cobs)?.frame_size();
-    plain.get(..length).ok_or(DecodeError::TooLong)
+    copy.iter_mut().zip(frame).for_each(|(to, &byte)| *to = byte);
+    let mut next = 0;
+    while let Some(distance) = copy.get_mut(next) {
+        next += usize::from(core::mem::take(distance));
+    }
+    copy.get(1..).filter(|_| next == frame.len()).ok_or(DecodeError::Cobs)
 }
 
-fn open<M: Message>(body: &[u8]) -> Result<Envelope<M>, DecodeError> {
-    let (header, rest): (Header, _) = postcard::take_from_bytes(body).map_err(|_| DecodeError::Body)?;
-    let (message, rest): (M, _) = postcard::take_from_bytes(rest).map_err(|_| DecodeError::Body)?;
-    if !rest.is_empty() {
-        return Err(DecodeError::Trailing);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bytes of which about one in five is a zero, from a seed.
+    fn bytes(seed: u32, length: usize) -> std::vec::Vec<u8> {
+        let mut random = seed;
+        let draw = |_| {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            if random >> 29 == 0 { 0 } else { (random >> 24) as u8 % 7 }
+        };
+        (0..length).map(draw).collect()
     }
-    if header.sender.index() >= MAX_TEAM {
-        return Err(DecodeError::Sender);
+
+    #[test]
+    fn frames_are_stuffed_as_by_the_library_of_the_standard_form() {
+        for seed in 0..20_000 {
+            let plain = bytes(seed, seed as usize % (MAX_PLAIN + 1));
+            let mut buffer = [7; MAX_FRAME];
+            let frame = stuff(&plain, &mut buffer).unwrap();
+            let mut expected = [0; MAX_FRAME];
+            let length = cobs::encode(&plain, &mut expected[1..]);
+            assert_eq!(frame, &expected[..length + 2]);
+            let mut room = [0; MAX_PLAIN + 1];
+            assert_eq!(unstuff(&frame[1..frame.len() - 1], &mut room), Ok(&plain[..]));
+            assert_eq!(stuff(&plain, &mut buffer[..plain.len() + 2]), None, "a byte too few");
+        }
     }
-    message.validate().map_err(DecodeError::Invalid)?;
-    let stamp = Stamp { epoch: header.epoch, sequence: header.sequence };
-    Ok(Envelope { sender: header.sender, stamp, message })
+
+    #[test]
+    fn any_bytes_are_unstuffed_as_by_the_library_of_the_standard_form() {
+        for seed in 0..200_000 {
+            let frame = bytes(seed, 1 + seed as usize % (MAX_FRAME - 2));
+            let (mut room, mut expected) = ([0; MAX_PLAIN + 1], [0; MAX_FRAME]);
+            let decoded = cobs::decode(&frame, &mut expected).ok().filter(|_| !frame.contains(&0));
+            let decoded = decoded.and_then(|report| expected.get(..report.frame_size()));
+            assert_eq!(unstuff(&frame, &mut room).ok(), decoded, "{frame:?}");
+        }
+        let mut room = [0; MAX_PLAIN + 1];
+        assert_eq!(unstuff(&[], &mut room), Err(DecodeError::TooShort));
+        assert_eq!(unstuff(&[1; MAX_FRAME - 1], &mut room), Err(DecodeError::TooLong));
+    }
 }

@@ -61,6 +61,16 @@ pub trait Message: Clone + Serialize + DeserializeOwned {
         Ok(())
     }
 
+    /// Reads a message from the front of `bytes`; returns it with the bytes that follow, or `None`
+    /// if there is none.
+    ///
+    /// It must read what [`Serialize`] writes. A large message that reads its parts one by one is
+    /// copied less often on the way.
+    #[must_use]
+    fn read(bytes: &[u8]) -> Option<(Self, &[u8])> {
+        postcard::take_from_bytes(bytes).ok()
+    }
+
     /// Whether the sender takes part in joint decisions now. One that does not is not connected.
     fn takes_part(&self) -> bool {
         true

@@ -1,8 +1,9 @@
 //! The roster: the last message of each teammate, and its age.
 
+use super::frame::{Header, MAX_PLAIN, check, unseal};
 use super::{
     Context, Counters, DecodeError, Envelope, FrameAuth, Freshness, Invalid, Limits, MAX_TEAM, Member,
-    Message, Peers, RobotId, Stamp, decode,
+    Message, Peers, RobotId, Stamp,
 };
 use crate::time::Instant;
 use core::cmp::Ordering;
@@ -50,6 +51,8 @@ pub struct Roster<M> {
     member: Member,
     limits: Limits,
     peers: [Option<Peer<M>>; MAX_TEAM],
+    /// When the lost peers were marked the last time.
+    expired: Option<Instant>,
     counters: Counters,
 }
 
@@ -104,12 +107,12 @@ impl<M: Message> Roster<M> {
     /// Creates the roster of a robot that has received nothing.
     #[must_use]
     pub const fn new(member: Member, limits: Limits) -> Self {
-        Self { member, limits, peers: [const { None }; MAX_TEAM], counters: Counters::NONE }
+        Self { member, limits, peers: [const { None }; MAX_TEAM], expired: None, counters: Counters::NONE }
     }
 
     /// Receives a frame, without its delimiters, at an instant; the task may refuse its message.
     ///
-    /// Costs one [`decode`] and one pass over the roster.
+    /// Costs one [`decode`](super::decode) and one pass over the roster.
     ///
     /// # Errors
     /// [`Refused`], counted; the peers' messages are as they were.
@@ -121,8 +124,9 @@ impl<M: Message> Roster<M> {
         now: Instant,
         accepts: impl FnOnce(&M) -> Result<(), Invalid>,
     ) -> Result<Heard, Refused> {
-        let outcome = match decode(frame, auth, context) {
-            Ok(envelope) => self.admit(envelope, now, accepts),
+        let mut room = [0; MAX_PLAIN + 1];
+        let outcome = match unseal(frame, auth, context, &mut room) {
+            Ok((header, content)) => self.read(&header, content, now, accepts),
             Err(error) => Err(Refused::Frame(error)),
         };
         self.counters.count(outcome);
@@ -135,7 +139,10 @@ impl<M: Message> Roster<M> {
     /// [`Refused`], counted, for any reason but [`Refused::Frame`] and [`Refused::Foreign`]; the
     /// peers' messages are as they were.
     pub fn hear(&mut self, envelope: Envelope<M>, now: Instant) -> Result<Heard, Refused> {
-        let outcome = self.admit(envelope, now, |_| Ok(()));
+        let outcome = self.place(envelope.sender, envelope.stamp, now).map(|(place, heard)| {
+            *place = Some(Peer { envelope, heard: now, lost: false });
+            heard
+        });
         self.counters.count(outcome);
         outcome
     }
@@ -145,6 +152,9 @@ impl<M: Message> Roster<M> {
     /// Must be called at least every 2^30 ticks (12 days at 1 kHz), or else a clock that has gone
     /// half around makes a lost peer fresh again; every tick is a good time.
     pub fn expire(&mut self, now: Instant) {
+        if self.expired.replace(now) == Some(now) {
+            return;
+        }
         let limits = self.limits;
         for peer in self.peers.iter_mut().flatten() {
             peer.lost = peer.freshness(limits, now) == Freshness::Lost;
@@ -192,24 +202,41 @@ impl<M: Message> Roster<M> {
         &self.counters
     }
 
-    fn admit(
+    /// Reads the message of an authentic frame as [`decode`](super::decode) does, but straight into
+    /// its place: wherever it is handed on by value, a large message is copied.
+    fn read(
         &mut self,
-        envelope: Envelope<M>,
+        header: &Header,
+        content: &[u8],
         now: Instant,
         accepts: impl FnOnce(&M) -> Result<(), Invalid>,
     ) -> Result<Heard, Refused> {
+        let Some((message, rest)) = M::read(content) else { return Err(Refused::Frame(DecodeError::Body)) };
+        check(header, &message, rest).map_err(Refused::Frame)?;
+        let (sender, stamp) = (header.sender, header.stamp());
+        let (place, heard) = self.place(sender, stamp, now)?;
+        accepts(&message).map_err(Refused::Foreign)?;
+        *place = Some(Peer { envelope: Envelope { sender, stamp, message }, heard: now, lost: false });
+        Ok(heard)
+    }
+
+    /// Where a message belongs, if it is newer than what is there.
+    fn place(
+        &mut self,
+        sender: RobotId,
+        stamp: Stamp,
+        now: Instant,
+    ) -> Result<(&mut Option<Peer<M>>, Heard), Refused> {
         self.expire(now);
-        if envelope.sender == self.own() {
+        if sender == self.own() {
             return Err(Refused::Own);
         }
-        if envelope.sender.index() >= self.team() {
+        if sender.index() >= self.team() {
             return Err(Refused::Unknown);
         }
-        let place = self.peers.get_mut(envelope.sender.index()).ok_or(Refused::Unknown)?;
-        let heard = judge(place.as_ref().map(|peer| peer.envelope.stamp), envelope.stamp)?;
-        accepts(&envelope.message).map_err(Refused::Foreign)?;
-        *place = Some(Peer { envelope, heard: now, lost: false });
-        Ok(heard)
+        let place = self.peers.get_mut(sender.index()).ok_or(Refused::Unknown)?;
+        let heard = judge(place.as_ref().map(|peer| peer.envelope.stamp), stamp)?;
+        Ok((place, heard))
     }
 }
 

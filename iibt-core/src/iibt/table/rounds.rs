@@ -200,7 +200,7 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         let teammates = Teammates::from(peers);
         let own = Own { fact: &fact, is_standing: true, expected: View::EMPTY };
         let list = OnTables { tables: self.tables, policies: self.listing.policies() };
-        let event = self.rounds.tick(own, &teammates, &list);
+        let (event, _) = self.rounds.tick(own, &teammates, &list);
         self.note(event, &teammates);
     }
 

@@ -17,8 +17,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 {
     /// Hears the teammates; joins a round, opens one where there is trouble, or learns the choice.
     /// Those that are busy will open another round.
-    pub(super) fn attend(&mut self, peers: Peers<'_, Intention<W, K>>, busy: View) {
-        let teammates = Teammates::from(peers);
+    pub(super) fn attend(&mut self, teammates: &Teammates<'_, Fact<W>, K>, busy: View) {
         let standing = self.standing();
         let anchor = standing.unwrap_or(self.localisation.position().0);
         let fact = self.fact(anchor, self.purpose());
@@ -32,16 +31,22 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             self.waypoints.put_off(cell, View::EMPTY);
         }
         let own = Own { fact: &fact, is_standing: standing.is_some(), expected: busy };
-        let mut event = (rounds.tick(own, &teammates, &list), Cause::Teammate);
+        let (event, waiting) = rounds.tick(own, teammates, &list);
+        let mut event = (event, Cause::Teammate);
         // Where all policies were impossible for some member, there is none whose precondition
         // could ask for another round.
         let protocol = rounds.protocol();
         let is_void = protocol.is_vetoed() && *protocol.fact() != fact;
-        if is_void && event.0.is_none() && own.is_standing {
+        let asks = is_void && event.0.is_none() && own.is_standing;
+        if asks {
             event = (rounds.ask(Want::Needed, &fact), Cause::Shortfall);
         }
-        self.note(event.0, event.1, &teammates);
-        self.note_waiting(&teammates);
+        self.note(event.0, event.1, teammates);
+        if asks {
+            self.note_waiting(teammates);
+        } else {
+            self.wait_for(waiting);
+        }
     }
 
     fn note(&mut self, event: Option<Event>, cause: Cause, teammates: &Teammates<'_, Fact<W>, K>) {
@@ -95,8 +100,10 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     /// Lines 7 and 20: works on the list of this round, within the budget of the tick.
     pub(in crate::navigation) fn list(&mut self, peers: Peers<'_, Intention<W, K>>) {
+        let Some(rounds) = self.rounds.as_ref().filter(|rounds| rounds.protocol().digest().is_none()) else {
+            return;
+        };
         let teammates = Teammates::from(peers);
-        let Some(rounds) = &self.rounds else { return };
         let Some(digest) = rounds.protocol().wanted(&teammates) else { return };
         if self.listing != Some(digest) {
             self.policies.clear();
@@ -111,21 +118,27 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// Lines 8 to 12 and 21 to 25: gives this robot's scores of the finished list, and returns the
     /// policy that all have chosen, once every score is known.
     pub(in crate::navigation) fn choose(&mut self, peers: Peers<'_, Intention<W, K>>) -> Option<usize> {
-        let teammates = Teammates::from(peers);
-        if self.policies.is_done()
-            && let Some(digest) = self.listing
+        let rounds = self.rounds.as_ref()?;
+        if rounds.protocol().digest().is_none() && self.policies.is_done() {
+            self.give(&Teammates::from(peers));
+        }
+        self.rounds.as_ref()?.protocol().policy()
+    }
+
+    /// Gives this robot's scores of the finished list, if it is the one that is wanted.
+    fn give(&mut self, teammates: &Teammates<'_, Fact<W>, K>) {
+        if let Some(digest) = self.listing
             && let Some(scores) = self.scores()
             && let Some(rounds) = &mut self.rounds
-            && rounds.protocol().wanted(&teammates) == Some(digest)
+            && rounds.protocol().wanted(teammates) == Some(digest)
         {
             let list = self.policies.on_map(self.mission, rounds.proposal().view);
             let protocol = rounds.protocol_mut();
-            if protocol.give(digest, scores, &list, &teammates).is_ok() && protocol.has_decided() {
-                self.take_choice(&teammates);
+            if protocol.give(digest, scores, &list, teammates).is_ok() && protocol.has_decided() {
+                self.take_choice(teammates);
             }
-            self.note_waiting(&teammates);
+            self.note_waiting(teammates);
         }
-        self.rounds.as_ref()?.protocol().policy()
     }
 
     /// What each policy costs this robot alone.
@@ -181,7 +194,10 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// Notes what the robot waits for: whenever it has heard or done something.
     fn note_waiting(&mut self, teammates: &Teammates<'_, Fact<W>, K>) {
         let waiting = self.rounds.as_ref().zip(self.on_map());
-        let waiting = waiting.and_then(|(rounds, list)| rounds.waiting(teammates, &list));
+        self.wait_for(waiting.and_then(|(rounds, list)| rounds.waiting(teammates, &list)));
+    }
+
+    fn wait_for(&mut self, waiting: Option<Waiting>) {
         self.waiting = waiting.filter(|_| !self.has_arrived());
     }
 

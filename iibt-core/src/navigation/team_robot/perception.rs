@@ -21,7 +21,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     ) {
         (self.command, self.left, self.waiting) = (None, self.budget, None);
         self.moving = percept.moving;
-        let busy = self.busy(&Teammates::from(peers));
+        let teammates = Teammates::from(peers);
+        let busy = self.busy(&teammates);
         self.waypoints.pass(busy);
         self.locate(percept.reading);
         self.look(percept, peers);
@@ -34,7 +35,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
                 self.rounds = Some(Rounds::new(self.member, self.epoch, number, fact, Timing::DEFAULT));
             }
         }
-        self.attend(peers, busy);
+        self.attend(&teammates, busy);
         self.hand_over(peers);
     }
 

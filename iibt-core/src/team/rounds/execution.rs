@@ -25,16 +25,56 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         L: JointPolicies<Claim = F::Claim>,
     {
         if self.digest().is_none() {
-            return Some(self.common(teammates).err().unwrap_or(Waiting::List));
+            return Some(self.missing(teammates));
         }
-        let impossible = self.is_vetoed().then_some(Waiting::Policy);
-        let obstacles = self.others().filter_map(|robot| self.obstacle(robot, teammates, list));
-        // A single pass: an ordinary tick is mostly this.
-        impossible.or_else(|| obstacles.min_by_key(|obstacle| obstacle.is_in_plan()))
+        self.first(self.obstacles(teammates, list))
+    }
+
+    /// Why members keep this robot from going on, one after the other.
+    pub(super) fn obstacles<L>(
+        &self,
+        teammates: &Teammates<'_, F, K>,
+        list: &L,
+    ) -> impl Iterator<Item = Waiting>
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        let course = self.course(list);
+        self.others().filter_map(move |robot| self.obstacle_on(course, robot, teammates, list))
+    }
+
+    /// What the robot waits for before it has scored.
+    pub(super) fn missing(&self, teammates: &Teammates<'_, F, K>) -> Waiting {
+        self.common(teammates).err().unwrap_or(Waiting::List)
+    }
+
+    /// What the robot waits for after that, by the obstacles that its teammates are.
+    pub(super) fn first(&self, obstacles: impl Iterator<Item = Waiting>) -> Option<Waiting> {
+        let first = obstacles.min_by_key(|obstacle| obstacle.is_in_plan());
+        if self.is_vetoed() { Some(Waiting::Policy) } else { first }
     }
 
     /// Why a member keeps this robot from going on, if it does.
     pub fn obstacle<L>(&self, robot: RobotId, teammates: &Teammates<'_, F, K>, list: &L) -> Option<Waiting>
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        self.obstacle_on(self.course(list), robot, teammates, list)
+    }
+
+    /// The chosen policy, the steps that this robot has made in it, and all that it is to make.
+    fn course<L: JointPolicies>(&self, list: &L) -> Option<(usize, u16, u16)> {
+        let policy = self.policy()?;
+        Some((policy, self.step(), list.moves(policy, self.member().robot())))
+    }
+
+    fn obstacle_on<L>(
+        &self,
+        course: Option<(usize, u16, u16)>,
+        robot: RobotId,
+        teammates: &Teammates<'_, F, K>,
+        list: &L,
+    ) -> Option<Waiting>
     where
         L: JointPolicies<Claim = F::Claim>,
     {
@@ -53,25 +93,29 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
                 Some(Waiting::Scores(robot))
             }
             Some(_) if !self.follows(heard) => Some(Waiting::Outdated(robot)),
-            Some(_) => self.plan_obstacle(robot, heard, list),
+            Some(_) if !self.has_decided() => {
+                Some(Waiting::Scores(robot)).filter(|_| heard.message.answer.scores().is_none())
+            }
+            Some(_) => self.plan_obstacle(course?, robot, heard.message.answer.step(), list),
         }
     }
 
-    /// Why a member that has scored the same list keeps this robot from going on.
-    fn plan_obstacle<L>(&self, robot: RobotId, heard: Heard<'_, F, K>, list: &L) -> Option<Waiting>
+    /// Why a member that follows the same plan keeps this robot from going on.
+    fn plan_obstacle<L>(
+        &self,
+        (policy, step, moves): (usize, u16, u16),
+        robot: RobotId,
+        reported: u16,
+        list: &L,
+    ) -> Option<Waiting>
     where
         L: JointPolicies<Claim = F::Claim>,
     {
-        if !self.has_decided() {
-            return Some(Waiting::Scores(robot)).filter(|_| heard.message.answer.scores().is_none());
-        }
-        let (own, policy) = (self.member().robot(), self.policy()?);
-        let (step, reported) = (self.step(), heard.message.answer.step());
-        let (moves, theirs) = (list.moves(policy, own), || list.moves(policy, robot));
+        let theirs = || list.moves(policy, robot);
         let is_last = step.saturating_add(1) == moves && list.is_together(policy);
         if step >= moves {
             Some(Waiting::Arrival(robot)).filter(|_| reported < theirs())
-        } else if !list.is_clear(policy, own, step, robot, reported) {
+        } else if !list.is_clear(policy, self.member().robot(), step, robot, reported) {
             Some(Waiting::Order(robot))
         } else {
             Some(Waiting::Barrier(robot)).filter(|_| is_last && reported.saturating_add(1) < theirs())

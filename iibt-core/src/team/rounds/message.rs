@@ -209,6 +209,26 @@ impl<F: Fact, const K: usize> RoundMessage<F, K> {
     /// The chosen policy is not in the list.
     pub const CHOICE: Invalid = Invalid("the chosen policy is beyond the end of the list");
 
+    /// Reads what [`Serialize`] writes, and makes a message of it, for its
+    /// [`read`](super::super::Message::read).
+    ///
+    /// Field by field: each value that is handed on by serde is copied several times, and the
+    /// walls are large.
+    #[must_use]
+    pub fn read<M>(bytes: &[u8], message: impl FnOnce(Self) -> M) -> Option<(M, &[u8])> {
+        let mut bytes = postcard::Deserializer::from_bytes(bytes);
+        let round = u32::deserialize(&mut bytes).ok()?;
+        let view = View::deserialize(&mut bytes).ok()?;
+        let mut walls = Vec::new();
+        for _ in 0..u32::deserialize(&mut bytes).ok()? {
+            walls.push(<F::Claim as Claim>::Wire::deserialize(&mut bytes).ok()?).ok()?;
+        }
+        let fact = F::deserialize(&mut bytes).ok()?;
+        let answer = Answer::deserialize(&mut bytes).ok()?;
+        let rest = bytes.finalize().ok()?;
+        Some((message(Self { proposal: Proposal { round, view, walls }, fact, answer }), rest))
+    }
+
     /// Checks what the types do not say, for a team of `team` robots.
     ///
     /// # Errors
@@ -353,6 +373,37 @@ mod tests {
             let bytes: List<u8> = postcard::to_slice(&message, &mut buffer).expect("it fits").to_vec();
             assert_eq!(postcard::from_bytes(&bytes), Ok(message));
         }
+    }
+
+    /// Field by field as by serde, whatever the bytes: whole messages, changed and cut ones.
+    #[test]
+    fn any_bytes_are_read_as_serde_reads_them() {
+        type Round = RoundMessage<Whole, 16>;
+        let answers = || [Answer::Listing(3), scored(), decided(None), decided(Some(scores()))];
+        let mut random = 1_u32;
+        let mut draw = |below: usize| {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (random >> 16) as usize % below
+        };
+        let mut read = 0;
+        for (left_out, answer) in (0..=4).flat_map(|left_out| answers().map(|answer| (left_out, answer))) {
+            let mut buffer = [0; Round::MAX_BYTES];
+            let whole =
+                postcard::to_slice(&message(left_out, answer), &mut buffer).expect("it fits").to_vec();
+            for _ in 0..2000 {
+                let mut bytes = whole.clone();
+                bytes.push(9);
+                for _ in 0..draw(3) {
+                    let at = draw(bytes.len());
+                    bytes[at] = draw(256) as u8;
+                }
+                bytes.truncate(whole.len() + 1 - draw(3));
+                let expected = postcard::take_from_bytes::<Round>(&bytes).ok();
+                read += usize::from(expected.is_some());
+                assert_eq!(Round::read(&bytes, |message| message), expected, "{bytes:?}");
+            }
+        }
+        assert!((10_000..39_000).contains(&read), "{read}");
     }
 
     #[test]

@@ -228,8 +228,8 @@ impl Patience {
 
     fn lost<F: Fact, const K: usize>(&self, protocol: &Protocol<F, K>) -> View {
         let limit = self.lost_after().saturating_mul(2);
-        let lost = self.those(|acquaintance| acquaintance.quiet >= limit);
-        protocol.others().filter(|&robot| lost.contains(robot)).collect()
+        let is_lost = |robot: &RobotId| self.teammates.get(robot.index()).is_some_and(|it| it.quiet >= limit);
+        protocol.others().filter(is_lost).collect()
     }
 
     /// How long a teammate that blocks may be silent: thrice the longest silence from which one has
@@ -252,6 +252,8 @@ pub(super) struct Trouble {
     blocking: View,
     /// Whether the present round cannot be decided, however long one waits.
     is_void: bool,
+    /// What [`Protocol::waiting`] says.
+    pub(super) waiting: Option<Waiting>,
 }
 
 fn trouble<F, L, const K: usize>(
@@ -264,13 +266,14 @@ where
     L: JointPolicies<Claim = F::Claim>,
 {
     let mut trouble = Trouble::default();
-    for robot in protocol.others() {
-        let Some(obstacle) = protocol.obstacle(robot, teammates, list) else { continue };
-        trouble.blocking = trouble.blocking.with(robot);
+    let obstacles = protocol.obstacles(teammates, list);
+    trouble.waiting = protocol.first(obstacles.inspect(|obstacle| {
+        trouble.blocking = obstacle.robot().map_or(trouble.blocking, |robot| trouble.blocking.with(robot));
         trouble.is_void |= matches!(obstacle, Waiting::Outdated(_) | Waiting::Proposal(_));
-    }
+    }));
     if protocol.digest().is_none() {
-        if let Err(Waiting::Overlap(one, other)) = protocol.common(teammates) {
+        trouble.waiting = Some(protocol.missing(teammates));
+        if let Some(Waiting::Overlap(one, other)) = trouble.waiting {
             trouble.blocking = trouble.blocking.with(one).with(other);
         }
         trouble.is_void |= matches!(protocol.accepts_walls(), Err(Waiting::Wall(_)));

@@ -84,8 +84,7 @@ impl<F> Copy for Own<'_, F> {}
 ///
 /// // The first robot has heard nothing yet.
 /// let nothing = Teammates::from_iter([]);
-/// assert_eq!(first.tick(own, &nothing, &Tables), None);
-/// assert_eq!(first.waiting(&nothing, &Tables), Some(Waiting::Unheard(RobotId(1))));
+/// assert_eq!(first.tick(own, &nothing, &Tables), (None, Some(Waiting::Unheard(RobotId(1)))));
 /// let fact = first.protocol().message(&nothing, 0, 0.0);
 ///
 /// // The second knows all facts with that, and scores: it cannot use the first table.
@@ -105,8 +104,8 @@ impl<F> Copy for Own<'_, F> {}
 ///
 /// // So does the second, when it hears that.
 /// let decided = first.protocol().message(&heard, 2, 0.0);
-/// let event = second.tick(own, &hears(0, &decided), &Tables);
-/// assert_eq!(event, Some(Event::Decided(Some(1))));
+/// let (event, waiting) = second.tick(own, &hears(0, &decided), &Tables);
+/// assert_eq!((event, waiting), (Some(Event::Decided(Some(1))), None));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[doc(alias = "consensus")]
@@ -132,23 +131,29 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
     }
 
     /// Hears the teammates; joins a round, learns the choice, or opens a round where there is
-    /// trouble.
+    /// trouble. Returns what happened, and what the robot [waits](Self::waiting) for after that.
     ///
     /// Call it once in every tick; then [ask](Self::ask) for another decision if there is a reason,
     /// [work on the list](Protocol::wanted), [move](Protocol::may_move) and
     /// [announce](Protocol::message). `list` is the one that was scored in this round; before, it
     /// is not looked at.
-    pub fn tick<L>(&mut self, own: Own<'_, F>, teammates: &Teammates<'_, F, K>, list: &L) -> Option<Event>
+    pub fn tick<L>(
+        &mut self,
+        own: Own<'_, F>,
+        teammates: &Teammates<'_, F, K>,
+        list: &L,
+    ) -> (Option<Event>, Option<Waiting>)
     where
         L: JointPolicies<Claim = F::Claim>,
     {
         let event = self.protocol.attend(own.fact, own.is_standing, teammates, list);
         let trouble = self.patience.observe(&self.protocol, own.expected, teammates, list);
-        if event.is_some() || !own.is_standing {
-            return event;
+        let may_open = event.is_none() && own.is_standing;
+        let view = if may_open { self.patience.view_to_open(trouble, &self.protocol) } else { None };
+        match view.and_then(|view| self.open(view, own.fact)) {
+            None => (event, self.patience.stranded(&self.protocol).or(trouble.waiting)),
+            opened => (opened, self.waiting(teammates, list)),
         }
-        let view = self.patience.view_to_open(trouble, &self.protocol)?;
-        self.open(view, own.fact)
     }
 
     /// Opens a round because the robot wants another decision, if it may now; `fact` is that of
