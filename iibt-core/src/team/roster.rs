@@ -211,12 +211,15 @@ impl<M: Message> Roster<M> {
         now: Instant,
         accepts: impl FnOnce(&M) -> Result<(), Invalid>,
     ) -> Result<Heard, Refused> {
-        let Some((message, rest)) = M::read(content) else { return Err(Refused::Frame(DecodeError::Body)) };
-        check(header, &message, rest).map_err(Refused::Frame)?;
+        let read = M::read(content);
+        let (message, rest) = read.as_ref().ok_or(Refused::Frame(DecodeError::Body))?;
+        check(header, message, rest).map_err(Refused::Frame)?;
         let (sender, stamp) = (header.sender, header.stamp());
         let (place, heard) = self.place(sender, stamp, now)?;
-        accepts(&message).map_err(Refused::Foreign)?;
-        *place = Some(Peer { envelope: Envelope { sender, stamp, message }, heard: now, lost: false });
+        accepts(message).map_err(Refused::Foreign)?;
+        if let Some((message, _)) = read {
+            *place = Some(Peer { envelope: Envelope { sender, stamp, message }, heard: now, lost: false });
+        }
         Ok(heard)
     }
 
