@@ -111,11 +111,11 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     where
         L: JointPolicies<Claim = F::Claim>,
     {
-        let theirs = || list.moves(policy, robot);
+        let (own, theirs) = (self.member().robot(), || list.moves(policy, robot));
         let is_last = step.saturating_add(1) == moves && list.is_together(policy);
         if step >= moves {
             Some(Waiting::Arrival(robot)).filter(|_| reported < theirs())
-        } else if !list.is_clear(policy, self.member().robot(), step, robot, reported) {
+        } else if !list.is_clear(policy, own, step, robot, reported) {
             Some(Waiting::Order(robot))
         } else {
             Some(Waiting::Barrier(robot)).filter(|_| is_last && reported.saturating_add(1) < theirs())
