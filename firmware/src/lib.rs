@@ -16,7 +16,7 @@ extern crate std;
 
 pub mod adapters;
 pub mod bench;
-#[cfg(all(feature = "stm32f405", target_os = "none"))]
+#[cfg(all(feature = "board", target_os = "none"))]
 pub mod board;
 mod controller;
 pub mod hardware;

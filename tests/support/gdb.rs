@@ -6,7 +6,7 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// The lowest address of the stack; see `memory.x`.
+/// The lowest address of the stack; see `firmware/boards/stm32f405/memory.x`.
 const STACK_END: u32 = 0x2000_0000;
 
 /// What a word of the stack holds that nothing has been written to.

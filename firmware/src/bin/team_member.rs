@@ -39,7 +39,7 @@ mod image {
 
     type Robot = Controller<Navigator<'static, CELLS, WORDS, LAYERS, NODES, POLICIES>, Hardware>;
 
-    #[cortex_m_rt::entry]
+    #[board::entry]
     fn main() -> ! {
         match start() {
             Some(robot) => run(robot),

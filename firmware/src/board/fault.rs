@@ -40,18 +40,20 @@ extern "C" fn report(place: u32) -> ! {
 #[unsafe(naked)]
 #[unsafe(export_name = "HardFault")]
 extern "C" fn hard_fault() -> ! {
+    // For every Cortex-M: the smallest have no conditional execution and no 16-bit immediates.
     core::arch::naked_asm!(
         "mrs r0, MSP",
-        "movw r1, :lower16:_stack_end",
-        "movt r1, :upper16:_stack_end",
+        "ldr r1, =_stack_end",
         "cmp r0, r1",
-        "ite hs",
-        "ldrhs r0, [r0, #24]",
-        "movlo r0, #{no_stack}",
-        "movw r1, :lower16:_stack_start",
-        "movt r1, :upper16:_stack_start",
+        "blo 1f",
+        "ldr r0, [r0, #24]",
+        "b 2f",
+        "1: movs r0, #{no_stack}",
+        "2: ldr r1, =_stack_start",
         "msr MSP, r1",
-        "b {report}",
+        "ldr r1, ={report}",
+        "bx r1",
+        ".ltorg",
         no_stack = const NO_STACK,
         report = sym report,
     )

@@ -1,31 +1,72 @@
-//! The log: defmt frames, queued by the program and sent by the interrupt of USART1.
+//! The log: defmt frames, queued by the program and sent by the interrupt of a serial port.
 //!
 //! Ready-made loggers write to the port with the interrupts off, which at 115200 baud would lose
 //! bytes on the link. This one never waits: a frame for which there is no room is dropped as a
 //! whole.
 
-use super::serial::{drain, enable, feed};
-use super::shared::Shared;
+use super::port::{Port, drain, feed};
+use super::shared::{Shared, Slot};
 use crate::adapters::FrameQueue;
-use cortex_m::peripheral::NVIC;
 use critical_section::RestoreState;
 use defmt::Encoder;
-use stm32f4xx_hal::interrupt;
-use stm32f4xx_hal::pac::{Interrupt, USART1};
-use stm32f4xx_hal::serial::Tx;
 
 /// Bytes that may wait to be sent: a few hundred log lines.
 const BYTES: usize = 4096;
 
-// Apart from the port, so that it is all zeros and takes no flash.
+// Apart from the rest, so that it is all zeros and takes no flash.
 static QUEUE: Shared<FrameQueue<BYTES>> = Shared::new(FrameQueue::new());
-static PORT: Shared<Option<Tx<USART1>>> = Shared::new(None);
+static OUTPUT: Shared<Option<&'static dyn Output>> = Shared::new(None);
 static FRAME: Shared<Frame> = Shared::new(Frame::NONE);
 
-/// Begins to send; frames that were logged before are sent first.
-pub(super) fn start(port: Tx<USART1>) {
-    PORT.with(|slot| *slot = Some(port));
-    enable(Interrupt::USART1);
+/// The port of the log, whatever it is.
+trait Output: Sync {
+    fn pend(&self);
+    fn drain(&self);
+}
+
+/// The serial port that the log leaves by, for a `static`.
+#[derive(Debug)]
+pub struct LogPort<P>(Shared<Slot<P>>);
+
+impl<P: Port> LogPort<P> {
+    /// A log without a port.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self(Shared::new(Slot::Empty))
+    }
+
+    /// Begins to send, once the port's interrupt is enabled; frames that were logged before are
+    /// sent first.
+    pub fn start(&'static self, port: P) {
+        self.0.with(|slot| *slot = Slot::Full(port));
+        OUTPUT.with(|output| *output = Some(self));
+        self.pend();
+    }
+
+    /// Serves the port. Its interrupt calls this.
+    pub fn serve(&self) {
+        self.with_queue(feed);
+    }
+
+    fn with_queue(&self, act: impl FnOnce(&mut P, &mut FrameQueue<BYTES>)) {
+        self.0.with(|port| port.as_mut().map(|port| QUEUE.with(|queue| act(port, queue))));
+    }
+}
+
+impl<P: Port> Default for LogPort<P> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<P: Port> Output for LogPort<P> {
+    fn pend(&self) {
+        self.0.with(|port| port.as_mut().map(P::pend));
+    }
+
+    fn drain(&self) {
+        self.with_queue(drain);
+    }
 }
 
 /// Abandons the frame that was being logged when the robot failed, so that the failure can be
@@ -36,7 +77,7 @@ pub(super) fn abandon() {
 
 /// Sends all that was logged, waiting for the port.
 pub(super) fn flush() {
-    with_port(drain);
+    with_output(|output| output.drain());
 }
 
 /// The number of log frames dropped since the start because the queue was full.
@@ -45,8 +86,10 @@ pub fn dropped() -> u32 {
     QUEUE.with(|queue| queue.refused()).unwrap_or(0)
 }
 
-fn with_port(act: impl FnOnce(&mut Tx<USART1>, &mut FrameQueue<BYTES>)) {
-    PORT.with(|port| port.as_mut().map(|port| QUEUE.with(|queue| act(port, queue))));
+fn with_output(act: impl FnOnce(&'static dyn Output)) {
+    if let Some(Some(output)) = OUTPUT.with(|output| *output) {
+        act(output);
+    }
 }
 
 /// The frame that is being logged.
@@ -91,12 +134,12 @@ fn queue(bytes: &[u8]) {
 }
 
 #[defmt::global_logger]
-struct Usart1Log;
+struct QueuedLog;
 
 // SAFETY: from `acquire` to `release` the interrupts are off and there is one core, so that nothing
 // else can log in between.
 #[expect(unsafe_code, reason = "the trait is unsafe to implement")]
-unsafe impl defmt::Logger for Usart1Log {
+unsafe impl defmt::Logger for QueuedLog {
     fn acquire() {
         // SAFETY: `release` gives the outermost section back; the state of an inner one says that
         // the interrupts were off already, so nothing is lost with it.
@@ -110,7 +153,7 @@ unsafe impl defmt::Logger for Usart1Log {
 
     unsafe fn release() {
         if let Some(Some(interrupts)) = FRAME.with(Frame::close) {
-            NVIC::pend(Interrupt::USART1);
+            with_output(|output| output.pend());
             // SAFETY: the state is the one that the matching `acquire` got.
             unsafe { critical_section::release(interrupts) };
         }
@@ -119,9 +162,4 @@ unsafe impl defmt::Logger for Usart1Log {
     unsafe fn write(bytes: &[u8]) {
         FRAME.with(|frame| frame.write(bytes));
     }
-}
-
-#[interrupt]
-fn USART1() {
-    with_port(feed);
 }

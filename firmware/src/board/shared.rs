@@ -4,6 +4,7 @@ use core::cell::RefCell;
 use critical_section::Mutex;
 
 /// A value that is accessed with the interrupts off; keep accesses short.
+#[derive(Debug)]
 pub(super) struct Shared<T>(Mutex<RefCell<T>>);
 
 impl<T> Shared<T> {
@@ -18,5 +19,23 @@ impl<T> Shared<T> {
             let mut value = self.0.borrow(section).try_borrow_mut().ok()?;
             Some(act(&mut value))
         })
+    }
+}
+
+/// What comes at the start of the program. Unlike `None`, an empty slot is all zeros whatever its
+/// type, so that a `static` beside it takes no flash.
+#[derive(Debug)]
+#[repr(u8)]
+pub(super) enum Slot<T> {
+    Empty,
+    Full(T),
+}
+
+impl<T> Slot<T> {
+    pub(super) const fn as_mut(&mut self) -> Option<&mut T> {
+        match self {
+            Self::Empty => None,
+            Self::Full(value) => Some(value),
+        }
     }
 }

@@ -1,0 +1,91 @@
+//! The link to the teammates: a serial port, emptied and filled by its interrupt.
+
+use super::port::{Disturbed, Port, feed};
+use super::shared::{Shared, Slot};
+use crate::adapters::{ByteQueue, FrameQueue};
+use crate::hardware::Link;
+
+/// Bytes that may wait to be read: 177 ms of a busy line at 115200 baud.
+const INBOX: usize = 2048;
+
+/// Bytes that may wait to be sent.
+const OUTBOX: usize = 512;
+
+/// A serial line to the teammates, for a `static`: a reference to it is the [`Link`].
+///
+/// It never waits: a frame for which there is no room is refused.
+#[derive(Debug)]
+pub struct Line<P> {
+    port: Shared<Slot<P>>,
+    queues: Shared<Queues>,
+}
+
+#[derive(Debug)]
+struct Queues {
+    inbox: ByteQueue<INBOX>,
+    outbox: FrameQueue<OUTBOX>,
+    lost: u32,
+}
+
+impl<P: Port> Line<P> {
+    /// A line without a port.
+    #[must_use]
+    pub const fn new() -> Self {
+        let queues = Queues { inbox: ByteQueue::new(), outbox: FrameQueue::new(), lost: 0 };
+        Self { port: Shared::new(Slot::Empty), queues: Shared::new(queues) }
+    }
+
+    /// Begins to listen and to send, once the port's interrupt is enabled.
+    pub fn start(&'static self, port: P) -> &'static Self {
+        self.port.with(|slot| *slot = Slot::Full(port));
+        self
+    }
+
+    /// Serves the port. Its interrupt calls this.
+    pub fn serve(&self) {
+        self.port.with(|port| port.as_mut().map(|port| self.queues.with(|queues| queues.serve(port))));
+    }
+
+    /// The number of received bytes lost since the start, to a full queue or a disturbed line.
+    #[must_use]
+    pub fn lost(&self) -> u32 {
+        self.queues.with(|queues| queues.lost).unwrap_or(0)
+    }
+}
+
+impl<P: Port> Default for Line<P> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<P: Port> Link for &Line<P> {
+    fn receive(&mut self) -> Option<u8> {
+        let mut byte = [0];
+        (self.read(&mut byte) == 1).then_some(byte[0])
+    }
+
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        self.queues.with(|queues| queues.inbox.read(bytes)).unwrap_or(0)
+    }
+
+    fn send(&mut self, frame: &[u8]) -> bool {
+        let queued = self.queues.with(|queues| queues.outbox.push(frame)).unwrap_or(false);
+        self.port.with(|port| port.as_mut().map(P::pend));
+        queued
+    }
+}
+
+impl Queues {
+    fn receive(&mut self, byte: Result<u8, Disturbed>) {
+        let kept = byte.is_ok_and(|byte| self.inbox.push(byte));
+        self.lost = self.lost.saturating_add(u32::from(!kept));
+    }
+
+    fn serve(&mut self, port: &mut impl Port) {
+        while let Some(byte) = port.read() {
+            self.receive(byte);
+        }
+        feed(port, &mut self.outbox);
+    }
+}

@@ -1,0 +1,180 @@
+//! The STM32F405 on its 16 MHz internal oscillator, in QEMU's `netduinoplus2` and on hardware
+//! alike.
+//!
+//! | pins | what |
+//! |---|---|
+//! | PA9, PA10 | USART1, 115200 baud: the log, as defmt frames |
+//! | PA2, PA3 | USART2, 115200 baud: the link to the teammates |
+//! | PA6, PB0 | left motor: speed at 20 kHz (TIM3), direction |
+//! | PA7, PB1 | right motor: speed at 20 kHz (TIM3), direction |
+//! | PA0 | half of the battery's voltage; without a battery, tie it to ground |
+//! | PA5 | status LED |
+
+use super::port::{Disturbed, Port, enable};
+use super::{Line, LogPort};
+use crate::adapters::{Chassis, DifferentialDrive, Samples, VoltageGauge, VoltageRange, Wheel};
+use cortex_m::peripheral::NVIC;
+use embedded_hal_nb::nb;
+use embedded_hal_nb::serial::{Read, Write};
+use stm32f4xx_hal::adc::Adc;
+use stm32f4xx_hal::adc::config::{AdcConfig, Continuous, SampleTime, Sequence};
+use stm32f4xx_hal::flash::LockedFlash;
+use stm32f4xx_hal::gpio::{Output, PA5, PB0, PB1};
+use stm32f4xx_hal::interrupt;
+use stm32f4xx_hal::pac::{ADC1, Interrupt, Peripherals, TIM3, USART1, USART2};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::serial::{Rx, RxListen, Tx, TxISR, TxListen};
+use stm32f4xx_hal::timer::PwmChannel;
+
+pub use super::systick::Milliseconds;
+
+const BAUD: u32 = 115_200;
+
+/// The link to the teammates.
+pub type TeamLink = &'static Line<Usart<USART2>>;
+
+/// The drive of the two motors.
+pub type Motors = DifferentialDrive<
+    Wheel<PwmChannel<TIM3, 0>, PB0<Output>>,
+    Wheel<PwmChannel<TIM3, 1>, PB1<Output>>,
+    Milliseconds,
+>;
+
+/// The battery gauge.
+pub type Gauge = VoltageGauge<Converter>;
+
+/// The converter of the battery's voltage. It converts all the time.
+pub struct Converter(Adc<ADC1>);
+
+impl Samples for Converter {
+    fn sample(&mut self) -> u16 {
+        self.0.current_sample()
+    }
+}
+
+/// A lithium cell behind a divider of two equal resistors: 3.3 V and 4.2 V, in steps of 3.3 V /
+/// 4096.
+const CELL: VoltageRange = VoltageRange { empty: 2048, full: 2606 };
+
+/// The status LED, on while its pin is high.
+pub type StatusLed = PA5<Output>;
+
+/// The parts of the board that a controller uses.
+pub struct Board {
+    /// The link to the teammates.
+    pub link: TeamLink,
+    /// The motors.
+    pub drive: Motors,
+    /// Time since the start.
+    pub clock: Milliseconds,
+    /// The battery gauge.
+    pub battery: Gauge,
+    /// The flash, for what outlives a restart; its lock implements `embedded-storage`.
+    pub flash: LockedFlash,
+    /// The status LED.
+    pub led: StatusLed,
+}
+
+impl Board {
+    /// Starts the clock, the log, the link and the outputs; `None` the second time.
+    #[must_use]
+    pub fn take(chassis: Chassis) -> Option<Self> {
+        let core = cortex_m::Peripherals::take()?;
+        let chip = Peripherals::take()?;
+        let mut rcc = chip.RCC.constrain();
+        let a = chip.GPIOA.split(&mut rcc);
+        let b = chip.GPIOB.split(&mut rcc);
+
+        let clock = Milliseconds::start(core.SYST, rcc.clocks.hclk().to_kHz());
+        let tx = chip.USART1.tx(a.pa9, BAUD.bps(), &mut rcc).ok()?;
+        LOG.start(Usart { rx: None, tx });
+        enable(Interrupt::USART1);
+        let (tx, mut rx) = chip.USART2.serial((a.pa2, a.pa3), BAUD.bps(), &mut rcc).ok()?.split();
+        rx.listen();
+        let link = LINK.start(Usart { rx: Some(rx), tx });
+        enable(Interrupt::USART2);
+
+        let (_, (left, right, ..)) = chip.TIM3.pwm_hz(20.kHz(), &mut rcc);
+        let (mut left, mut right) = (left.with(a.pa6), right.with(a.pa7));
+        left.enable();
+        right.enable();
+        let left = Wheel::new(left, b.pb0.into_push_pull_output());
+        let right = Wheel::new(right, b.pb1.into_push_pull_output());
+        let drive = DifferentialDrive::new(left, right, clock, chassis);
+        let config = AdcConfig::default().continuous(Continuous::Continuous);
+        let mut adc = Adc::new(chip.ADC1, true, config, &mut rcc);
+        adc.configure_channel(&a.pa0.into_analog(), Sequence::One, SampleTime::Cycles_480);
+        adc.start_conversion();
+        let battery = VoltageGauge::new(Converter(adc), CELL);
+        let (flash, led) = (LockedFlash::new(chip.FLASH), a.pa5.into_push_pull_output());
+        Some(Self { link, drive, clock, battery, flash, led })
+    }
+}
+
+static LOG: LogPort<Usart<USART1>> = LogPort::new();
+static LINK: Line<Usart<USART2>> = Line::new();
+
+#[interrupt]
+fn USART1() {
+    LOG.serve();
+}
+
+#[interrupt]
+fn USART2() {
+    LINK.serve();
+}
+
+/// A USART of the chip; without a receiver it only sends.
+pub struct Usart<U: Numbered> {
+    rx: Option<Rx<U>>,
+    tx: Tx<U>,
+}
+
+/// A USART and its interrupt.
+pub trait Numbered: stm32f4xx_hal::serial::Instance {
+    /// Its interrupt.
+    const INTERRUPT: Interrupt;
+}
+
+impl Numbered for USART1 {
+    const INTERRUPT: Interrupt = Interrupt::USART1;
+}
+
+impl Numbered for USART2 {
+    const INTERRUPT: Interrupt = Interrupt::USART2;
+}
+
+impl<U: Numbered> Port for Usart<U>
+where
+    Rx<U>: Send,
+    Tx<U>: Send,
+{
+    fn read(&mut self) -> Option<Result<u8, Disturbed>> {
+        match self.rx.as_mut()?.read() {
+            Ok(byte) => Some(Ok(byte)),
+            Err(nb::Error::WouldBlock) => None,
+            Err(nb::Error::Other(_)) => Some(Err(Disturbed)),
+        }
+    }
+
+    fn has_room(&mut self) -> bool {
+        self.tx.is_tx_empty()
+    }
+
+    fn write(&mut self, byte: u8) {
+        // There is room.
+        let _ = self.tx.write(byte);
+    }
+
+    fn flush(&mut self) {
+        while self.tx.flush().is_err() {}
+    }
+
+    fn ask_for_room(&mut self, asks: bool) {
+        if asks { self.tx.listen() } else { self.tx.unlisten() }
+    }
+
+    fn pend(&mut self) {
+        NVIC::pend(U::INTERRUPT);
+    }
+}
