@@ -13,19 +13,23 @@ fn main() {
         return;
     }
     let package = env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR");
-    for (board, scripts) in BOARDS {
+    for board in BOARDS {
         let feature = board.to_uppercase().replace('-', "_");
         if env::var_os(format!("CARGO_FEATURE_{feature}")).is_none() {
             continue;
         }
         let folder = Path::new(&package).join("boards").join(board);
         println!("cargo:rustc-link-arg-bins=-L{}", folder.display());
-        for script in *scripts {
-            println!("cargo:rustc-link-arg-bins={script}");
+        let arguments = if *board == "riscv-virt" { RISC_V } else { CORTEX_M };
+        for argument in arguments {
+            println!("cargo:rustc-link-arg-bins={argument}");
         }
     }
 }
 
-/// The linker's arguments for each board.
-const BOARDS: &[(&str, &[&str])] =
-    &[("stm32f405", &["--nmagic", "-Tlink.x", "-Tdefmt.x"]), ("riscv-virt", &["-Tmemory.x", "-Tlink.x"])];
+/// The folders of `boards`; the features of the package have the same names.
+const BOARDS: &[&str] = &["stm32f405", "nrf52840", "rp2040", "riscv-virt"];
+
+const CORTEX_M: &[&str] = &["--nmagic", "-Tlink.x", "-Tdefmt.x"];
+
+const RISC_V: &[&str] = &["-Tmemory.x", "-Tlink.x"];

@@ -13,12 +13,21 @@ mod line;
 mod log;
 mod port;
 mod shared;
-mod systick;
+pub mod systick;
 
 #[cfg(feature = "stm32f405")]
 mod stm32f405;
 #[cfg(feature = "stm32f405")]
 pub use stm32f405::*;
+
+#[cfg(feature = "rp2040")]
+mod rp2040;
+#[cfg(feature = "rp2040")]
+pub use rp2040::*;
+#[cfg(feature = "nrf52840")]
+mod nrf52840;
+#[cfg(feature = "nrf52840")]
+pub use nrf52840::*;
 
 pub use clock::{count_millisecond, now};
 pub use cortex_m_rt::entry;

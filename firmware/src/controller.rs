@@ -31,6 +31,7 @@ pub struct Controller<R: Robot<H>, H> {
     deframer: Deframer,
     auth: SipHash64,
     context: Context,
+    channel: u32,
     numbering: Numbering,
     period: Duration,
     last_sent: Option<Instant>,
@@ -44,13 +45,24 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
     /// Creates a controller that has received nothing.
     #[must_use]
     pub fn new(robot: R, settings: Settings, hardware: H) -> Self {
+        let mut new = Self::idle(robot, settings, hardware);
+        new.context = new.context_of_mission();
+        new
+    }
+
+    /// Creates a controller whose robot is [started](Self::start) later; until then it says
+    /// nothing.
+    #[inline(always)] // built where it is to be, not on the stack
+    #[must_use]
+    pub fn idle(robot: R, settings: Settings, hardware: H) -> Self {
         Self {
             hardware,
-            context: Context::of::<R::Message>(settings.channel(), robot.mission()),
             robot,
             roster: Roster::new(settings.member(), settings.limits()),
             deframer: Deframer::new(),
             auth: SipHash64::new(settings.key().clone()),
+            context: Context::NONE,
+            channel: settings.channel(),
             numbering: Numbering::new(settings.epoch()),
             period: settings.tick(),
             last_sent: None,
@@ -58,6 +70,60 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
             sent: 0,
             unsent: 0,
         }
+    }
+
+    /// Starts a robot that was built without a mission.
+    ///
+    /// A controller takes kilobytes, which a small stack or an async task does not have. Build it
+    /// where it is to be, and start its robot there:
+    ///
+    /// ```
+    /// use core::num::NonZero;
+    /// use firmware::adapters::{Absent, Body};
+    /// use firmware::missions::{CELLS, LAYERS, NODES, POLICIES, SECTION_5_1, WORDS};
+    /// use firmware::{Controller, Navigator, Settings};
+    /// use iibt_core::team::{Key, Member, RobotId};
+    /// use static_cell::StaticCell;
+    /// # use firmware::hardware::{Clock, Drive, Link};
+    /// # #[derive(Clone, Copy)]
+    /// # struct Bench;
+    /// # impl Link for Bench {
+    /// #     fn receive(&mut self) -> Option<u8> { None }
+    /// #     fn send(&mut self, _: &[u8]) -> bool { true }
+    /// # }
+    /// # impl Clock for Bench {
+    /// #     fn now(&mut self) -> iibt_core::time::Instant { iibt_core::time::Instant(0) }
+    /// # }
+    /// # impl Drive for Bench {
+    /// #     fn go(&mut self, _: iibt_core::grid::Move) {}
+    /// #     fn is_moving(&mut self) -> bool { false }
+    /// #     fn stop(&mut self) {}
+    /// # }
+    ///
+    /// type Hardware = Body<Bench, Bench, Bench>; // link, clock and drive of the board
+    /// type Robot = Controller<Navigator<'static, CELLS, WORDS, LAYERS, NODES, POLICIES>, Hardware>;
+    /// static ROBOT: StaticCell<Robot> = StaticCell::new();
+    ///
+    /// let member = Member::new(RobotId(0), SECTION_5_1.starts.len())?;
+    /// let settings = Settings::new(member, Key::new(*b"sixteen bytes..."), 1, NonZero::<u16>::MIN);
+    /// let hardware = Body::new(Bench, Bench).driving(Bench, Absent);
+    /// let robot = ROBOT.init_with(|| Controller::idle(Navigator::idle(), settings.clone(), hardware));
+    /// robot.start(|navigator| navigator.start(&SECTION_5_1, &settings))?;
+    /// robot.tick();
+    /// assert!(robot.start(|navigator| navigator.start(&SECTION_5_1, &settings)).is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// What `start` returns.
+    pub fn start<E>(&mut self, start: impl FnOnce(&mut R) -> Result<(), E>) -> Result<(), E> {
+        start(&mut self.robot)?;
+        self.context = self.context_of_mission();
+        Ok(())
+    }
+
+    fn context_of_mission(&self) -> Context {
+        Context::of::<R::Message>(self.channel, self.robot.mission())
     }
 
     /// Runs one tick: listens, senses, ticks the tree, acts and sends. Returns the status of the

@@ -27,6 +27,8 @@ pub mod prelude;
 mod robot;
 mod settings;
 mod table_robot;
+#[cfg(feature = "defmt")]
+pub mod team_member;
 
 pub use controller::Controller;
 pub use link_report::LinkReport;

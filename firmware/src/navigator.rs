@@ -95,21 +95,43 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     /// Creates a robot at the start of its mission.
     ///
     /// # Errors
-    /// [`MissionError`] when the mission does not fit the sizes or the robot is not in its team.
+    /// As [`start`](Self::start).
     pub fn new(mission: &'m Mission<'m, W>, settings: &Settings) -> Result<Self, MissionError> {
-        let timeout = Duration(settings.tick().0.saturating_mul(Self::TIMEOUT_TICKS));
-        Ok(Self {
+        let mut new = Self::idle();
+        new.start(mission, settings)?;
+        Ok(new)
+    }
+
+    /// Creates a robot without a mission, which does and says nothing until its
+    /// [`start`](Self::start): for a robot that is built in a `static`, see
+    /// [`Controller::start`](crate::Controller::start).
+    #[inline(always)] // built where it is to be, not on the stack
+    #[must_use]
+    pub const fn idle() -> Self {
+        Self {
             memory: Memory::new(),
             blackboard: Blackboard {
-                navigation: Navigation::new(mission, settings.member(), settings.epoch())?,
-                node: InferenceNode::new(timeout),
+                navigation: Navigation::idle(),
+                node: InferenceNode::new(Duration(0)),
                 charge: 100,
                 thresholds: Thresholds::DEFAULT,
             },
-            percept: GridPercept::default(),
+            percept: GridPercept::NONE,
             message: None,
             repeated: 0,
-        })
+        }
+    }
+
+    /// Starts a robot that has no mission yet.
+    ///
+    /// # Errors
+    /// [`MissionError`] when the mission does not fit the sizes, the robot is not in its team, or it
+    /// has been started already; it is then as it was.
+    pub fn start(&mut self, mission: &'m Mission<'m, W>, settings: &Settings) -> Result<(), MissionError> {
+        self.blackboard.navigation.start(mission, settings.member(), settings.epoch())?;
+        let timeout = settings.tick().0.saturating_mul(Self::TIMEOUT_TICKS);
+        self.blackboard.node = InferenceNode::new(Duration(timeout));
+        Ok(())
     }
 
     /// Sets the battery thresholds.

@@ -64,6 +64,15 @@ impl<L, C> Body<L, C> {
     }
 }
 
+impl<L, C, D, P, S, B> Body<L, C, D, P, S, B> {
+    /// Adds or replaces the battery gauge.
+    #[must_use]
+    pub fn powered<G>(self, battery: G) -> Body<L, C, D, P, S, G> {
+        let Self { link, clock, drive, localiser, scanner, .. } = self;
+        Body { link, clock, drive, localiser, scanner, battery }
+    }
+}
+
 impl<L: Link, C, D, P, S, B> Link for Body<L, C, D, P, S, B> {
     fn receive(&mut self) -> Option<u8> {
         self.link.receive()

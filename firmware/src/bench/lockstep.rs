@@ -44,7 +44,6 @@ pub fn problem(robots: usize, draw: usize) -> Option<Instance> {
 /// A robot that has just started.
 ///
 /// `None` if the team does not have it.
-#[inline] // built where it is to be: a copy more does not fit the stack
 #[must_use]
 pub fn robot<'m>(mission: &'m Mission<'m, WORDS>, number: u8) -> Option<Robot<'m>> {
     let member = Member::new(RobotId(number), mission.starts.len()).ok()?;

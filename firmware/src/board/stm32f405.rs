@@ -16,13 +16,12 @@ use crate::adapters::{Chassis, DifferentialDrive, Samples, VoltageGauge, Voltage
 use cortex_m::peripheral::NVIC;
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial::{Read, Write};
-use stm32f4xx_hal::adc::Adc;
-use stm32f4xx_hal::adc::config::{AdcConfig, Continuous, SampleTime, Sequence};
 use stm32f4xx_hal::flash::LockedFlash;
-use stm32f4xx_hal::gpio::{Output, PA5, PB0, PB1};
+use stm32f4xx_hal::gpio::{Output, PA5, PB0, PB1, PinState};
 use stm32f4xx_hal::interrupt;
 use stm32f4xx_hal::pac::{ADC1, Interrupt, Peripherals, TIM3, USART1, USART2};
 use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Enable;
 use stm32f4xx_hal::serial::{Rx, RxListen, Tx, TxISR, TxListen};
 use stm32f4xx_hal::timer::PwmChannel;
 
@@ -44,11 +43,11 @@ pub type Motors = DifferentialDrive<
 pub type Gauge = VoltageGauge<Converter>;
 
 /// The converter of the battery's voltage. It converts all the time.
-pub struct Converter(Adc<ADC1>);
+pub struct Converter(ADC1);
 
 impl Samples for Converter {
     fn sample(&mut self) -> u16 {
-        self.0.current_sample()
+        self.0.dr().read().data().bits()
     }
 }
 
@@ -56,7 +55,7 @@ impl Samples for Converter {
 /// 4096.
 const CELL: VoltageRange = VoltageRange { empty: 2048, full: 2606 };
 
-/// The status LED, on while its pin is high.
+/// The status LED, on while its pin is high, as it is from the start.
 pub type StatusLed = PA5<Output>;
 
 /// The parts of the board that a controller uses.
@@ -101,12 +100,16 @@ impl Board {
         let left = Wheel::new(left, b.pb0.into_push_pull_output());
         let right = Wheel::new(right, b.pb1.into_push_pull_output());
         let drive = DifferentialDrive::new(left, right, clock, chassis);
-        let config = AdcConfig::default().continuous(Continuous::Continuous);
-        let mut adc = Adc::new(chip.ADC1, true, config, &mut rcc);
-        adc.configure_channel(&a.pa0.into_analog(), Sequence::One, SampleTime::Cycles_480);
-        adc.start_conversion();
-        let battery = VoltageGauge::new(Converter(adc), CELL);
-        let (flash, led) = (LockedFlash::new(chip.FLASH), a.pa5.into_push_pull_output());
+        ADC1::enable(&mut rcc);
+        a.pa0.into_analog();
+        // Channel 0, PA0, is the one that is converted after a reset.
+        chip.ADC1.smpr2().write(|w| w.smp0().cycles480());
+        chip.ADC1.cr2().write(|w| w.adon().enabled().cont().continuous());
+        cortex_m::asm::delay(3 * rcc.clocks.hclk().to_MHz()); // it settles in three microseconds
+        chip.ADC1.cr2().modify(|_, w| w.swstart().start());
+        let battery = VoltageGauge::new(Converter(chip.ADC1), CELL);
+        let (flash, led) =
+            (LockedFlash::new(chip.FLASH), a.pa5.into_push_pull_output_in_state(PinState::High));
         Some(Self { link, drive, clock, battery, flash, led })
     }
 }

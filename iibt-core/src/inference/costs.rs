@@ -170,6 +170,9 @@ pub struct WeighedPolicies<const K: usize> {
 }
 
 impl<const K: usize> WeighedPolicies<K> {
+    /// No policies.
+    pub const NONE: Self = Self { costs: Vec::new(), posterior: Vec::new() };
+
     /// Weighs policies by their costs, in the order of the list, with a precision β in nats per
     /// tick.
     ///

@@ -49,6 +49,8 @@ struct State {
 }
 
 impl Waypoints {
+    pub(super) const NONE: Self = Self { cells: Vec::new(), states: Vec::new() };
+
     /// Adds a way-point after the others.
     pub(super) fn push(&mut self, cell: Cell) -> Result<(), VisitError> {
         self.cells.push(cell).map_err(|_| VisitError::TooMany)?;

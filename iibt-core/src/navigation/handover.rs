@@ -26,14 +26,14 @@ const TURN: u8 = 5;
 const REST: u8 = 20;
 
 /// What teammates have yet to visit, and what lost ones have left behind.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Handover {
     heard: [Announcement; MAX_TEAM],
     left: Vec<LeftBehind, MOST, u8>,
 }
 
 /// What a teammate has announced last, as a member.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 struct Announcement {
     epoch: u32,
     pending: PendingWaypoints,
@@ -76,6 +76,12 @@ impl Takers {
 }
 
 impl Handover {
+    /// Nothing was announced, and nothing is left.
+    pub(super) const NONE: Self = Self {
+        heard: [const { Announcement { epoch: 0, pending: Vec::new() } }; MAX_TEAM],
+        left: Vec::new(),
+    };
+
     /// Takes in what a teammate announces. Only a member is believed: what it announced before it
     /// was left out, or before it started again, is left behind.
     pub(super) fn hear(&mut self, is_member: bool, robot: RobotId, epoch: u32, pending: PendingWaypoints) {
@@ -141,7 +147,7 @@ mod tests {
 
     /// What robot 0, 1 or 2 knows after robot 3 has announced these cells, and was left out.
     fn after(cells: &[u16]) -> Handover {
-        let mut handover = Handover::default();
+        let mut handover = Handover::NONE;
         handover.hear(true, RobotId(3), 1, pending(cells));
         handover.hear(false, RobotId(3), 1, pending(&[60]));
         handover
@@ -190,7 +196,7 @@ mod tests {
 
     #[test]
     fn a_robot_that_has_started_again_leaves_what_it_had_announced_before() {
-        let mut handover = Handover::default();
+        let mut handover = Handover::NONE;
         handover.hear(true, RobotId(1), 4, pending(&[7]));
         handover.hear(true, RobotId(1), 5, pending(&[]));
         handover.hear(true, RobotId(1), 5, pending(&[]));

@@ -58,27 +58,43 @@ impl<const S: usize> Localisation<S> {
     /// probability that a reading is right.
     #[must_use]
     pub fn new<const W: usize>(map: &Map<W>, start: Cell, sensor: f32, rates: Rates) -> Self {
-        let cells = map.len().clamp(1, S);
-        let is_free = |state: usize| state < cells && map.is_free(Cell(state as u16));
-        let share = (1.0 - AT_START) / (0..cells).filter(|&state| is_free(state)).count().max(1) as f32;
-        let mut prior = Beliefs::EMPTY;
-        for (state, p) in prior.as_flat_mut().iter_mut().enumerate() {
-            *p = if is_free(state) { share } else { 0.0 };
-        }
-        if let Some(start) = prior.as_flat_mut().get_mut(start.index()) {
-            *start += AT_START;
-        }
+        let mut new = Self::idle();
+        new.start(map, start, sensor, rates);
+        new
+    }
+
+    /// The belief of a robot that is nowhere, until its [`start`](Self::start).
+    #[inline(always)] // built where it is to be, not on the stack
+    pub(super) const fn idle() -> Self {
         Self {
-            position: likeliest(prior.as_flat()),
-            belief: prior,
-            prior,
-            sensor: IdentityNoise::among(sensor, cells),
-            slips: SlipCounts::new(TRUST, rates),
+            belief: Beliefs::EMPTY,
+            position: (Cell(0), 0.0),
+            prior: Beliefs::EMPTY,
+            sensor: const { IdentityNoise::among(1.0, 2) },
+            slips: SlipCounts::EMPTY,
             begun: None,
             attempt: None,
             surprise: Ok(0.0),
-            cells,
+            cells: 0,
         }
+    }
+
+    /// Starts in place; the arguments are those of [`new`](Self::new).
+    pub(super) fn start<const W: usize>(&mut self, map: &Map<W>, start: Cell, sensor: f32, rates: Rates) {
+        let cells = map.len().clamp(1, S);
+        let is_free = |state: usize| state < cells && map.is_free(Cell(state as u16));
+        let share = (1.0 - AT_START) / (0..cells).filter(|&state| is_free(state)).count().max(1) as f32;
+        for (state, prior) in self.prior.as_flat_mut().iter_mut().enumerate() {
+            *prior = if is_free(state) { share } else { 0.0 };
+        }
+        if let Some(start) = self.prior.as_flat_mut().get_mut(start.index()) {
+            *start += AT_START;
+        }
+        math::assign(self.belief.as_flat_mut(), self.prior.as_flat());
+        self.position = likeliest(self.belief.as_flat());
+        self.sensor = IdentityNoise::among(sensor, cells);
+        self.slips = SlipCounts::new(TRUST, rates);
+        self.cells = cells;
     }
 
     /// Notes that a move begins now.

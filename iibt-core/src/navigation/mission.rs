@@ -117,9 +117,22 @@ pub enum MissionError {
     /// A number of the model is out of its range.
     #[error("a probability, pace, precision or number of policies is out of range")]
     Number,
+    /// The robot has been started already.
+    #[error("the robot has been started already")]
+    Started,
 }
 
 impl<'m, const W: usize> Mission<'m, W> {
+    /// What a robot has that was given no mission yet: one cell, no robots, no goals.
+    pub(super) const NONE: &'m Self = &Self::new(
+        match Map::new(1, 1) {
+            Ok(map) => map,
+            Err(_) => panic!("a map has a word"),
+        },
+        &[],
+        &[],
+    );
+
     /// Creates a mission with the default model: localisers right in 99.52 % of all readings, as in
     /// the paper's section 5.1; four policies, weighed with one nat per tick; obstacles stay.
     #[must_use]

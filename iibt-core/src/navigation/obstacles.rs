@@ -56,6 +56,8 @@ pub(super) struct Obstacles {
 }
 
 impl Obstacles {
+    pub(super) const NONE: Self = Self { seen: Vec::new(), ticks: 0 };
+
     /// Counts one look at a cell. Without room the cell about which there is least evidence, the
     /// oldest of equals, is forgotten.
     pub(super) fn look(&mut self, cell: Cell, is_blocked: bool) {

@@ -34,6 +34,11 @@ pub struct GridPercept {
     pub moving: bool,
 }
 
+impl GridPercept {
+    /// Nothing sensed.
+    pub const NONE: Self = Self { reading: None, hazards: Vec::new(), clear: Vec::new(), moving: false };
+}
+
 /// The task of a robot in a navigating team: to reach goals with its teammates, by one joint plan.
 ///
 /// For maps of up to `S` cells in `W` words, plans of less than `L` steps, searches of up to `M`
@@ -85,40 +90,71 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     /// Creates a robot of the mission's team that has been switched on for the `epoch`-th time.
     ///
     /// # Errors
-    /// [`MissionError`] when the mission does not fit the sizes or the robot is not in its team.
+    /// As [`start`](Self::start).
     pub fn new(mission: &'m Mission<'m, W>, member: Member, epoch: u32) -> Result<Self, MissionError> {
-        mission.check::<S>()?;
-        if member.team() != mission.starts.len() {
-            return Err(MissionError::TeamSize);
-        }
-        let robot = member.robot();
-        let start = mission.starts.get(robot.index()).copied().ok_or(MissionError::NoSuchRobot)?;
-        let localisation = Localisation::new(&mission.map, start, mission.sensor_of(robot), mission.learning);
-        Ok(Self {
-            mission,
-            member,
-            epoch,
+        let mut new = Self::idle();
+        new.start(mission, member, epoch)?;
+        Ok(new)
+    }
+
+    /// Creates a robot without a mission, which does and says nothing until its
+    /// [`start`](Self::start).
+    ///
+    /// A robot takes kilobytes: where the stack is small, let one that lies in a `static` begin as
+    /// this one, and start it there.
+    #[inline(always)] // built where it is to be, not on the stack
+    #[must_use]
+    pub const fn idle() -> Self {
+        Self {
+            mission: Mission::NONE,
+            member: Member::ALONE,
+            epoch: 0,
             budget: Self::BUDGET,
             left: Self::BUDGET,
-            localisation,
-            obstacles: Obstacles::default(),
+            localisation: Localisation::idle(),
+            obstacles: Obstacles::NONE,
             watched: CellSet::EMPTY,
             mates_in_view: CellSet::EMPTY,
-            waypoints: Waypoints::default(),
-            handover: Handover::default(),
+            waypoints: Waypoints::NONE,
+            handover: Handover::NONE,
             charges: false,
             goal_values: [1.0; MAX_GOALS],
             rounds: None,
             policies: Policies::new(),
             listing: None,
-            weighed: WeighedPolicies::default(),
+            weighed: WeighedPolicies::NONE,
             moving: false,
             under_way: None,
             command: None,
             waiting: None,
             wanted: None,
             cause: None,
-        })
+        }
+    }
+
+    /// Starts a robot that has no mission yet, switched on for the `epoch`-th time.
+    ///
+    /// # Errors
+    /// [`MissionError`] when the mission does not fit the sizes, the robot is not in its team, or it
+    /// has been started already; it is then as it was.
+    pub fn start(
+        &mut self,
+        mission: &'m Mission<'m, W>,
+        member: Member,
+        epoch: u32,
+    ) -> Result<(), MissionError> {
+        mission.check::<S>()?;
+        if member.team() != mission.starts.len() {
+            return Err(MissionError::TeamSize);
+        }
+        if !self.mission.starts.is_empty() {
+            return Err(MissionError::Started);
+        }
+        let robot = member.robot();
+        let start = mission.starts.get(robot.index()).copied().ok_or(MissionError::NoSuchRobot)?;
+        self.localisation.start(&mission.map, start, mission.sensor_of(robot), mission.learning);
+        (self.mission, self.member, self.epoch) = (mission, member, epoch);
+        Ok(())
     }
 
     /// Sets the most work units of a tick. A unit is one layer sweep or cancel of the planner, one

@@ -31,6 +31,9 @@ use super::Message;
 pub struct Context(u64);
 
 impl Context {
+    /// Of a robot without a mission.
+    pub const NONE: Self = Self(0);
+
     /// The context of a team's mission with messages of the layout `M`.
     ///
     /// `team` tells teams with the same key apart, `mission` what they are to do: a hash of it, or

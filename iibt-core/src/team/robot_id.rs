@@ -49,6 +49,9 @@ pub enum MemberError {
 }
 
 impl Member {
+    /// The only robot of its team.
+    pub(crate) const ALONE: Self = Self { robot: RobotId(0), team: 1 };
+
     /// Robot `robot` in a team of `team` robots, itself included.
     ///
     /// # Errors

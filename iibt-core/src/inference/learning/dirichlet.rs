@@ -34,6 +34,9 @@ pub struct Dirichlet<const K: usize> {
 }
 
 impl<const K: usize> Dirichlet<K> {
+    /// No counts, as working memory.
+    pub(super) const EMPTY: Self = Self { counts: [0.0; K], total: 0.0 };
+
     /// A distribution from its counts. Counts that are negative or NaN count as zero, and all are
     /// brought between the limits.
     #[must_use]

@@ -29,6 +29,10 @@ pub struct SlipCounts<const U: usize> {
 }
 
 impl<const U: usize> SlipCounts<U> {
+    /// Counts without any success, as working memory.
+    pub(crate) const EMPTY: Self =
+        Self { actions: [Dirichlet::EMPTY; U], trust: 0.0, rates: Rates::new(0.0, 0.0) };
+
     /// Counts that begin with `trust` successes of each action. The more, the less a single failure
     /// says: after it the slip is η / (`trust` + η).
     #[must_use]

@@ -1,6 +1,6 @@
 //! What a robot is to visit: what it was told, and what it takes over from lost teammates.
 
-use super::super::handover::{PendingWaypoints, Takers};
+use super::super::handover::{Handover, PendingWaypoints, Takers};
 use super::super::intention::room;
 use super::super::{Fact, Intention, Purpose, VisitError};
 use super::Navigation;
@@ -85,7 +85,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     }
 
     fn take_over(&mut self, takers: Takers) {
-        let mut handover = core::mem::take(&mut self.handover);
+        let mut handover = core::mem::replace(&mut self.handover, Handover::NONE);
         handover.settle(self.waypoints.all());
         handover.pass(takers, |cell| !self.is_in_wall(cell) && self.visit(cell).is_ok());
         self.handover = handover;
