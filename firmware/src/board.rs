@@ -29,7 +29,7 @@ mod nrf52840;
 #[cfg(feature = "nrf52840")]
 pub use nrf52840::*;
 
-pub use clock::{count_millisecond, now};
+pub use clock::{count_millisecond, next_millisecond, now};
 pub use cortex_m_rt::entry;
 pub use fault::restart;
 pub use line::Line;

@@ -12,7 +12,7 @@ use heapless::Vec;
 use iibt_core::actions::HORIZON;
 use iibt_core::navigation::{Report, Stage};
 use iibt_core::team::{Key, Member, RobotId};
-use iibt_core::time::Duration;
+use iibt_core::time::{Duration, Instant};
 use static_cell::StaticCell;
 
 /// The measures of the robot.
@@ -76,37 +76,59 @@ impl<L: Link, C: Clock, D: Drive, B: Battery> Default for Memory<L, C, D, B> {
 /// Runs a robot for ever, and logs what it does. `cycles` counts those of the core, to measure
 /// ticks; `sleep` returns at the next interrupt, after a millisecond at the latest.
 pub fn run<L: Link, C: Clock, D: Drive, B: Battery>(
-    robot: &mut TeamMember<L, C, D, B>,
+    robot: &'static mut TeamMember<L, C, D, B>,
     cycles: impl Fn() -> u32,
     sleep: impl Fn(),
 ) -> ! {
-    let mut due = robot.hardware_mut().now();
-    let (mut ticks, mut longest) = (0_u32, 0);
-    let mut before = tell_of(robot);
+    let mut program = Program::new(robot);
     loop {
-        // Asking the drive is what ends a turn or a move, so it is asked at every millisecond.
-        robot.hardware_mut().is_moving();
-        let now = robot.hardware_mut().now();
-        if now.has_reached(due) {
-            due = now.after(Duration(TICK.get().into()));
-            ticks = ticks.wrapping_add(1);
-            let started = cycles();
-            robot.tick();
-            let took = cycles().wrapping_sub(started);
-            let report = tell_of(robot);
-            tell(robot.robot(), ticks, &before, &report);
-            if took > longest || report.0.stage != before.0.stage {
-                defmt::info!("tick {=u32}: took {=u32} cycles", ticks, took);
-                longest = longest.max(took);
-            }
-            before = report;
-        }
+        program.poll(&cycles);
         sleep();
     }
 }
 
+/// The program of a robot, for loops of one's own.
+pub struct Program<L: Link + 'static, C: Clock + 'static, D: Drive + 'static, B: Battery + 'static> {
+    robot: &'static mut TeamMember<L, C, D, B>,
+    due: Instant,
+    ticks: u32,
+    longest: u32,
+    before: (Report, LinkReport),
+}
+
+impl<L: Link, C: Clock, D: Drive, B: Battery> Program<L, C, D, B> {
+    /// The program of a robot that was started.
+    pub fn new(robot: &'static mut TeamMember<L, C, D, B>) -> Self {
+        let (due, before) = (robot.hardware_mut().now(), state_of(robot));
+        Self { robot, due, ticks: 0, longest: 0, before }
+    }
+
+    /// Ticks the robot if it is time. Call it every millisecond: asking the drive is what ends a
+    /// turn or a move. `cycles` counts those of the core.
+    pub fn poll(&mut self, cycles: impl Fn() -> u32) {
+        let Self { robot, due, ticks, longest, before } = self;
+        robot.hardware_mut().is_moving();
+        let now = robot.hardware_mut().now();
+        if !now.has_reached(*due) {
+            return;
+        }
+        *due = now.after(Duration(TICK.get().into()));
+        *ticks = ticks.wrapping_add(1);
+        let started = cycles();
+        robot.tick();
+        let took = cycles().wrapping_sub(started);
+        let state = state_of(robot);
+        tell(robot.robot(), *ticks, before, &state);
+        if took > *longest || state.0.stage != before.0.stage {
+            defmt::info!("tick {=u32}: took {=u32} cycles", *ticks, took);
+            *longest = took.max(*longest);
+        }
+        *before = state;
+    }
+}
+
 /// The state of the robot and of its link.
-fn tell_of<L: Link, C: Clock, D: Drive, B: Battery>(robot: &TeamMember<L, C, D, B>) -> (Report, LinkReport) {
+fn state_of<L: Link, C: Clock, D: Drive, B: Battery>(robot: &TeamMember<L, C, D, B>) -> (Report, LinkReport) {
     (robot.robot().navigation().report(), robot.link_report())
 }
 

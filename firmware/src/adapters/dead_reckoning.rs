@@ -1,7 +1,7 @@
 //! Dead reckoning: a localiser from finished moves.
 
 use crate::hardware::{Drive, Localiser};
-use core::cell::Cell as Shared;
+use core::sync::atomic::{AtomicU16, Ordering};
 use iibt_core::grid::{Cell, Map, Move};
 
 /// The position of a robot from its start and its finished moves.
@@ -39,7 +39,8 @@ use iibt_core::grid::{Cell, Map, Move};
 #[derive(Debug)]
 pub struct DeadReckoning<const W: usize> {
     map: Map<W>,
-    here: Shared<Cell>,
+    /// The number of the cell: atomic, so that drive and localiser may go to a task together.
+    here: AtomicU16,
 }
 
 /// A drive whose finished moves a [`DeadReckoning`] counts.
@@ -55,7 +56,11 @@ impl<const W: usize> DeadReckoning<W> {
     /// obstacles.
     #[must_use]
     pub const fn new(map: Map<W>, start: Cell) -> Self {
-        Self { map, here: Shared::new(start) }
+        Self { map, here: AtomicU16::new(start.0) }
+    }
+
+    fn here(&self) -> Cell {
+        Cell(self.here.load(Ordering::Relaxed))
     }
 
     /// Wraps a drive so that its finished moves are counted here.
@@ -66,7 +71,7 @@ impl<const W: usize> DeadReckoning<W> {
 
 impl<const W: usize> Localiser for &DeadReckoning<W> {
     fn locate(&mut self) -> Option<Cell> {
-        Some(self.here.get())
+        Some(self.here())
     }
 }
 
@@ -80,7 +85,7 @@ impl<D: Drive, const W: usize> Drive for Counted<'_, D, W> {
         let moving = self.drive.is_moving();
         if !moving && let Some(step) = self.pending.take() {
             let DeadReckoning { map, here } = self.reckoning;
-            here.set(map.neighbour(here.get(), step));
+            here.store(map.neighbour(self.reckoning.here(), step).0, Ordering::Relaxed);
         }
         moving
     }

@@ -46,10 +46,30 @@ pub fn problem(robots: usize, draw: usize) -> Option<Instance> {
 /// `None` if the team does not have it.
 #[must_use]
 pub fn robot<'m>(mission: &'m Mission<'m, WORDS>, number: u8) -> Option<Robot<'m>> {
+    let settings = settings(mission, number)?;
+    let mut robot = idle(&settings);
+    start(&mut robot, mission, &settings)?;
+    Some(robot)
+}
+
+/// The settings of a robot; `None` if the team does not have it.
+#[must_use]
+pub fn settings(mission: &Mission<'_, WORDS>, number: u8) -> Option<Settings> {
     let member = Member::new(RobotId(number), mission.starts.len()).ok()?;
-    let settings = Settings::new(member, KEY, 1, NonZero::<u16>::MIN);
+    Some(Settings::new(member, KEY, 1, NonZero::<u16>::MIN))
+}
+
+/// A robot without a mission, to be started where it lies.
+#[inline(always)] // built where it is to be, not on the stack
+#[must_use]
+pub fn idle<'m>(settings: &Settings) -> Robot<'m> {
     let body = Body::new(Line::default(), Ticks(0)).driving(Still, Told(None));
-    Some(Controller::new(Navigator::new(mission, &settings).ok()?, settings, body))
+    Controller::idle(Navigator::idle(), settings.clone(), body)
+}
+
+/// Starts a robot; `None` if it cannot fly the mission.
+pub fn start<'m>(robot: &mut Robot<'m>, mission: &'m Mission<'m, WORDS>, settings: &Settings) -> Option<()> {
+    robot.start(|navigator| navigator.start(mission, settings)).ok()
 }
 
 /// Ticks a robot once, with the cell that it reads and the bytes that it hears; returns the frame

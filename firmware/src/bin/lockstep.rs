@@ -21,6 +21,7 @@ mod image {
     use firmware::hardware::Link;
     use iibt_core::grid::Cell;
     use iibt_core::navigation::Mission;
+    use static_cell::StaticCell;
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
@@ -43,8 +44,11 @@ mod image {
         let problem: &'static Instance = singleton!(: Instance = problem)?;
         let mission = if owned == 0 { problem.mission() } else { problem.mission_with_owners() };
         let mission: &'static Mission<'static, WORDS> = singleton!(: Mission<'static, WORDS> = mission)?;
-        let robot = lockstep::robot(mission, number)?;
-        singleton!(: Robot<'static> = robot)
+        static ROBOT: StaticCell<Robot<'static>> = StaticCell::new();
+        let settings = lockstep::settings(mission, number)?;
+        let robot = ROBOT.try_init_with(|| lockstep::idle(&settings))?;
+        lockstep::start(robot, mission, &settings)?;
+        Some(robot)
     }
 
     fn run(robot: &'static mut Robot<'static>, board: &mut Board) -> ! {

@@ -78,8 +78,12 @@ impl Board {
     /// Starts the clock, the log, the link and the outputs; `None` the second time.
     #[must_use]
     pub fn take(chassis: Chassis) -> Option<Self> {
-        let core = cortex_m::Peripherals::take()?;
-        let chip = Peripherals::take()?;
+        Self::new(cortex_m::Peripherals::take()?, Peripherals::take()?, chassis)
+    }
+
+    /// As [`take`](Self::take), with peripherals that were taken already, as RTIC does.
+    #[must_use]
+    pub fn new(core: cortex_m::Peripherals, chip: Peripherals, chassis: Chassis) -> Option<Self> {
         let mut rcc = chip.RCC.constrain();
         let a = chip.GPIOA.split(&mut rcc);
         let b = chip.GPIOB.split(&mut rcc);

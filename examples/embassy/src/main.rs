@@ -1,0 +1,37 @@
+//! The robot of the image `team_member` as a task of embassy's executor, on the STM32F405.
+//!
+//! The robot lies in a `static`, so the task holds no more than a reference to it.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("This example runs on a robot: build it with `--target thumbv7em-none-eabihf`.");
+}
+
+#[cfg(target_os = "none")]
+mod image {
+    use embassy_executor::Spawner;
+    use firmware::board::{self, Board, Gauge, Milliseconds, Motors, TeamLink};
+    use firmware::team_member::{CHASSIS, Memory, Program};
+
+    static MEMORY: Memory<TeamLink, Milliseconds, Motors, Gauge> = Memory::new();
+
+    #[embassy_executor::main]
+    async fn main(spawner: Spawner) {
+        let Some(Board { link, clock, drive, battery, .. }) = Board::take(CHASSIS) else { board::restart() };
+        let Some(robot) = MEMORY.start(link, clock, drive, battery) else { board::restart() };
+        match control(Program::new(robot), clock) {
+            Ok(task) => spawner.spawn(task),
+            Err(_) => board::restart(),
+        }
+    }
+
+    /// Other tasks run between two milliseconds.
+    #[embassy_executor::task]
+    async fn control(mut program: Program<TeamLink, Milliseconds, Motors, Gauge>, clock: Milliseconds) {
+        loop {
+            program.poll(|| clock.cycles());
+            board::next_millisecond().await;
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! The robot of the image `team_member` as a task of RTIC, on the STM32F405.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("This example runs on a robot: build it with `--target thumbv7em-none-eabihf`.");
+}
+
+#[cfg(target_os = "none")]
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [EXTI0])]
+mod image {
+    use firmware::board::{self, Board, Gauge, Milliseconds, Motors, TeamLink};
+    use firmware::team_member::{CHASSIS, Memory, Program};
+
+    static MEMORY: Memory<TeamLink, Milliseconds, Motors, Gauge> = Memory::new();
+
+    #[shared]
+    struct Shared {}
+
+    #[local]
+    struct Local {
+        program: Program<TeamLink, Milliseconds, Motors, Gauge>,
+        clock: Milliseconds,
+    }
+
+    #[init]
+    fn init(context: init::Context) -> (Shared, Local) {
+        let Some(board) = Board::new(context.core, context.device, CHASSIS) else { board::restart() };
+        let Board { link, clock, drive, battery, .. } = board;
+        let Some(robot) = MEMORY.start(link, clock, drive, battery) else { board::restart() };
+        // The queue of a task has room for it.
+        let _ = control::spawn();
+        (Shared {}, Local { program: Program::new(robot), clock })
+    }
+
+    /// Tasks of higher priority may interrupt it anywhere.
+    #[task(local = [program, clock], priority = 1)]
+    async fn control(context: control::Context) {
+        loop {
+            context.local.program.poll(|| context.local.clock.cycles());
+            board::next_millisecond().await;
+        }
+    }
+}
