@@ -6,6 +6,7 @@
 mod algorithm_1;
 mod benchmarks;
 mod beyond;
+mod boards;
 mod budgets;
 mod campaign;
 mod choices;

@@ -77,6 +77,27 @@ fn the_stack_of_a_tick_is_within_budget() {
     assert_within("team_member", "stack_of_a_tick", used.into());
 }
 
+/// From the reset to the end of the first tick: the board is set up, and the robot is made.
+#[test]
+fn the_stack_of_the_boot_is_within_budget() {
+    let mut image = Robot::boot_stopped(team_member());
+    let top = image.pause().paint();
+    image.wait_for("took");
+    let used = top - image.pause().lowest_used();
+    assert_within("team_member", "stack_of_the_boot", used.into());
+}
+
+/// Ticks in which nothing is heard and nothing decided.
+#[test]
+fn the_stack_of_an_ordinary_tick_is_within_budget() {
+    let mut image = Robot::boot(team_member());
+    image.wait_for("took");
+    let top = image.pause().paint();
+    (0..5).for_each(|_| drop(image.receive()));
+    let used = top - image.pause().lowest_used();
+    assert_within("team_member", "stack_of_an_ordinary_tick", used.into());
+}
+
 #[test]
 fn the_image_has_no_allocator() {
     let elf = Elf::read(team_member());

@@ -34,7 +34,7 @@ pub use cortex_m_rt::entry;
 pub use fault::restart;
 pub use line::Line;
 pub use log::{LogPort, dropped as dropped_log_frames};
-pub use port::{Disturbed, IoPort, Port, enable};
+pub use port::{Disturbed, IoPort, Irq, Port, enable};
 
 /// Sleeps until the next interrupt: a byte on the link, or the next millisecond.
 pub fn sleep() {

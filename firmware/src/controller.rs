@@ -239,3 +239,98 @@ fn to_pass_on<M: Message>(peers: Peers<'_, M>, turn: u16) -> Option<&Peer<M>> {
     let start = usize::from(turn / 2) + peers.own().index();
     peers.fresh().nth(start.checked_rem(fresh)?).filter(|_| others_hear)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Navigator;
+    use crate::adapters::{Absent, Body};
+    use crate::missions::{CELLS, LAYERS, NODES, POLICIES, SECTION_5_1, WORDS};
+    use core::num::NonZero;
+    use core::task::Poll;
+    use iibt_core::team::{Key, Member, RobotId};
+    use static_cell::StaticCell;
+
+    struct Desk;
+
+    impl Link for Desk {
+        fn receive(&mut self) -> Option<u8> {
+            None
+        }
+        fn send(&mut self, _: &[u8]) -> bool {
+            true
+        }
+    }
+
+    impl Clock for Desk {
+        fn now(&mut self) -> Instant {
+            Instant(0)
+        }
+    }
+
+    type Robot = Controller<
+        Navigator<'static, CELLS, WORDS, LAYERS, NODES, POLICIES>,
+        Body<Desk, Desk, Absent, Absent>,
+    >;
+
+    fn settings() -> Settings {
+        let member = Member::new(RobotId(0), 2).expect("a team of two");
+        Settings::new(member, Key::new([7; 16]), 1, NonZero::<u16>::MIN)
+    }
+
+    fn idle() -> Robot {
+        Controller::idle(Navigator::idle(), settings(), Body::new(Desk, Desk).driving(Absent, Absent))
+    }
+
+    async fn next_tick() {
+        core::future::poll_fn(|_| Poll::<()>::Pending).await;
+    }
+
+    #[test]
+    fn a_controller_adds_little_to_the_task_that_builds_it() {
+        static ROBOT: StaticCell<Robot> = StaticCell::new();
+        let with = async {
+            let robot = ROBOT.init_with(idle);
+            let _ = robot.start(|navigator| navigator.start(&SECTION_5_1, &settings()));
+            loop {
+                robot.tick();
+                next_tick().await;
+            }
+        };
+        let without = async {
+            loop {
+                next_tick().await;
+            }
+        };
+        let holding = async {
+            let mut robot = idle();
+            loop {
+                robot.tick();
+                next_tick().await;
+            }
+        };
+        let [with, without, holding] = [size_of_val(&with), size_of_val(&without), size_of_val(&holding)];
+        assert!(with <= without + 64, "{with} bytes for {without}");
+        assert!(holding > size_of::<Robot>(), "a task that holds its robot is as large as that");
+    }
+
+    #[test]
+    fn a_robot_says_nothing_before_it_is_started() {
+        let mut robot = idle();
+        (0..20).for_each(|_| drop(robot.tick()));
+        assert_eq!((robot.link_report().sent, robot.link_report().unsent), (0, 0));
+        let start = |robot: &mut Robot| robot.start(|navigator| navigator.start(&SECTION_5_1, &settings()));
+        assert!(start(&mut robot).is_ok() && start(&mut robot).is_err(), "it starts once");
+    }
+
+    #[test]
+    fn a_robot_that_was_started_in_place_is_the_one_that_was_created() {
+        let body = Body::new(Desk, Desk).driving(Absent, Absent);
+        let created: Robot =
+            Controller::new(Navigator::new(&SECTION_5_1, &settings()).expect("a mission"), settings(), body);
+        let mut started = idle();
+        started.start(|navigator| navigator.start(&SECTION_5_1, &settings())).expect("a mission");
+        assert_eq!(std::format!("{:?}", started.robot), std::format!("{:?}", created.robot));
+        assert_eq!(started.context, created.context);
+    }
+}

@@ -14,6 +14,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
+/// QEMU's machine with an STM32F405.
+const MACHINE: &str = "netduinoplus2";
+
 /// How long a robot may take for one answer before the test fails.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -33,7 +36,16 @@ pub fn image(name: &str) -> PathBuf {
 /// As [`image`].
 #[must_use]
 pub fn image_with(name: &str, profile: &str) -> PathBuf {
-    build(name, profile, "thumbv7em-none-eabihf", "stm32f405")
+    image_for(name, profile, "thumbv7em-none-eabihf", "stm32f405")
+}
+
+/// The same for another board.
+///
+/// # Panics
+/// As [`image`].
+#[must_use]
+pub fn image_for(name: &str, profile: &str, target: &str, board: &str) -> PathBuf {
+    image_of("firmware", name, profile, target, Some(board))
 }
 
 /// What the image `name` for QEMU's RISC-V machine prints on its serial port until it ends.
@@ -42,7 +54,7 @@ pub fn image_with(name: &str, profile: &str) -> PathBuf {
 /// When it does not build, does not end, or ends with an error.
 #[must_use]
 pub fn printed_on_riscv(name: &str) -> String {
-    let image = build(name, "firmware", "riscv32imc-unknown-none-elf", "riscv-virt");
+    let image = image_for(name, "firmware", "riscv32imc-unknown-none-elf", "riscv-virt");
     let mut machine = Command::new("qemu-system-riscv32")
         .args(["-machine", "virt", "-bios", "none", "-display", "none", "-monitor", "none"])
         .args(["-serial", "stdio", "-no-reboot", "-kernel"])
@@ -64,10 +76,15 @@ pub fn printed_on_riscv(name: &str) -> String {
     text
 }
 
-fn build(name: &str, profile: &str, target: &str, board: &str) -> PathBuf {
+/// Builds the image `name` of a package, with the feature of a board.
+///
+/// # Panics
+/// As [`image`].
+#[must_use]
+pub fn image_of(package: &str, name: &str, profile: &str, target: &str, board: Option<&str>) -> PathBuf {
     let output = Command::new(env!("CARGO"))
-        .args(["build", "-p", "firmware", "--profile", profile])
-        .args(["--target", target, "--features", board])
+        .args(["build", "-p", package, "--profile", profile, "--target", target])
+        .args(board.map(|board| ["--features", board]).iter().flatten())
         .args(["--bin", name, "--message-format", "json-render-diagnostics"])
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
         .stderr(Stdio::inherit())
@@ -136,7 +153,26 @@ impl Robot {
     /// table.
     #[must_use]
     pub fn boot(image: &Path) -> Self {
-        Self::boot_with(image, &[])
+        Self::boot_with(image, MACHINE, &[])
+    }
+
+    /// Starts an image on another machine of QEMU, whose first serial port is the log and the
+    /// second one the link.
+    ///
+    /// # Panics
+    /// As [`Robot::boot`].
+    #[must_use]
+    pub fn boot_on(machine: &str, image: &Path) -> Self {
+        Self::boot_with(image, machine, &[])
+    }
+
+    /// Starts an image that does not run before it was [paused](Self::pause) and let go.
+    ///
+    /// # Panics
+    /// As [`Robot::boot`].
+    #[must_use]
+    pub fn boot_stopped(image: &Path) -> Self {
+        Self::boot_with(image, MACHINE, &["-S"])
     }
 
     /// Starts an image that takes a nanosecond of its own time for each instruction, so that its
@@ -146,15 +182,15 @@ impl Robot {
     /// As [`Robot::boot`].
     #[must_use]
     pub fn boot_counting(image: &Path) -> Self {
-        Self::boot_with(image, &["-icount", "shift=0"])
+        Self::boot_with(image, MACHINE, &["-icount", "shift=0"])
     }
 
-    fn boot_with(image: &Path, options: &[&str]) -> Self {
+    fn boot_with(image: &Path, machine: &str, options: &[&str]) -> Self {
         let elf = std::fs::read(image).unwrap_or_else(|error| panic!("{}: {error}", image.display()));
         let sockets = directory();
         let log = listen(&sockets, "log");
         let link = listen(&sockets, "link");
-        let mut qemu = start(image, &sockets, options);
+        let mut qemu = start(image, &sockets, machine, options);
         let log = accept(&log, &mut qemu);
         let link = accept(&link, &mut qemu);
         link.set_read_timeout(Some(PATIENCE)).expect("the time-out is not zero");
@@ -262,10 +298,10 @@ fn listen(directory: &Path, name: &str) -> UnixListener {
 }
 
 /// Starts QEMU as the client of both sockets, so that no byte of the log is lost.
-fn start(image: &Path, sockets: &Path, options: &[&str]) -> Child {
+fn start(image: &Path, sockets: &Path, machine: &str, options: &[&str]) -> Child {
     let socket = |name: &str| format!("socket,id={name},path={}", sockets.join(name).display());
     let mut command = Command::new("qemu-system-arm");
-    command.args(["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-no-reboot"]);
+    command.args(["-M", machine, "-display", "none", "-monitor", "none", "-no-reboot"]);
     for (name, serial) in [("log", "chardev:log"), ("link", "chardev:link")] {
         command.args(["-chardev", &socket(name), "-serial", serial]);
     }

@@ -1,9 +1,10 @@
-//! Sensors that a robot does not have.
+//! Parts that a robot does not have.
 
-use crate::hardware::{Battery, Localiser, Scanner};
-use iibt_core::grid::Cell;
+use crate::hardware::{Battery, Drive, Localiser, Scanner};
+use iibt_core::grid::{Cell, Move};
 
-/// A sensor that is not there: no position, nothing in view, and a charge that is always full.
+/// A part that is not there: no position, nothing in view, a charge that is always full, and a
+/// drive that is done with every move at once, for a board on a desk.
 ///
 /// ```
 /// use firmware::adapters::Absent;
@@ -14,6 +15,14 @@ use iibt_core::grid::Cell;
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Absent;
+
+impl Drive for Absent {
+    fn go(&mut self, _: Move) {}
+    fn is_moving(&mut self) -> bool {
+        false
+    }
+    fn stop(&mut self) {}
+}
 
 impl Localiser for Absent {
     fn locate(&mut self) -> Option<Cell> {

@@ -210,10 +210,6 @@ impl Port for LinkPort {
         self.is_sending = true;
     }
 
-    fn flush(&mut self) {
-        while !self.has_room() {}
-    }
-
     fn ask_for_room(&mut self, asks: bool) {
         if asks {
             self.uart.intenset.write(|w| w.txdrdy().set());
@@ -269,10 +265,6 @@ impl Port for LogUart {
         compiler_fence(Ordering::SeqCst);
         uarte.tasks_starttx.write(|w| w.tasks_starttx().set_bit());
         self.is_sending = true;
-    }
-
-    fn flush(&mut self) {
-        while !self.has_room() {}
     }
 
     fn ask_for_room(&mut self, asks: bool) {

@@ -20,13 +20,34 @@ pub trait Port: Send {
     fn write(&mut self, byte: u8);
 
     /// Waits until all bytes have left; only before a restart.
-    fn flush(&mut self);
+    fn flush(&mut self) {
+        while !self.has_room() {}
+    }
 
     /// Asks for an interrupt once there is room, or for no more.
     fn ask_for_room(&mut self, asks: bool);
 
     /// Makes the port's interrupt run as soon as it can.
     fn pend(&mut self);
+}
+
+/// The number of an interrupt, for chips without a crate that names them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Irq(pub u16);
+
+impl Irq {
+    /// Makes the interrupt's handler run as soon as it can.
+    pub fn pend(self) {
+        NVIC::pend(self);
+    }
+}
+
+// SAFETY: the number does not change.
+#[expect(unsafe_code, reason = "the trait is unsafe to implement")]
+unsafe impl InterruptNumber for Irq {
+    fn number(self) -> u16 {
+        self.0
+    }
 }
 
 /// A received byte that was lost: overrun, noise, or a break in the line.

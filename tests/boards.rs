@@ -1,0 +1,95 @@
+//! The boards: what the image takes on each of them, packages of one's own that depend on the
+//! firmware, and the examples.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::{env, fs};
+use tests::budgets::assert_within;
+use tests::elf::Elf;
+use tests::qemu::{Robot, image_for};
+
+const CORTEX_M4F: &str = "thumbv7em-none-eabihf";
+
+#[test]
+fn the_image_is_within_budget_on_each_board() {
+    for (board, target) in [("nrf52840", CORTEX_M4F), ("rp2040", "thumbv6m-none-eabi")] {
+        let elf = Elf::read(&image_for("team_member", "firmware", target, board));
+        assert_within(board, "flash", elf.flash);
+        assert_within(board, "ram", elf.ram);
+        // The HAL of the RP2040 divides by frequencies that it reads from its clocks.
+        if board != "rp2040" {
+            assert_eq!(elf.symbols_with(&["panick"]).collect::<Vec<_>>(), Vec::<&str>::new(), "{board}");
+        }
+    }
+}
+
+/// A copy of `examples/board` outside of the workspace, in a folder of its own.
+struct Outside(PathBuf);
+
+impl Outside {
+    fn new(name: &str) -> Self {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().expect("the workspace");
+        let folder = env::temp_dir().join(format!("iibt-{name}-{}", std::process::id()));
+        fs::create_dir_all(folder.join("src")).expect("a folder");
+        for file in ["build.rs", "memory.x", "src/main.rs"] {
+            fs::copy(root.join("examples/board").join(file), folder.join(file)).expect("a copy");
+        }
+        fs::copy(root.join("Cargo.lock"), folder.join("Cargo.lock")).expect("a copy");
+        let manifest = fs::read_to_string(root.join("examples/board/Cargo.toml")).expect("a manifest");
+        let manifest = manifest.replace("../..", root.to_str().expect("a path of UTF-8"));
+        fs::write(folder.join("Cargo.toml"), manifest).expect("a manifest");
+        Self(folder)
+    }
+
+    fn build(&self) -> Output {
+        let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("outside");
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args(["build", "--release", "--offline", "--target", CORTEX_M4F, "--target-dir"]).arg(target);
+        cargo.current_dir(&self.0).env("DEFMT_LOG", "info").output().expect("cargo starts")
+    }
+
+    fn image() -> PathBuf {
+        Path::new(env!("CARGO_TARGET_TMPDIR")).join("outside").join(CORTEX_M4F).join("release/own-board")
+    }
+}
+
+impl Drop for Outside {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Without a memory map a package must not link: with that of another board it would, in silence.
+#[test]
+fn a_board_of_ones_own_runs_with_its_own_memory_map_only() {
+    let own = Outside::new("board");
+    fs::rename(own.0.join("memory.x"), own.0.join("elsewhere.x")).expect("it is renamed");
+    let output = own.build();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && told.contains("cannot find linker script memory.x"), "{told}");
+
+    fs::rename(own.0.join("elsewhere.x"), own.0.join("memory.x")).expect("it is renamed");
+    let output = own.build();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mut robot = Robot::boot_on("mps2-an386", &Outside::image());
+    robot.wait_for("boot: robot 1 of 2");
+    robot.wait_for("took");
+    assert!(robot.receive().len() > 10, "it announces what it knows");
+}
+
+#[test]
+fn a_board_of_ones_own_takes_at_most_fifty_lines() {
+    let source = include_str!("../examples/board/src/main.rs");
+    let is_code = |line: &&str| !line.trim().is_empty() && !line.trim().starts_with("//");
+    assert!(source.lines().filter(is_code).count() <= 50);
+}
+
+#[test]
+fn the_controller_runs_in_embassy_and_in_rtic() {
+    for example in ["embassy-robot", "rtic-robot"] {
+        let mut robot = Robot::boot(&tests::qemu::image_of(example, example, "firmware", CORTEX_M4F, None));
+        robot.wait_for("boot: robot 1 of 2");
+        robot.wait_for("took");
+        assert!(robot.receive().len() > 10, "{example}: it announces what it knows");
+    }
+}
