@@ -71,6 +71,8 @@ fn a_board_of_ones_own_runs_with_its_own_memory_map_only() {
     fs::rename(own.0.join("elsewhere.x"), own.0.join("memory.x")).expect("it is renamed");
     let output = own.build();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let elf = Elf::read(&Outside::image());
+    assert_eq!(elf.symbols_with(&["panick"]).collect::<Vec<_>>(), Vec::<&str>::new());
     let mut robot = Robot::boot_on("mps2-an386", &Outside::image());
     robot.wait_for("boot: robot 1 of 2");
     robot.wait_for("took");

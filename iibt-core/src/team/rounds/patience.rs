@@ -236,7 +236,9 @@ impl Patience {
     /// come back, within limits. A link in a burst of losses is then not taken for a lost robot.
     fn lost_after(&self) -> u16 {
         let usual = self.timing.lost_after;
-        self.longest_silence.saturating_mul(3).clamp(usual, usual.saturating_mul(Timing::MOST_PATIENCE))
+        let most = usual.saturating_mul(Timing::MOST_PATIENCE);
+        // Not `clamp`, which panics where the limits are the wrong way round.
+        self.longest_silence.saturating_mul(3).min(most).max(usual)
     }
 
     fn those(&self, is_one: impl Fn(&Acquaintance) -> bool) -> View {
