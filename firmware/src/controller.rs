@@ -317,7 +317,9 @@ mod tests {
     #[test]
     fn a_robot_says_nothing_before_it_is_started() {
         let mut robot = idle();
-        (0..20).for_each(|_| drop(robot.tick()));
+        for _ in 0..20 {
+            robot.tick();
+        }
         assert_eq!((robot.link_report().sent, robot.link_report().unsent), (0, 0));
         let start = |robot: &mut Robot| robot.start(|navigator| navigator.start(&SECTION_5_1, &settings()));
         assert!(start(&mut robot).is_ok() && start(&mut robot).is_err(), "it starts once");
