@@ -60,7 +60,7 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
             robot,
             roster: Roster::new(settings.member(), settings.limits()),
             deframer: Deframer::new(),
-            auth: SipHash64::new(settings.key().clone()),
+            auth: SipHash64::with(settings.keys().clone()),
             context: Context::NONE,
             channel: settings.channel(),
             numbering: Numbering::new(settings.epoch()),

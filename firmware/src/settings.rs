@@ -1,7 +1,7 @@
 //! The settings of a robot: its place in the team, the key, and the rhythm of its ticks.
 
 use core::num::NonZero;
-use iibt_core::team::{Key, Limits, Member};
+use iibt_core::team::{Key, Keys, Limits, Member};
 use iibt_core::time::Duration;
 
 /// A robot's place in its team, its key, and its rhythm.
@@ -23,7 +23,7 @@ use iibt_core::time::Duration;
 #[derive(Clone, Debug)]
 pub struct Settings {
     member: Member,
-    key: Key,
+    keys: Keys,
     epoch: u32,
     tick: NonZero<u16>,
     channel: u32,
@@ -39,7 +39,13 @@ impl Settings {
     /// sixteen.
     #[must_use]
     pub const fn new(member: Member, key: Key, epoch: u32, tick: NonZero<u16>) -> Self {
-        Self { member, key, epoch, tick, channel: 0 }
+        Self::with_keys(member, Keys::shared(&key), epoch, tick)
+    }
+
+    /// Creates the same settings with a key for each sender.
+    #[must_use]
+    pub const fn with_keys(member: Member, keys: Keys, epoch: u32, tick: NonZero<u16>) -> Self {
+        Self { member, keys, epoch, tick, channel: 0 }
     }
 
     /// Sets the channel, for several teams that share a key: frames of other channels are refused.
@@ -73,8 +79,10 @@ impl Settings {
         Limits::every(self.tick)
     }
 
-    pub(crate) const fn key(&self) -> &Key {
-        &self.key
+    /// Returns the keys.
+    #[must_use]
+    pub const fn keys(&self) -> &Keys {
+        &self.keys
     }
 
     pub(crate) const fn channel(&self) -> u32 {

@@ -13,8 +13,8 @@
 //! the work per byte and per frame is bounded, and nothing without a valid tag is looked into. The
 //! room has no clock: the time of reception comes in as an [`Instant`](crate::time::Instant).
 //!
-//! All robots of a team share one key. A tag says that *a* holder of the key made the frame, not
-//! which one: robots that hold the key can speak in each other's name.
+//! Each sender has a key of its own, and all robots of a team have the keys of all. A tag says that
+//! *a* member of the team made the frame, not which one: members can speak in each other's name.
 
 mod auth;
 mod context;
@@ -22,6 +22,7 @@ mod counters;
 mod deframer;
 mod frame;
 mod freshness;
+mod keys;
 mod message;
 mod peers;
 mod replay;
@@ -35,6 +36,7 @@ pub use counters::Counters;
 pub use deframer::Deframer;
 pub use frame::{DecodeError, EncodeError, Envelope, MAX_FRAME, MAX_MESSAGE, VERSION, decode, encode};
 pub use freshness::{Freshness, Limits, LimitsError};
+pub use keys::Keys;
 pub use message::{Invalid, Message};
 pub use peers::Peers;
 pub use replay::{Numbering, Stamp};

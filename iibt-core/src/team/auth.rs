@@ -3,9 +3,10 @@
 //! A keyed 64-bit tag costs less than a table-free CRC on a Cortex-M4 and detects what a CRC
 //! detects, so there is no unauthenticated frame.
 
-use super::{Context, RobotId};
+use super::{Context, Keys, RobotId};
 use core::hash::Hasher;
 use siphasher::sip::SipHasher24;
+use zeroize::Zeroize;
 
 /// The length of a tag on the wire.
 pub const TAG_BYTES: usize = 8;
@@ -28,22 +29,44 @@ pub trait FrameAuth {
     /// Whether `tag` is the tag of the signed bytes, in a time that does not depend on where two
     /// tags differ.
     fn verify(&self, sender: RobotId, context: Context, signed: &[u8], tag: &Tag) -> bool {
-        let expected = self.tag(sender, context, signed);
-        let differing = expected.iter().zip(tag).fold(0, |bits, (a, b)| bits | (a ^ b));
-        // Keeps the compiler from turning the fold into a loop that stops at the first difference.
-        core::hint::black_box(differing) == 0
+        is_equal(&self.tag(sender, context, signed), tag)
     }
+}
+
+fn is_equal(expected: &Tag, tag: &Tag) -> bool {
+    let differing = expected.iter().zip(tag).fold(0, |bits, (a, b)| bits | (a ^ b));
+    // Keeps the compiler from turning the fold into a loop that stops at the first difference.
+    core::hint::black_box(differing) == 0
 }
 
 /// A 128-bit key. It is shown nowhere, not even by `Debug`.
 #[derive(Clone)]
-pub struct Key([u8; 16]);
+pub struct Key([u8; Self::BYTES]);
 
 impl Key {
+    /// The length of a key.
+    pub const BYTES: usize = 16;
+
     /// A key from its bytes, which should come from a random number generator.
     #[must_use]
-    pub const fn new(bytes: [u8; 16]) -> Self {
+    pub const fn new(bytes: [u8; Self::BYTES]) -> Self {
         Self(bytes)
+    }
+
+    /// Returns the bytes, to be written into a robot's memory.
+    #[must_use]
+    pub const fn to_bytes(&self) -> [u8; Self::BYTES] {
+        self.0
+    }
+
+    pub(super) const fn bytes(&self) -> &[u8; Self::BYTES] {
+        &self.0
+    }
+}
+
+impl Zeroize for Key {
+    fn zeroize(&mut self) {
+        self.0.zeroize();
     }
 }
 
@@ -70,30 +93,47 @@ impl defmt::Format for Key {
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SipHash64 {
-    key: Key,
+    keys: Keys,
 }
 
 impl SipHash64 {
-    /// The code under the key of a team.
+    /// The code under one key for all senders of a team.
     #[must_use]
     pub const fn new(key: Key) -> Self {
-        Self { key }
+        Self { keys: Keys::shared(&key) }
     }
 
-    /// Returns the key of a sender's frames: for now the team's key, for every sender.
+    /// The code under a key for each sender.
     #[must_use]
-    pub const fn key_of(&self, _sender: RobotId) -> &Key {
-        &self.key
+    pub const fn with(keys: Keys) -> Self {
+        Self { keys }
     }
 }
 
 impl FrameAuth for SipHash64 {
     fn tag(&self, sender: RobotId, context: Context, signed: &[u8]) -> Tag {
-        let mut hasher = SipHasher24::new_with_key(&self.key_of(sender).0);
-        hasher.write(&context.to_bits().to_le_bytes());
-        hasher.write(signed);
-        hasher.finish().to_le_bytes()
+        tag(self.keys.of(sender), context, signed)
     }
+
+    /// As for one key; a tag that is not that of the sender's key is compared under the second one
+    /// as well, where there is one.
+    fn verify(&self, sender: RobotId, context: Context, signed: &[u8], tagged: &Tag) -> bool {
+        is_equal(&self.tag(sender, context, signed), tagged)
+            || self.keys.also_of(sender).is_some_and(|key| is_equal(&tag(key, context, signed), tagged))
+    }
+}
+
+impl Zeroize for SipHash64 {
+    fn zeroize(&mut self) {
+        self.keys.zeroize();
+    }
+}
+
+fn tag(key: &[u8; Key::BYTES], context: Context, signed: &[u8]) -> Tag {
+    let mut hasher = SipHasher24::new_with_key(key);
+    hasher.write(&context.to_bits().to_le_bytes());
+    hasher.write(signed);
+    hasher.finish().to_le_bytes()
 }
 
 #[cfg(test)]
@@ -129,6 +169,6 @@ mod tests {
 
     #[test]
     fn debug_output_does_not_show_the_key() {
-        assert_eq!(std::format!("{AUTH:?}"), "SipHash64 { key: Key(..) }");
+        assert_eq!(std::format!("{AUTH:?}"), "SipHash64 { keys: Keys(..) }");
     }
 }
