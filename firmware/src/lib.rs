@@ -23,6 +23,7 @@ pub mod hardware;
 mod link_report;
 pub mod missions;
 mod navigator;
+pub mod page;
 pub mod prelude;
 mod robot;
 mod settings;

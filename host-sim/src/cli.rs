@@ -6,6 +6,7 @@ mod learn;
 mod manipulate;
 mod missions;
 mod notebook;
+mod provision;
 mod reproduce;
 mod task;
 mod tree;
@@ -127,6 +128,9 @@ enum Verb {
     /// Let two robots bring a bottle and a plate together
     #[command(after_help = manipulate::EXAMPLES)]
     Manipulate(Manipulate),
+    /// Write the page of flash that makes an image one robot of a team, or print one
+    #[command(after_help = provision::EXAMPLES)]
+    Provision(provision::WritePage),
     /// Check, show, translate and try behavior trees
     Tree(tree::Tree),
 }
@@ -188,6 +192,7 @@ impl Cli {
             Some(Verb::Frames(frames)) => frames.run(),
             Some(Verb::Learn(learn)) => learn.run(),
             Some(Verb::Manipulate(manipulate)) => manipulate.run(),
+            Some(Verb::Provision(provision)) => provision.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Tree(tree)) => tree.run(),
             None => self.run.run(),
         }

@@ -72,7 +72,7 @@ fn reasons(refused: &BTreeMap<String, u32>) -> String {
     if reasons.is_empty() { "it is empty".to_owned() } else { reasons.join(", ") }
 }
 
-fn key(text: &str) -> Result<[u8; 16], String> {
+pub(super) fn key(text: &str) -> Result<[u8; 16], String> {
     let digits: Option<Vec<u8>> =
         text.chars().map(|digit| digit.to_digit(16).map(|digit| digit as u8)).collect();
     let bytes: Option<Vec<u8>> = digits
