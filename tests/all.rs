@@ -13,6 +13,7 @@ mod choices;
 mod documentation;
 mod emulated;
 mod figures;
+mod flash;
 mod frames;
 #[path = "inference/main.rs"]
 mod inference;

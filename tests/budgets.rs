@@ -4,7 +4,7 @@ use iibt_core::team::{SipHash64, decode};
 use tests::budgets::assert_within;
 use tests::elf::Elf;
 use tests::qemu::{Robot, number, team_member};
-use tests::rig::{DEMO_KEY, Message, OnHost};
+use tests::rig::{Message, OnHost, demo_keys};
 
 #[test]
 fn flash_and_ram_are_within_budget() {
@@ -52,7 +52,7 @@ fn instructions_per_tick_are_within_budget() {
 fn agree(image: &mut Robot, second: &mut OnHost) {
     let has_scored = |frame: &[u8]| {
         let frame =
-            decode::<Message>(&frame[1..frame.len() - 1], &SipHash64::new(DEMO_KEY), second.context());
+            decode::<Message>(&frame[1..frame.len() - 1], &SipHash64::with(demo_keys()), second.context());
         frame.expect("it is authentic").message.rounds.answer.digest().is_some()
     };
     let scored = (0..100).map(|_| image.receive()).find(|frame| has_scored(frame));

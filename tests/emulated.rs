@@ -7,7 +7,7 @@ use iibt_core::navigation::Stage;
 use iibt_core::team::rounds::Answer;
 use iibt_core::team::{Envelope, SipHash64, decode};
 use tests::qemu::{Robot, number, team_member};
-use tests::rig::{DEMO_KEY, Message, OnHost};
+use tests::rig::{Message, OnHost, demo_keys};
 
 fn stage(robot: &OnHost) -> Stage {
     robot.navigation().report().stage
@@ -31,7 +31,7 @@ fn the_image_decides_with_the_same_bits_as_the_host_and_arrives_with_a_robot_on_
     image.wait_for("boot");
 
     // Robot 2 hears every frame of the image and answers each with one of its own.
-    let auth = SipHash64::new(DEMO_KEY);
+    let auth = SipHash64::with(demo_keys());
     let mut said: Vec<Envelope<Message>> = vec![];
     let has_arrived = |said: &Envelope<Message>| matches!(said.message.rounds.answer, Answer::Decided { step, .. } if step == 6);
     while stage(&second) != Stage::Arrived || !said.last().is_some_and(has_arrived) {

@@ -8,6 +8,7 @@ use iibt_core::team::{
 };
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree::Status;
+use zeroize::Zeroize;
 
 /// How often one tick reads from the link, a frame's bytes at a time: two frames of every robot. A
 /// flood of bytes delays frames, but no tick.
@@ -29,7 +30,7 @@ pub struct Controller<R: Robot<H>, H> {
     robot: R,
     roster: Roster<R::Message>,
     deframer: Deframer,
-    auth: SipHash64,
+    auth: Option<SipHash64>,
     context: Context,
     channel: u32,
     numbering: Numbering,
@@ -60,7 +61,7 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
             robot,
             roster: Roster::new(settings.member(), settings.limits()),
             deframer: Deframer::new(),
-            auth: SipHash64::with(settings.keys().clone()),
+            auth: Some(SipHash64::with(settings.keys().clone())),
             context: Context::NONE,
             channel: settings.channel(),
             numbering: Numbering::new(settings.epoch()),
@@ -180,6 +181,22 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
         }
     }
 
+    /// Returns whether the numbers of frames of this epoch are used up. The robot is silent then
+    /// until it starts again, in an epoch that is counted before it is used: restart it where it
+    /// stands.
+    #[must_use]
+    pub const fn needs_new_epoch(&self) -> bool {
+        self.numbering.is_exhausted()
+    }
+
+    /// Overwrites the keys with zeros. From now on the robot neither sends nor hears its team, and
+    /// goes on only as far as what it has heard lets it. Those in the flash stay; see
+    /// [`page::erase`](crate::page::erase).
+    #[doc(alias = "zeroize")]
+    pub fn forget_keys(&mut self) {
+        self.auth.zeroize();
+    }
+
     fn listen(&mut self, now: Instant) {
         self.roster.expire(now);
         let (robot, mut room) = (&self.robot, [0; MAX_FRAME]);
@@ -189,10 +206,11 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
             if bytes.is_empty() {
                 break;
             }
+            let Some(auth) = &self.auth else { continue };
             while let Some(frame) = self.deframer.take(&mut bytes) {
                 let accepts = |message: &R::Message| robot.accepts(message);
                 // The roster counts what it refuses.
-                let _ = self.roster.receive(frame, &self.auth, self.context, now, accepts);
+                let _ = self.roster.receive(frame, auth, self.context, now, accepts);
             }
         }
     }
@@ -203,7 +221,7 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
         if self.last_sent.is_some_and(|sent| now.has_reached(sent) && now.since(sent) < self.period) {
             return;
         }
-        let Some(message) = self.robot.message() else { return };
+        let (Some(message), Some(auth)) = (self.robot.message(), &self.auth) else { return };
         self.turn = self.turn.wrapping_add(1);
         let peers = self.roster.at(now);
         let passed_on = if self.robot.repeats_itself() { to_pass_on(peers, self.turn) } else { None };
@@ -218,8 +236,8 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
             &own
         };
         let mut buffer = [0; MAX_FRAME];
-        let taken = encode(envelope, &self.auth, self.context, &mut buffer)
-            .is_ok_and(|frame| self.hardware.send(frame));
+        let taken =
+            encode(envelope, auth, self.context, &mut buffer).is_ok_and(|frame| self.hardware.send(frame));
         let counter = if taken { &mut self.sent } else { &mut self.unsent };
         *counter = counter.saturating_add(1);
         // A refused frame is not repeated: the next one is complete and newer.

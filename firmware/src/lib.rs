@@ -18,6 +18,7 @@ pub mod adapters;
 pub mod bench;
 #[cfg(all(feature = "board", target_os = "none"))]
 pub mod board;
+mod boot_counter;
 mod controller;
 pub mod hardware;
 mod link_report;
@@ -31,6 +32,7 @@ mod table_robot;
 #[cfg(feature = "defmt")]
 pub mod team_member;
 
+pub use boot_counter::{BootCounter, EpochError};
 pub use controller::Controller;
 pub use link_report::LinkReport;
 pub use navigator::{Navigator, Thresholds};

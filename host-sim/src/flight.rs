@@ -20,7 +20,7 @@ use crate::team::{Boot, Navigating, TeamError, UNLIMITED, navigating};
 use crate::world::World;
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::{Mission, Report};
-use iibt_core::team::Key;
+use iibt_core::team::Keys;
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
 
@@ -105,18 +105,19 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         Self::with_key(mission, KEY, faults, seed)
     }
 
-    /// Starts the flight with a key of the team's own.
+    /// Starts the flight with a key of the team's own, or one for each sender.
     ///
     /// # Errors
     /// As [`over`](Self::over).
     pub fn with_key(
         mission: &'m Mission<'m, W>,
-        key: Key,
+        keys: impl Into<Keys>,
         faults: Faults,
         seed: u64,
     ) -> Result<Self, TeamError> {
+        let keys = keys.into();
         let boot =
-            move |robot, epoch| navigating(mission, key.clone(), robot, epoch, UNLIMITED).map(Box::new);
+            move |robot, epoch| navigating(mission, keys.clone(), robot, epoch, UNLIMITED).map(Box::new);
         Self::new(Scenario::of(mission, &faults)?, faults, seed, Box::new(boot))
     }
 }

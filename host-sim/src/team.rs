@@ -13,7 +13,7 @@ use firmware::{Controller, Navigator, Settings, missions};
 use iibt_core::grid::{Cell, Path, words};
 use iibt_core::inference::learning::Rates;
 use iibt_core::navigation::{Mission, MissionError};
-use iibt_core::team::{Key, Member, MemberError, RobotId};
+use iibt_core::team::{Keys, Member, MemberError, RobotId};
 use serde::Serialize;
 use std::num::NonZero;
 use thiserror::Error;
@@ -123,7 +123,7 @@ fn sized<const S: usize, const W: usize, T>(
     let team = scenario.robots.len();
     if let Some(figure) = pilot.figure() {
         return fly(Box::new(|robot, epoch| {
-            let settings = settings(robot, team, KEY, epoch, period(scenario))?;
+            let settings = settings(robot, team, KEY.into(), epoch, period(scenario))?;
             let robot = ConventionalRobot::<S, W>::new(scenario, figure, &settings)?;
             Ok(Box::new(Controller::new(robot, settings, body())))
         }));
@@ -131,7 +131,13 @@ fn sized<const S: usize, const W: usize, T>(
     on_mission::<W, T>(scenario, |mission| {
         let budget = scenario.inference.budget.unwrap_or(UNLIMITED);
         fly(Box::new(move |robot, epoch| {
-            Ok(Box::new(navigating::<S, W, LAYERS, NODES, POLICIES>(mission, KEY, robot, epoch, budget)?))
+            Ok(Box::new(navigating::<S, W, LAYERS, NODES, POLICIES>(
+                mission,
+                KEY.into(),
+                robot,
+                epoch,
+                budget,
+            )?))
         }))
     })
 }
@@ -146,7 +152,13 @@ fn as_in_images<T>(
     on_mission::<W, T>(scenario, |mission| {
         let budget = scenario.inference.budget.unwrap_or(UNLIMITED);
         fly(Box::new(move |robot, epoch| {
-            Ok(Box::new(navigating::<SMALL, W, LAYERS, NODES, POLICIES>(mission, KEY, robot, epoch, budget)?))
+            Ok(Box::new(navigating::<SMALL, W, LAYERS, NODES, POLICIES>(
+                mission,
+                KEY.into(),
+                robot,
+                epoch,
+                budget,
+            )?))
         }))
     })
 }
@@ -192,17 +204,23 @@ pub(crate) fn navigating<
     const K: usize,
 >(
     mission: &'m Mission<'m, W>,
-    key: Key,
+    keys: Keys,
     robot: u8,
     epoch: u32,
     budget: u32,
 ) -> Result<Navigating<'m, S, W, L, M, K>, TeamError> {
-    let settings = settings(robot, mission.starts.len(), key, epoch, NonZero::<u16>::MIN)?;
+    let settings = settings(robot, mission.starts.len(), keys, epoch, NonZero::<u16>::MIN)?;
     Ok(Controller::new(Navigator::new(mission, &settings)?.with_budget(budget), settings, body()))
 }
 
-fn settings(robot: u8, team: usize, key: Key, epoch: u32, tick: NonZero<u16>) -> Result<Settings, TeamError> {
-    Ok(Settings::new(Member::new(RobotId(robot), team)?, key, epoch, tick))
+fn settings(
+    robot: u8,
+    team: usize,
+    keys: Keys,
+    epoch: u32,
+    tick: NonZero<u16>,
+) -> Result<Settings, TeamError> {
+    Ok(Settings::with_keys(Member::new(RobotId(robot), team)?, keys, epoch, tick))
 }
 
 fn tune<const W: usize>(mission: &mut Mission<'_, W>, scenario: &Scenario) {

@@ -6,6 +6,7 @@ pub mod elf;
 pub mod gdb;
 pub mod handling;
 pub mod judge;
+pub mod nor_flash;
 pub mod oracle;
 pub mod package;
 pub mod peers;

@@ -2,12 +2,28 @@
 //! frames.
 
 use firmware::missions::{CELLS, LAYERS, NODES, POLICIES, SECTION_5_1, WORDS};
-use host_sim::{AnyRobot, EventEffect, Faults, Flight, KEY, NavigatorFlight};
+use host_sim::{AnyRobot, EventEffect, Faults, Flight, KEY, NavigatorFlight, Provision};
 use iibt_core::navigation::{Intention, Navigation};
-use iibt_core::team::{Context, Envelope, Key, MAX_FRAME, SipHash64, encode};
+use iibt_core::team::{Context, Envelope, Key, Keys, MAX_FRAME, RobotId, SipHash64, encode};
 
 /// The key of the image `team_member`.
 pub const DEMO_KEY: Key = Key::new(*b"section 5.1 demo");
+
+/// The keys of its senders.
+#[must_use]
+pub fn demo_keys() -> Keys {
+    Keys::of_team(&DEMO_KEY, 0, 0)
+}
+
+/// The page that makes it this robot.
+///
+/// # Panics
+/// When the mission is not sound.
+#[must_use]
+pub fn demo_page(robot: u8) -> Vec<u8> {
+    let provision = Provision { epoch: 1, ..Provision::new(RobotId(robot), DEMO_KEY) };
+    provision.page_of(&SECTION_5_1).expect("it fits")
+}
 
 /// The task of a robot of section 5.1, with the sizes of the image.
 pub type Task = Navigation<'static, CELLS, WORDS, LAYERS, NODES, POLICIES>;
@@ -28,7 +44,8 @@ impl OnHost {
     /// When the mission is not sound.
     #[must_use]
     pub fn robot(number: usize) -> Self {
-        let mut flight = Flight::with_key(&SECTION_5_1, DEMO_KEY, Faults::default(), 0).expect("it is sound");
+        let mut flight =
+            Flight::with_key(&SECTION_5_1, demo_keys(), Faults::default(), 0).expect("it is sound");
         let others = (0..SECTION_5_1.starts.len()).filter(|&other| other != number);
         others.for_each(|other| flight.cause(EventEffect::Stop(other, None)));
         Self { flight, number }

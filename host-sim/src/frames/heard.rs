@@ -2,7 +2,7 @@
 
 use iibt_core::team::rounds::{Answer, Choice, Fact, Proposal, RoundMessage};
 use iibt_core::team::{
-    Context, Deframer, Envelope, Invalid, Key, MAX_TEAM, Message, RobotId, SipHash64, decode,
+    Context, Deframer, Envelope, Invalid, Key, Keys, MAX_TEAM, Message, RobotId, SipHash64, decode,
 };
 use std::collections::BTreeMap;
 use std::fmt;
@@ -40,7 +40,9 @@ impl<F: Fact, M> Heard<F, M> {
         M: Message + AsRef<RoundMessage<F, K>>,
     {
         let mut heard = Self { accepted: 0, refused: BTreeMap::new(), rounds: Vec::new() };
-        let (auth, mut deframer) = (SipHash64::new(key.clone()), Deframer::new());
+        // Robots that were provisioned send under keys of their own, those of the simulator under one.
+        let auth = SipHash64::with(Keys::of_team(key, 0, 0).accepting(&Keys::shared(key)));
+        let mut deframer = Deframer::new();
         // A delimiter more, so that a frame that was cut off is refused and not forgotten.
         for &byte in bytes.iter().chain(&[0]) {
             let Some(frame) = deframer.feed(byte) else { continue };

@@ -100,6 +100,13 @@ impl Keys {
     }
 }
 
+/// The same key for every sender.
+impl From<Key> for Keys {
+    fn from(key: Key) -> Self {
+        Self::shared(&key)
+    }
+}
+
 /// Overwrites the keys with zeros, in a way that the compiler keeps. Copies that the program has
 /// moved from are not reached.
 impl Zeroize for Keys {

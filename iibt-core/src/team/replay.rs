@@ -67,6 +67,13 @@ impl Numbering {
         Self { next: Some(Stamp { epoch, sequence: 0 }) }
     }
 
+    /// Whether all stamps of the epoch are used. The sender takes the next epoch by starting again:
+    /// first the count is written, then everything begins in the new epoch alike.
+    #[must_use]
+    pub const fn is_exhausted(&self) -> bool {
+        self.next.is_none()
+    }
+
     /// The stamp for the next frame, or `None` when all are used: the sender must fall silent.
     pub fn next_stamp(&mut self) -> Option<Stamp> {
         let stamp = self.next?;
@@ -100,7 +107,9 @@ mod tests {
     #[test]
     fn is_silent_after_the_last_number_of_its_epoch() {
         let mut numbering = Numbering { next: Some(stamp(7, u32::MAX)) };
+        assert!(!numbering.is_exhausted());
         assert_eq!(numbering.next_stamp(), Some(stamp(7, u32::MAX)));
+        assert!(numbering.is_exhausted());
         assert_eq!([numbering.next_stamp(), numbering.next_stamp()], [None; 2], "epoch 8 is another start");
     }
 }
