@@ -7,6 +7,7 @@ use std::{env, fs};
 use tests::budgets::assert_within;
 use tests::elf::Elf;
 use tests::qemu::{Robot, image_for};
+use tests::rig::demo_page;
 
 const CORTEX_M4F: &str = "thumbv7em-none-eabihf";
 
@@ -73,7 +74,7 @@ fn a_board_of_ones_own_runs_with_its_own_memory_map_only() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let elf = Elf::read(&Outside::image());
     assert_eq!(elf.symbols_with(&["panick"]).collect::<Vec<_>>(), Vec::<&str>::new());
-    let mut robot = Robot::boot_on("mps2-an386", &Outside::image());
+    let mut robot = Robot::boot_on("mps2-an386", &Outside::image(), (0x20_0000, &demo_page(0)));
     robot.wait_for("boot: robot 1 of 2");
     robot.wait_for("took");
     assert!(robot.receive().len() > 10, "it announces what it knows");
@@ -89,7 +90,10 @@ fn a_board_of_ones_own_takes_at_most_fifty_lines() {
 #[test]
 fn the_controller_runs_in_embassy_and_in_rtic() {
     for example in ["embassy-robot", "rtic-robot"] {
-        let mut robot = Robot::boot(&tests::qemu::image_of(example, example, "firmware", CORTEX_M4F, None));
+        let mut robot = Robot::boot_with_page(
+            &tests::qemu::image_of(example, example, "firmware", CORTEX_M4F, None),
+            &demo_page(0),
+        );
         robot.wait_for("boot: robot 1 of 2");
         robot.wait_for("took");
         assert!(robot.receive().len() > 10, "{example}: it announces what it knows");

@@ -4,7 +4,7 @@ use iibt_core::team::{SipHash64, decode};
 use tests::budgets::assert_within;
 use tests::elf::Elf;
 use tests::qemu::{Robot, number, team_member};
-use tests::rig::{Message, OnHost, demo_keys};
+use tests::rig::{Message, OnHost, demo_keys, demo_page};
 
 #[test]
 fn flash_and_ram_are_within_budget() {
@@ -38,7 +38,7 @@ fn instructions(image: &mut Robot) -> u64 {
 
 #[test]
 fn instructions_per_tick_are_within_budget() {
-    let mut image = Robot::boot_counting(team_member());
+    let mut image = Robot::boot_counting_with_page(team_member(), &demo_page(0));
     assert_within("team_member", "ordinary_tick", instructions(&mut image));
     let mut second = OnHost::robot(1);
     image.send(&second.tick(&[]));
@@ -65,7 +65,7 @@ fn agree(image: &mut Robot, second: &mut OnHost) {
 /// interrupts in between.
 #[test]
 fn the_stack_of_a_tick_is_within_budget() {
-    let mut image = Robot::boot(team_member());
+    let mut image = Robot::boot_with_page(team_member(), &demo_page(0));
     image.wait_for("took");
     let top = image.pause().paint();
     let mut second = OnHost::robot(1);
@@ -80,7 +80,7 @@ fn the_stack_of_a_tick_is_within_budget() {
 /// From the reset to the end of the first tick: the board is set up, and the robot is made.
 #[test]
 fn the_stack_of_the_boot_is_within_budget() {
-    let mut image = Robot::boot_stopped(team_member());
+    let mut image = Robot::boot_stopped(team_member(), &demo_page(0));
     let top = image.pause().paint();
     image.wait_for("took");
     let used = top - image.pause().lowest_used();
@@ -90,7 +90,7 @@ fn the_stack_of_the_boot_is_within_budget() {
 /// Ticks in which nothing is heard and nothing decided.
 #[test]
 fn the_stack_of_an_ordinary_tick_is_within_budget() {
-    let mut image = Robot::boot(team_member());
+    let mut image = Robot::boot_with_page(team_member(), &demo_page(0));
     image.wait_for("took");
     let top = image.pause().paint();
     (0..5).for_each(|_| drop(image.receive()));

@@ -2,12 +2,13 @@
 //! together.
 
 use firmware::missions::SECTION_5_1;
+use host_sim::{Provision, library};
 use iibt_core::grid::Cell;
 use iibt_core::navigation::Stage;
 use iibt_core::team::rounds::Answer;
-use iibt_core::team::{Envelope, SipHash64, decode};
+use iibt_core::team::{Envelope, RobotId, SipHash64, decode};
 use tests::qemu::{Robot, number, team_member};
-use tests::rig::{Message, OnHost, demo_keys};
+use tests::rig::{DEMO_KEY, Message, OnHost, demo_keys, demo_page};
 
 fn stage(robot: &OnHost) -> Stage {
     robot.navigation().report().stage
@@ -25,7 +26,7 @@ fn logged(image: &mut Robot, policies: usize) -> Vec<(u32, u32)> {
 
 #[test]
 fn the_image_decides_with_the_same_bits_as_the_host_and_arrives_with_a_robot_on_the_host() {
-    let mut image = Robot::boot(team_member());
+    let mut image = Robot::boot_with_page(team_member(), &demo_page(0));
     let mut second = OnHost::robot(1);
     let context = second.context();
     image.wait_for("boot");
@@ -61,4 +62,52 @@ fn the_image_decides_with_the_same_bits_as_the_host_and_arrives_with_a_robot_on_
     let mut goals = [Cell(own as u16), other];
     goals.sort_unstable();
     assert_eq!(goals, SECTION_5_1.goals, "each has a goal of its own");
+}
+
+#[test]
+fn the_image_stands_without_a_page_that_it_can_use_and_logs_the_reason() {
+    let reason = |page: &[u8]| {
+        let mut image = Robot::boot_with_page(team_member(), page);
+        image.wait_for("stands").message
+    };
+    let page = demo_page(1);
+    assert!(reason(&[]).contains("Blank"), "nothing is written");
+    assert!(reason(b"a page of another kind").contains("Magic"));
+    for at in [4, 5, 16, 19, 60, page.len() - 1] {
+        let mut damaged = page.clone();
+        damaged[at] ^= 1;
+        let reason = reason(&damaged);
+        assert!(reason.contains("NoPage") && reason.contains("byte "), "{at}: {reason}");
+    }
+    assert!(reason(&page[..page.len() / 2]).contains("Checksum"), "cut off");
+
+    let provision = |scenario: &str, epoch| {
+        let scenario = library::find(scenario).expect("built in").expect("sound");
+        Provision { epoch, ..Provision::new(RobotId(0), DEMO_KEY) }.page(&scenario).expect("it fits")
+    };
+    let too_large = reason(&provision("courtyard", 1));
+    assert!(too_large.contains("TooLarge { size: Cells, needed: 256, room: 49 }"), "{too_large}");
+    assert!(reason(&provision("two-goals", 0)).contains("NotCounted"), "the emulator cannot count");
+}
+
+#[test]
+fn the_same_image_is_any_robot_of_any_team_by_its_page() {
+    let boot = |scenario: &str, robot: u8, epoch| {
+        let scenario = library::find(scenario).expect("built in").expect("sound");
+        let provision = Provision { epoch, ..Provision::new(RobotId(robot), DEMO_KEY) };
+        let page = provision.page(&scenario).expect("it fits");
+        let mut image = Robot::boot_with_page(team_member(), &page);
+        let line = image.wait_for("boot").message;
+        image.wait_for(&format!("boot: epoch {epoch}"));
+        let expected = format!(
+            "boot: robot {} of {} on p{}",
+            robot + 1,
+            scenario.robots.len(),
+            scenario.robots[usize::from(robot)].start.0
+        );
+        assert_eq!(line, expected);
+    };
+    boot("two-goals", 1, 1);
+    boot("factory", 2, 7);
+    boot("shift", 0, 900);
 }

@@ -2,7 +2,7 @@
 
 use embedded_storage::nor_flash::NorFlash;
 use firmware::page::{self, MAX_PAGE, Page, Refused, Slots, StoreError};
-use firmware::{BootCounter, EpochError};
+use firmware::{BootCounter, EpochError, Storage};
 use host_sim::{KEY, Provision, Random, library};
 use iibt_core::team::RobotId;
 use tests::nor_flash::PoweredFlash;
@@ -103,8 +103,13 @@ fn a_start_that_is_not_counted_has_no_epoch() {
     assert_eq!(COUNTER.count(&mut flash, 7), Err(EpochError::Unwritable), "writes that change nothing");
     flash.power = Some(0);
     assert_eq!(COUNTER.count(&mut flash, 7), Err(EpochError::Unreadable));
-    assert_eq!(COUNTER.epoch::<Flash<4>>(None, 0), Err(EpochError::NotCounted));
-    assert_eq!(COUNTER.epoch::<Flash<4>>(None, 7), Ok(7), "whoever loads the page counts");
+
+    let flash = Flash::<4>::erased(2, 0);
+    let mut storage = Storage { flash, page: SLOTS, counter: None };
+    assert_eq!(storage.epoch(0), Err(EpochError::NotCounted));
+    assert_eq!([storage.epoch(7), storage.epoch(7)], [Ok(7); 2], "whoever loads the page counts");
+    storage.counter = Some(COUNTER);
+    assert_eq!([storage.epoch(7), storage.epoch(7)], [Ok(7), Ok(8)]);
 
     let mut foreign = Flash::<4>::erased(2, 0);
     foreign.bytes.fill(0x55);

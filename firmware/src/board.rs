@@ -11,6 +11,7 @@ mod clock;
 mod fault;
 mod line;
 mod log;
+mod mapped_flash;
 mod port;
 mod shared;
 pub mod systick;
@@ -29,14 +30,37 @@ mod nrf52840;
 #[cfg(feature = "nrf52840")]
 pub use nrf52840::*;
 
+use crate::hardware::{Battery, Clock, Drive, Link};
+use crate::team_member::{self, Standing, Started};
 pub use clock::{count_millisecond, next_millisecond, now};
 pub use cortex_m_rt::entry;
 pub use fault::restart;
 pub use line::Line;
 pub use log::{LogPort, dropped as dropped_log_frames};
+pub use mapped_flash::{MappedFlash, mapped};
 pub use port::{Disturbed, IoPort, Irq, Port, enable};
 
 /// Sleeps until the next interrupt: a byte on the link, or the next millisecond.
 pub fn sleep() {
     cortex_m::asm::wfi();
+}
+
+/// Stands, with the motors off and without a word to the team, until the board is reset: a restart
+/// would end here again.
+pub fn stand(reason: &Standing) -> ! {
+    defmt::error!("stands: {}", reason);
+    loop {
+        sleep();
+    }
+}
+
+/// Runs a robot that was started, and restarts it when it needs that; stands where it was not
+/// started. `cycles` counts those of the core.
+pub fn run<L: Link, C: Clock, D: Drive, B: Battery>(
+    started: Result<Started<L, C, D, B>, Standing>,
+    cycles: impl Fn() -> u32,
+) -> ! {
+    let started = started.unwrap_or_else(|reason| stand(&reason));
+    team_member::run(started, cycles, sleep);
+    restart()
 }

@@ -103,19 +103,6 @@ impl BootCounter {
     /// That of the STM32F405: sectors 10 and 11 of its flash, of 128 KiB each.
     pub const STM32F405: Self = Self { first: 0xc_0000, second: 0xe_0000, length: 0x2_0000 };
 
-    /// Returns the epoch of a start: counted in a flash, or the page's own on a board that cannot
-    /// write its flash, as in an emulator. There, who loads the page counts.
-    ///
-    /// # Errors
-    /// [`EpochError`]: the robot must not take part.
-    pub fn epoch<F: NorFlash>(self, flash: Option<&mut F>, of_page: u32) -> Result<u32, EpochError> {
-        match flash {
-            Some(flash) => self.count(flash, of_page),
-            None if of_page > 0 => Ok(of_page),
-            None => Err(EpochError::NotCounted),
-        }
-    }
-
     /// Counts a start, and returns its epoch: at least `least`, and greater than all before.
     ///
     /// Reads both parts, writes one entry and reads that again; a full part costs an erasure.

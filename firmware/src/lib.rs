@@ -28,6 +28,7 @@ pub mod page;
 pub mod prelude;
 mod robot;
 mod settings;
+mod storage;
 mod table_robot;
 #[cfg(feature = "defmt")]
 pub mod team_member;
@@ -38,4 +39,5 @@ pub use link_report::LinkReport;
 pub use navigator::{Navigator, Thresholds};
 pub use robot::Robot;
 pub use settings::Settings;
+pub use storage::Storage;
 pub use table_robot::{Skills, TableRobot, TaskLeaf, Turn};

@@ -18,6 +18,9 @@ pub const NODES: usize = 64;
 /// The joint policies that are weighed in images.
 pub const POLICIES: usize = 16;
 
+/// The paths that a page may give all robots together in images.
+pub const ALL_PATHS: usize = 8;
+
 /// The paths of each robot in [`SECTION_5_1`].
 const PATHS: usize = 4;
 

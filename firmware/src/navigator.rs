@@ -135,10 +135,8 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     }
 
     /// Sets the battery thresholds.
-    #[must_use]
-    pub fn with_thresholds(mut self, thresholds: Thresholds) -> Self {
+    pub const fn set_thresholds(&mut self, thresholds: Thresholds) {
         self.blackboard.thresholds = thresholds;
-        self
     }
 
     /// Returns the task of the inference node, with its last decision.

@@ -1,28 +1,25 @@
-//! The program of the image `team_member`, for any board: robot 1 of the paper's section 5.1.
+//! The program of the image `team_member`, for any board: a robot of a navigating team.
 //!
-//! It decides with robot 2, whose intentions arrive as frames, goes where it decided to go, and
-//! logs what it does. Without a positioning system it reckons its place from its own moves.
+//! Which robot of which team it is, and the mission, the page in its flash says. It decides with
+//! its teammates, whose intentions arrive as frames, goes where they decided that it goes, and logs
+//! what it does. Without a positioning system it reckons its place from its own moves.
 
 use crate::adapters::{Absent, Body, Chassis, Counted, DeadReckoning};
 use crate::hardware::{Battery, Clock, Drive, Link};
-use crate::missions::{CELLS, LAYERS, NODES, POLICIES, SECTION_5_1, WORDS};
-use crate::{Controller, LinkReport, Navigator, Settings};
-use core::num::NonZero;
+use crate::missions::{ALL_PATHS, CELLS, LAYERS, NODES, POLICIES, WORDS};
+use crate::page::{Page, Refused};
+use crate::{Controller, EpochError, LinkReport, Navigator, Storage};
+use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use iibt_core::actions::HORIZON;
-use iibt_core::navigation::{Report, Stage};
-use iibt_core::team::{Key, Member, RobotId};
+use iibt_core::grid::Path;
+use iibt_core::navigation::{Mission, MissionError, Report, Stage};
+use iibt_core::team::MAX_TEAM;
 use iibt_core::time::{Duration, Instant};
 use static_cell::StaticCell;
 
-/// The measures of the robot.
+/// The measures of the robot, unless its page has others.
 pub const CHASSIS: Chassis = Chassis { cell: 0.5, track: 0.1, speed: 0.25, duty: 60 };
-
-/// Between two ticks of the controller, in milliseconds.
-const TICK: NonZero<u16> = NonZero::new(100).unwrap();
-
-/// For the bench only: a team in the field has a key of its own.
-const KEY: Key = Key::new(*b"section 5.1 demo");
 
 type Agent = Navigator<'static, CELLS, WORDS, LAYERS, NODES, POLICIES>;
 
@@ -31,39 +28,108 @@ type Hardware<L, C, D, B> = Body<L, C, Counted<'static, D, WORDS>, &'static Dead
 /// The robot with the link, clock, drive and battery gauge of a board.
 pub type TeamMember<L, C, D, B> = Controller<Agent, Hardware<L, C, D, B>>;
 
+/// A mission whose lists lie in a page.
+type OwnMission = Mission<'static, WORDS>;
+
+/// The page of the robot.
+type OwnPage = Page<CELLS, WORDS, ALL_PATHS>;
+
+/// The lists of paths in a page.
+type PathLists = Vec<&'static [Path], MAX_TEAM>;
+
+/// A robot that has started.
+pub struct Started<L: Link + 'static, C: Clock + 'static, D: Drive + 'static, B: Battery + 'static> {
+    robot: &'static mut TeamMember<L, C, D, B>,
+    mission: &'static OwnMission,
+    period: Duration,
+}
+
+/// Why a robot does not take part, and stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
+pub enum Standing {
+    /// It has no page that it can use.
+    NoPage(Refused),
+    /// It has no epoch.
+    NoEpoch(EpochError),
+    /// Its mission cannot be flown.
+    NoMission(MissionError),
+    /// It was started already.
+    Started,
+}
+
 /// The memory of the robot, for a `static`.
 pub struct Memory<L: Link, C: Clock, D: Drive, B: Battery> {
     robot: StaticCell<TeamMember<L, C, D, B>>,
     position: StaticCell<DeadReckoning<WORDS>>,
+    page: StaticCell<OwnPage>,
+    paths: StaticCell<PathLists>,
+    mission: StaticCell<OwnMission>,
 }
 
 impl<L: Link, C: Clock, D: Drive, B: Battery> Memory<L, C, D, B> {
     /// Memory without a robot.
     #[must_use]
     pub const fn new() -> Self {
-        Self { robot: StaticCell::new(), position: StaticCell::new() }
+        Self {
+            robot: StaticCell::new(),
+            position: StaticCell::new(),
+            page: StaticCell::new(),
+            paths: StaticCell::new(),
+            mission: StaticCell::new(),
+        }
     }
 
-    /// Builds the robot in place. `None` the second time.
+    /// Reads the page, counts the start and builds the robot in place. `drive` makes the drive for
+    /// the measures of the page, or for [`CHASSIS`].
+    ///
+    /// # Errors
+    /// [`Standing`]: the robot must not take part.
     #[inline(never)] // on a stack of its own, which the ticks use again
-    #[expect(clippy::mut_from_ref, reason = "the cells hand out what is in them once")]
     pub fn start(
         &'static self,
         link: L,
         clock: C,
-        drive: D,
+        drive: impl FnOnce(Chassis) -> D,
         battery: B,
-    ) -> Option<&'static mut TeamMember<L, C, D, B>> {
-        let start = *SECTION_5_1.starts.first()?;
-        let position = &*self.position.try_init(DeadReckoning::new(SECTION_5_1.map, start))?;
-        let body = Body::new(link, clock).driving(position.count(drive), position).powered(battery);
-        // The epoch belongs into memory that outlives a restart; none is wired up yet.
-        let member = Member::new(RobotId(0), SECTION_5_1.starts.len()).ok()?;
-        let settings = Settings::new(member, KEY, 1, TICK);
-        let robot = self.robot.try_init_with(|| Controller::idle(Agent::idle(), settings.clone(), body))?;
-        robot.start(|agent| agent.start(&SECTION_5_1, &settings)).ok()?;
-        defmt::info!("boot: robot 1 of {=usize} on p{=u16}", SECTION_5_1.starts.len(), start.0);
-        Some(robot)
+        storage: &mut Storage<impl NorFlash>,
+    ) -> Result<Started<L, C, D, B>, Standing> {
+        let page = self.read_page(storage)?;
+        let epoch = storage.epoch(page.epoch()).map_err(Standing::NoEpoch)?;
+        let mission = self.mission_of(page).ok_or(Standing::Started)?;
+        let no_robot = Standing::NoMission(MissionError::NoSuchRobot);
+        let settings = page.settings(epoch).map_err(|_| no_robot)?;
+        let number = settings.member().robot();
+        let start = *mission.starts.get(number.index()).ok_or(no_robot)?;
+        let position = self.position.try_init(DeadReckoning::new(mission.map, start));
+        let position = &*position.ok_or(Standing::Started)?;
+        let drive = position.count(drive(page.chassis().unwrap_or(CHASSIS)));
+        let body = Body::new(link, clock).driving(drive, position).powered(battery);
+        let robot = self.robot.try_init_with(|| Controller::idle(Agent::idle(), settings.clone(), body));
+        let robot = robot.ok_or(Standing::Started)?;
+        robot.start(|agent| agent.start(mission, &settings)).map_err(Standing::NoMission)?;
+        robot.robot_mut().set_thresholds(page.thresholds());
+        if let Some(units) = page.budget() {
+            robot.robot_mut().navigation_mut().set_budget(units.get());
+        }
+        let team = mission.starts.len();
+        defmt::info!("boot: robot {=u8} of {=usize} on p{=u16}", number.0.saturating_add(1), team, start.0);
+        defmt::info!("boot: epoch {=u32}", epoch);
+        Ok(Started { robot, mission, period: settings.tick() })
+    }
+
+    /// The page in the flash, with a word on a copy of it that is not whole.
+    fn read_page(&'static self, storage: &mut Storage<impl NorFlash>) -> Result<&'static OwnPage, Standing> {
+        let page = self.page.try_init_with(|| OwnPage::EMPTY).ok_or(Standing::Started)?;
+        let origin = storage.load(page).map_err(Standing::NoPage)?;
+        if let Some(other) = origin.other {
+            defmt::warn!("page {=u32} is the {} copy; the other: {}", origin.generation, origin.which, other);
+        }
+        Ok(page)
+    }
+
+    fn mission_of(&'static self, page: &'static OwnPage) -> Option<&'static OwnMission> {
+        let paths = self.paths.try_init(page.path_lists())?;
+        self.mission.try_init(page.mission(paths)).map(|mission| &*mission)
     }
 }
 
@@ -73,15 +139,16 @@ impl<L: Link, C: Clock, D: Drive, B: Battery> Default for Memory<L, C, D, B> {
     }
 }
 
-/// Runs a robot for ever, and logs what it does. `cycles` counts those of the core, to measure
-/// ticks; `sleep` returns at the next interrupt, after a millisecond at the latest.
+/// Runs a robot until it [needs a restart](Program::needs_restart), and logs what it does. `cycles`
+/// counts those of the core, to measure ticks; `sleep` returns at the next interrupt, after a
+/// millisecond at the latest.
 pub fn run<L: Link, C: Clock, D: Drive, B: Battery>(
-    robot: &'static mut TeamMember<L, C, D, B>,
+    started: Started<L, C, D, B>,
     cycles: impl Fn() -> u32,
     sleep: impl Fn(),
-) -> ! {
-    let mut program = Program::new(robot);
-    loop {
+) {
+    let mut program = Program::new(started);
+    while !program.needs_restart() {
         program.poll(&cycles);
         sleep();
     }
@@ -89,7 +156,7 @@ pub fn run<L: Link, C: Clock, D: Drive, B: Battery>(
 
 /// The program of a robot, for loops of one's own.
 pub struct Program<L: Link + 'static, C: Clock + 'static, D: Drive + 'static, B: Battery + 'static> {
-    robot: &'static mut TeamMember<L, C, D, B>,
+    started: Started<L, C, D, B>,
     due: Instant,
     ticks: u32,
     longest: u32,
@@ -98,27 +165,34 @@ pub struct Program<L: Link + 'static, C: Clock + 'static, D: Drive + 'static, B:
 
 impl<L: Link, C: Clock, D: Drive, B: Battery> Program<L, C, D, B> {
     /// The program of a robot that was started.
-    pub fn new(robot: &'static mut TeamMember<L, C, D, B>) -> Self {
-        let (due, before) = (robot.hardware_mut().now(), state_of(robot));
-        Self { robot, due, ticks: 0, longest: 0, before }
+    pub fn new(started: Started<L, C, D, B>) -> Self {
+        let (due, before) = (started.robot.hardware_mut().now(), state_of(started.robot));
+        Self { started, due, ticks: 0, longest: 0, before }
+    }
+
+    /// Whether the numbers of this epoch's frames are used up and the robot stands: restart it, and
+    /// it takes the next epoch like at any other start.
+    pub fn needs_restart(&mut self) -> bool {
+        let robot = &mut self.started.robot;
+        robot.needs_new_epoch() && !robot.hardware_mut().is_moving()
     }
 
     /// Ticks the robot if it is time. Call it every millisecond: asking the drive is what ends a
     /// turn or a move. `cycles` counts those of the core.
     pub fn poll(&mut self, cycles: impl Fn() -> u32) {
-        let Self { robot, due, ticks, longest, before } = self;
+        let Self { started: Started { robot, mission, period }, due, ticks, longest, before } = self;
         robot.hardware_mut().is_moving();
         let now = robot.hardware_mut().now();
         if !now.has_reached(*due) {
             return;
         }
-        *due = now.after(Duration(TICK.get().into()));
+        *due = now.after(*period);
         *ticks = ticks.wrapping_add(1);
         let started = cycles();
         robot.tick();
         let took = cycles().wrapping_sub(started);
         let state = state_of(robot);
-        tell(robot.robot(), *ticks, before, &state);
+        tell(robot.robot(), mission, *ticks, before, &state);
         if took > *longest || state.0.stage != before.0.stage {
             defmt::info!("tick {=u32}: took {=u32} cycles", *ticks, took);
             *longest = took.max(*longest);
@@ -133,7 +207,13 @@ fn state_of<L: Link, C: Clock, D: Drive, B: Battery>(robot: &TeamMember<L, C, D,
 }
 
 /// Logs what has changed in a tick.
-fn tell(navigator: &Agent, tick: u32, before: &(Report, LinkReport), now: &(Report, LinkReport)) {
+fn tell(
+    navigator: &Agent,
+    mission: &OwnMission,
+    tick: u32,
+    before: &(Report, LinkReport),
+    now: &(Report, LinkReport),
+) {
     let ((before, heard_before), (now, heard)) = (before, now);
     if heard.received.accepted > 0 && heard_before.received.accepted == 0 {
         defmt::info!("tick {=u32}: heard the team", tick);
@@ -143,14 +223,14 @@ fn tell(navigator: &Agent, tick: u32, before: &(Report, LinkReport), now: &(Repo
     }
     if now.stage != before.stage {
         if now.stage == Stage::Agreed {
-            tell_decision(navigator, tick, now);
+            tell_decision(navigator, mission, tick, now);
         }
         defmt::info!("tick {=u32}: {} in round {=u32}", tick, now.stage, now.round);
     }
 }
 
 /// Logs the posterior over the joint policies, bit by bit, and the choice.
-fn tell_decision(navigator: &Agent, tick: u32, now: &Report) {
+fn tell_decision(navigator: &Agent, mission: &OwnMission, tick: u32, now: &Report) {
     let weighed = navigator.navigation().weighed();
     for (policy, (p, cost)) in weighed.posterior().iter().zip(weighed.costs()).enumerate() {
         defmt::info!(
@@ -162,7 +242,7 @@ fn tell_decision(navigator: &Agent, tick: u32, now: &Report) {
         );
     }
     let mut cells = Vec::<u16, { HORIZON + 1 }>::new();
-    for cell in now.path.cells(&SECTION_5_1.map) {
+    for cell in now.path.cells(&mission.map) {
         // There is room for every cell of the longest path.
         let _ = cells.push(cell.0);
     }

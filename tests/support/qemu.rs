@@ -5,6 +5,7 @@
 
 use crate::gdb::Paused;
 use defmt_decoder::{DecodeError, Table};
+use firmware::page::Slots;
 use std::io::{Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
@@ -16,6 +17,9 @@ use std::time::{Duration, Instant};
 
 /// QEMU's machine with an STM32F405.
 const MACHINE: &str = "netduinoplus2";
+
+/// Where it looks for the first copy of its page.
+const PAGE: u32 = 0x0800_0000 + Slots::STM32F405.first;
 
 /// How long a robot may take for one answer before the test fails.
 pub const PATIENCE: Duration = Duration::from_secs(60);
@@ -153,26 +157,36 @@ impl Robot {
     /// table.
     #[must_use]
     pub fn boot(image: &Path) -> Self {
-        Self::boot_with(image, MACHINE, &[])
+        Self::boot_with(image, MACHINE, &[], None)
+    }
+
+    /// Starts an image with a page in its flash.
+    ///
+    /// # Panics
+    /// As [`Robot::boot`].
+    #[must_use]
+    pub fn boot_with_page(image: &Path, page: &[u8]) -> Self {
+        Self::boot_with(image, MACHINE, &[], Some((PAGE, page)))
     }
 
     /// Starts an image on another machine of QEMU, whose first serial port is the log and the
-    /// second one the link.
+    /// second one the link, with a page at an address.
     ///
     /// # Panics
     /// As [`Robot::boot`].
     #[must_use]
-    pub fn boot_on(machine: &str, image: &Path) -> Self {
-        Self::boot_with(image, machine, &[])
+    pub fn boot_on(machine: &str, image: &Path, page: (u32, &[u8])) -> Self {
+        Self::boot_with(image, machine, &[], Some(page))
     }
 
-    /// Starts an image that does not run before it was [paused](Self::pause) and let go.
+    /// Starts an image with a page, which does not run before it was [paused](Self::pause) and let
+    /// go.
     ///
     /// # Panics
     /// As [`Robot::boot`].
     #[must_use]
-    pub fn boot_stopped(image: &Path) -> Self {
-        Self::boot_with(image, MACHINE, &["-S"])
+    pub fn boot_stopped(image: &Path, page: &[u8]) -> Self {
+        Self::boot_with(image, MACHINE, &["-S"], Some((PAGE, page)))
     }
 
     /// Starts an image that takes a nanosecond of its own time for each instruction, so that its
@@ -182,15 +196,31 @@ impl Robot {
     /// As [`Robot::boot`].
     #[must_use]
     pub fn boot_counting(image: &Path) -> Self {
-        Self::boot_with(image, MACHINE, &["-icount", "shift=0"])
+        Self::boot_with(image, MACHINE, &["-icount", "shift=0"], None)
     }
 
-    fn boot_with(image: &Path, machine: &str, options: &[&str]) -> Self {
+    /// The same with a page in its flash.
+    ///
+    /// # Panics
+    /// As [`Robot::boot`].
+    #[must_use]
+    pub fn boot_counting_with_page(image: &Path, page: &[u8]) -> Self {
+        Self::boot_with(image, MACHINE, &["-icount", "shift=0"], Some((PAGE, page)))
+    }
+
+    fn boot_with(image: &Path, machine: &str, options: &[&str], page: Option<(u32, &[u8])>) -> Self {
         let elf = std::fs::read(image).unwrap_or_else(|error| panic!("{}: {error}", image.display()));
         let sockets = directory();
         let log = listen(&sockets, "log");
         let link = listen(&sockets, "link");
-        let mut qemu = start(image, &sockets, machine, options);
+        let loader = page.map(|(address, page)| {
+            let file = sockets.join("page");
+            std::fs::write(&file, page).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+            format!("loader,file={},addr={address:#x},force-raw=on", file.display())
+        });
+        let loader = loader.iter().flat_map(|loader| ["-device", loader]);
+        let options: Vec<_> = options.iter().copied().chain(loader).collect();
+        let mut qemu = start(image, &sockets, machine, &options);
         let log = accept(&log, &mut qemu);
         let link = accept(&link, &mut qemu);
         link.set_read_timeout(Some(PATIENCE)).expect("the time-out is not zero");

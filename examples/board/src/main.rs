@@ -4,7 +4,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use firmware::board::{self, Disturbed, Irq, Line, LogPort, Port, systick::Milliseconds};
-use firmware::{adapters::Absent, team_member};
+use firmware::{adapters::Absent, page::Slots, team_member};
 
 /// A UART of the chip, by its number.
 struct Uart(u16);
@@ -55,6 +55,6 @@ fn main() -> ! {
     }
     LOG.start(Uart(0));
     (0..4).for_each(|interrupt| board::enable(Irq(interrupt)));
-    let Some(robot) = MEMORY.start(LINK.start(Uart(1)), clock, Absent, Absent) else { board::restart() };
-    team_member::run(robot, || clock.cycles(), board::sleep)
+    let mut storage = unsafe { board::mapped(0, 4 << 20, Slots { first: 0x20_0000, second: 0x20_2000 }) };
+    board::run(MEMORY.start(LINK.start(Uart(1)), clock, |_| Absent, Absent, &mut storage), || clock.cycles())
 }

@@ -18,9 +18,12 @@ mod image {
 
     #[embassy_executor::main]
     async fn main(spawner: Spawner) {
-        let Some(Board { link, clock, drive, battery, .. }) = Board::take(CHASSIS) else { board::restart() };
-        let Some(robot) = MEMORY.start(link, clock, drive, battery) else { board::restart() };
-        match control(Program::new(robot), clock) {
+        let Some(board) = Board::take(CHASSIS) else { board::restart() };
+        let Board { link, clock, drive, battery, mut storage, .. } = board;
+        let drive = |chassis| drive.with_chassis(chassis);
+        let started = MEMORY.start(link, clock, drive, battery, &mut storage);
+        let started = started.unwrap_or_else(|reason| board::stand(&reason));
+        match control(Program::new(started), clock) {
             Ok(task) => spawner.spawn(task),
             Err(_) => board::restart(),
         }
@@ -29,9 +32,10 @@ mod image {
     /// Other tasks run between two milliseconds.
     #[embassy_executor::task]
     async fn control(mut program: Program<TeamLink, Milliseconds, Motors, Gauge>, clock: Milliseconds) {
-        loop {
+        while !program.needs_restart() {
             program.poll(|| clock.cycles());
             board::next_millisecond().await;
         }
+        board::restart()
     }
 }

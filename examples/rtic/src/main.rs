@@ -26,19 +26,22 @@ mod image {
     #[init]
     fn init(context: init::Context) -> (Shared, Local) {
         let Some(board) = Board::new(context.core, context.device, CHASSIS) else { board::restart() };
-        let Board { link, clock, drive, battery, .. } = board;
-        let Some(robot) = MEMORY.start(link, clock, drive, battery) else { board::restart() };
+        let Board { link, clock, drive, battery, mut storage, .. } = board;
+        let drive = |chassis| drive.with_chassis(chassis);
+        let started = MEMORY.start(link, clock, drive, battery, &mut storage);
+        let started = started.unwrap_or_else(|reason| board::stand(&reason));
         // The queue of a task has room for it.
         let _ = control::spawn();
-        (Shared {}, Local { program: Program::new(robot), clock })
+        (Shared {}, Local { program: Program::new(started), clock })
     }
 
     /// Tasks of higher priority may interrupt it anywhere.
     #[task(local = [program, clock], priority = 1)]
     async fn control(context: control::Context) {
-        loop {
+        while !context.local.program.needs_restart() {
             context.local.program.poll(|| context.local.clock.cycles());
             board::next_millisecond().await;
         }
+        board::restart()
     }
 }

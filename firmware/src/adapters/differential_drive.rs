@@ -104,6 +104,13 @@ impl<L, R, C> DifferentialDrive<L, R, C> {
         }
     }
 
+    /// Changes the measures of the robot and of the grid, before it drives.
+    #[must_use]
+    pub fn with_chassis(mut self, chassis: Chassis) -> Self {
+        self.chassis = chassis;
+        self
+    }
+
     /// Returns the number of commands that an output refused.
     #[must_use]
     pub const fn failures(&self) -> u32 {

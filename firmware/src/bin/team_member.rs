@@ -1,4 +1,6 @@
-//! Robot 1 of the paper's section 5.1 on a board: `cargo fw` builds it for the STM32F405.
+//! A robot of a navigating team on a board: `cargo fw` builds it for the STM32F405.
+//!
+//! Which robot it is, and its mission, its page says: see docs/page.md.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -11,16 +13,16 @@ fn main() {
 #[cfg(target_os = "none")]
 mod image {
     use firmware::board::{self, Board, Gauge, Milliseconds, Motors, TeamLink};
-    use firmware::team_member::{self, CHASSIS, Memory};
+    use firmware::team_member::{CHASSIS, Memory};
 
     static MEMORY: Memory<TeamLink, Milliseconds, Motors, Gauge> = Memory::new();
 
     #[board::entry]
     fn main() -> ! {
-        let Some(Board { link, clock, drive, battery, .. }) = Board::take(CHASSIS) else { board::restart() };
-        match MEMORY.start(link, clock, drive, battery) {
-            Some(robot) => team_member::run(robot, || clock.cycles(), board::sleep),
-            None => board::restart(),
-        }
+        let Some(Board { link, clock, drive, battery, mut storage, .. }) = Board::take(CHASSIS) else {
+            board::restart()
+        };
+        let drive = |chassis| drive.with_chassis(chassis);
+        board::run(MEMORY.start(link, clock, drive, battery, &mut storage), || clock.cycles())
     }
 }

@@ -13,8 +13,11 @@ use super::clock::{count_millisecond, now};
 use super::port::{Disturbed, Port, enable};
 use super::shared::{Shared, Slot};
 use super::{Line, LogPort};
+use super::{MappedFlash, mapped};
+use crate::Storage;
 use crate::adapters::{Chassis, DifferentialDrive, Samples, VoltageGauge, VoltageRange, Wheel};
 use crate::hardware;
+use crate::page::Slots;
 use core::sync::atomic::{AtomicU8, Ordering, compiler_fence};
 use cortex_m::peripheral::{DWT, NVIC};
 use iibt_core::time::Instant;
@@ -67,6 +70,8 @@ pub struct Board {
     pub clock: Milliseconds,
     /// The battery gauge.
     pub battery: Gauge,
+    /// The flash, and what lies in it.
+    pub storage: Storage<MappedFlash>,
     /// The status LED.
     pub led: StatusLed,
 }
@@ -116,7 +121,10 @@ impl Board {
             Converter(Saadc::new(chip.SAADC, SaadcConfig::default()), port0.p0_02.into_floating_input());
         let battery = VoltageGauge::new(converter, CELL);
         let led = port0.p0_13.into_push_pull_output(Level::Low).degrade();
-        Some(Self { link, drive, clock: Milliseconds, battery, led })
+        // SAFETY: the flash lies there, by the chip's reference manual, and nothing writes it.
+        #[expect(unsafe_code, reason = "the flash is read where it lies")]
+        let storage = unsafe { mapped(0, 0x10_0000, Slots::NRF52840) };
+        Some(Self { link, drive, clock: Milliseconds, battery, storage, led })
     }
 }
 

@@ -11,7 +11,10 @@
 
 use super::port::{IoPort, enable};
 use super::{Line, LogPort};
+use super::{MappedFlash, mapped};
+use crate::Storage;
 use crate::adapters::{Chassis, DifferentialDrive, Samples, VoltageGauge, VoltageRange, Wheel};
+use crate::page::Slots;
 use rp2040_hal::adc::{Adc, AdcPin};
 use rp2040_hal::clocks::{Clock, init_clocks_and_plls};
 use rp2040_hal::fugit::RateExtU32;
@@ -78,6 +81,8 @@ pub struct Board {
     pub clock: Milliseconds,
     /// The battery gauge.
     pub battery: Gauge,
+    /// The flash, and what lies in it.
+    pub storage: Storage<MappedFlash>,
     /// The status LED.
     pub led: StatusLed,
 }
@@ -125,7 +130,10 @@ impl Board {
         adc.free_running(&AdcPin::new(pins.gpio26.into_floating_input()).ok()?);
         let battery = VoltageGauge::new(Converter(adc), CELL);
         let led = pins.gpio25.into_push_pull_output_in_state(PinState::High);
-        Some(Self { link, drive, clock, battery, led })
+        // SAFETY: the flash lies there, by the chip's reference manual, and nothing writes it.
+        #[expect(unsafe_code, reason = "the flash is read where it lies")]
+        let storage = unsafe { mapped(0x1000_0000, 0x20_0000, Slots::RP2040) };
+        Some(Self { link, drive, clock, battery, storage, led })
     }
 }
 

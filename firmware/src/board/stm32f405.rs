@@ -10,13 +10,17 @@
 //! | PA0 | half of the battery's voltage; without a battery, tie it to ground |
 //! | PA5 | status LED |
 
+mod flash;
+
+pub use flash::Flash;
+
 use super::port::{Disturbed, Port, enable};
 use super::{Line, LogPort};
+use crate::Storage;
 use crate::adapters::{Chassis, DifferentialDrive, Samples, VoltageGauge, VoltageRange, Wheel};
 use cortex_m::peripheral::NVIC;
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial::{Read, Write};
-use stm32f4xx_hal::flash::LockedFlash;
 use stm32f4xx_hal::gpio::{Output, PA5, PB0, PB1, PinState};
 use stm32f4xx_hal::interrupt;
 use stm32f4xx_hal::pac::{ADC1, Interrupt, Peripherals, TIM3, USART1, USART2};
@@ -68,8 +72,8 @@ pub struct Board {
     pub clock: Milliseconds,
     /// The battery gauge.
     pub battery: Gauge,
-    /// The flash, for what outlives a restart; its lock implements `embedded-storage`.
-    pub flash: LockedFlash,
+    /// The flash, and what lies in it.
+    pub storage: Storage<Flash>,
     /// The status LED.
     pub led: StatusLed,
 }
@@ -112,9 +116,9 @@ impl Board {
         cortex_m::asm::delay(3 * rcc.clocks.hclk().to_MHz()); // it settles in three microseconds
         chip.ADC1.cr2().modify(|_, w| w.swstart().start());
         let battery = VoltageGauge::new(Converter(chip.ADC1), CELL);
-        let (flash, led) =
-            (LockedFlash::new(chip.FLASH), a.pa5.into_push_pull_output_in_state(PinState::High));
-        Some(Self { link, drive, clock, battery, flash, led })
+        let storage = Flash::storage(chip.FLASH);
+        let led = a.pa5.into_push_pull_output_in_state(PinState::High);
+        Some(Self { link, drive, clock, battery, storage, led })
     }
 }
 

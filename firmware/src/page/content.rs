@@ -22,7 +22,7 @@ pub struct Page<const S: usize, const W: usize, const P: usize> {
     pub(super) robot: RobotId,
     pub(super) team: u8,
     pub(super) channel: u32,
-    pub(super) tick: NonZero<u16>,
+    pub(super) tick: Option<NonZero<u16>>,
     pub(super) epoch: u32,
     pub(super) budget: Option<NonZero<u32>>,
     pub(super) thresholds: Thresholds,
@@ -30,7 +30,7 @@ pub struct Page<const S: usize, const W: usize, const P: usize> {
     pub(super) rotation: u32,
     pub(super) accepts: Option<u32>,
     pub(super) chassis: Option<Chassis>,
-    pub(super) map: Map<W>,
+    pub(super) map: Option<Map<W>>,
     pub(super) starts: Vec<Cell, MAX_TEAM>,
     pub(super) goals: Vec<Cell, MAX_GOALS>,
     pub(super) own_goals: Vec<Option<Cell>, MAX_TEAM>,
@@ -50,23 +50,20 @@ pub struct Page<const S: usize, const W: usize, const P: usize> {
 }
 
 impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
-    /// The page that nothing was read into.
+    /// The page that nothing was read into: all zeros, so that a `static` takes no flash for it.
     pub const EMPTY: Self = Self {
         robot: RobotId(0),
         team: 0,
         channel: 0,
-        tick: NonZero::<u16>::MIN,
+        tick: None,
         epoch: 0,
         budget: None,
-        thresholds: Thresholds::DEFAULT,
+        thresholds: Thresholds { low: 0, charged: 0 },
         keys: Keys::new([[0; 16]; MAX_TEAM]),
         rotation: 0,
         accepts: None,
         chassis: None,
-        map: match Map::new(1, 1) {
-            Ok(map) => map,
-            Err(_) => panic!("a map has at least a word"),
-        },
+        map: None,
         starts: Vec::new(),
         goals: Vec::new(),
         own_goals: Vec::new(),
@@ -78,10 +75,16 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
         policies: 0,
         precision: 0.0,
         sensor: 0.0,
-        learning: Rates::DEFAULT,
+        learning: Rates::new(0.0, 0.0),
         forgets: 0,
         paths: Vec::new(),
         counts: Vec::new(),
+    };
+
+    /// The map of a page that was not read.
+    const NO_MAP: Map<W> = match Map::new(1, 1) {
+        Ok(map) => map,
+        Err(_) => panic!("a map has at least a word"),
     };
 
     /// Reads the page of a flash into this one: the newer copy of those that are whole.
@@ -110,7 +113,7 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
     /// [`MemberError`] for a page that was not read.
     pub fn settings(&self, epoch: u32) -> Result<Settings, MemberError> {
         let member = Member::new(self.robot, self.team.into())?;
-        Ok(Settings::with_keys(member, self.keys.clone(), epoch, self.tick).on_channel(self.channel))
+        Ok(Settings::with_keys(member, self.keys.clone(), epoch, self.tick()).on_channel(self.channel))
     }
 
     /// Returns the robot.
@@ -135,8 +138,8 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
 
     /// Returns the period of the robot's ticks, in ticks of its clock.
     #[must_use]
-    pub const fn tick(&self) -> NonZero<u16> {
-        self.tick
+    pub fn tick(&self) -> NonZero<u16> {
+        self.tick.unwrap_or(NonZero::<u16>::MIN)
     }
 
     /// Returns the channel of its team.
@@ -166,13 +169,14 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
     /// Returns the paths given by hand for each robot, for [`mission`](Self::mission).
     #[must_use]
     pub fn path_lists(&self) -> Vec<&[Path], MAX_TEAM> {
-        let mut rest = self.paths.as_slice();
-        let lists = self.counts.iter().map(|&count| {
+        let (mut rest, mut lists) = (self.paths.as_slice(), Vec::new());
+        for &count in &self.counts {
             let (own, others) = rest.split_at_checked(count.into()).unwrap_or((rest, &[]));
+            // There is room for a list of every robot.
+            let _ = lists.push(own);
             rest = others;
-            own
-        });
-        lists.collect()
+        }
+        lists
     }
 
     /// Returns the mission. `paths` is what [`path_lists`](Self::path_lists) gives, kept where it
@@ -192,7 +196,7 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
             paces: &self.paces,
             learning: self.learning,
             forgets: self.forgets,
-            ..Mission::new(self.map, &self.starts, &self.goals)
+            ..Mission::new(self.map.unwrap_or(Self::NO_MAP), &self.starts, &self.goals)
         }
     }
 
@@ -200,8 +204,9 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
     /// paths lead over free cells.
     pub(super) fn check(&self, at: u32) -> Result<(), PageError> {
         let error = |fault| PageError { at, fault };
-        self.mission(&self.path_lists()).check::<S>().map_err(|reason| error(Fault::Mission(reason)))?;
-        if self.paths.iter().all(|path| path.is_open(&self.map)) {
+        let mission = self.mission(&[]);
+        mission.check::<S>().map_err(|reason| error(Fault::Mission(reason)))?;
+        if self.paths.iter().all(|path| path.is_open(&mission.map)) {
             Ok(())
         } else {
             Err(error(Fault::Value("a path")))

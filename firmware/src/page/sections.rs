@@ -100,7 +100,7 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
         let is_team = |team: u8| usize::from(team) <= MAX_TEAM && robot < team;
         self.team = source.valid("the robot or its team", Source::u8, is_team)?;
         let tick = source.valid("the tick", Source::u16, |tick| tick > 0)?;
-        self.tick = NonZero::new(tick).unwrap_or(NonZero::<u16>::MIN);
+        self.tick = NonZero::new(tick);
         self.channel = source.u32()?;
         self.epoch = source.u32()?;
         self.budget = NonZero::new(source.u32()?);
@@ -123,7 +123,7 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
     }
 
     fn read_mission<F: ReadNorFlash>(&mut self, source: &mut Source<'_, F>) -> Result<(), PageError> {
-        self.map = read_map(source, S)?;
+        self.map = Some(read_map(source, S)?);
         read_list(source, &mut self.starts, Size::Robots, read_cell)?;
         if self.starts.len() != usize::from(self.team) {
             return Err(source.error(Fault::Value("the number of starts")));

@@ -58,6 +58,12 @@ impl Slots {
     /// Those of the STM32F405: sectors 8 and 9 of its flash, of 128 KiB each.
     pub const STM32F405: Self = Self { first: 0x8_0000, second: 0xa_0000 };
 
+    /// Those of the nRF52840: the last four pages of its flash, of 4 KiB each.
+    pub const NRF52840: Self = Self { first: 0xf_c000, second: 0xf_e000 };
+
+    /// Those of an RP2040 with 2 MiB of flash: its last four sectors, of 4 KiB each.
+    pub const RP2040: Self = Self { first: 0x1f_c000, second: 0x1f_e000 };
+
     /// Returns the copy that counts: the newer of those that are whole.
     pub(super) fn choose(self, flash: &mut impl ReadNorFlash) -> Result<(Origin, u32, Whole), Refused> {
         let first = examine(flash, self.first);

@@ -70,11 +70,18 @@ pub(super) struct WritePage {
     generation: u32,
     /// Say how the page comes into the flash of this board
     #[arg(long, value_name = "BOARD", value_parser = board)]
-    board: Option<(&'static str, u32, Slots)>,
+    board: Option<Board>,
 }
 
-/// The boards: name, where the flash begins in memory, and where the copies lie in it.
-const BOARDS: [(&str, u32, Slots); 1] = [("stm32f405", 0x0800_0000, Slots::STM32F405)];
+/// The boards: the name, the chip, where the flash begins in memory, and where the copies lie in
+/// it.
+const BOARDS: [Board; 3] = [
+    ("stm32f405", "STM32F405RG", 0x0800_0000, Slots::STM32F405),
+    ("nrf52840", "nRF52840_xxAA", 0, Slots::NRF52840),
+    ("rp2040", "RP2040", 0x1000_0000, Slots::RP2040),
+];
+
+type Board = (&'static str, &'static str, u32, Slots);
 
 impl WritePage {
     pub(super) fn run(&self) -> Result<(), Failure> {
@@ -88,10 +95,10 @@ impl WritePage {
         let page = self.provision(robot, &scenario)?.page(&scenario).map_err(about(&scenario.name))?;
         fs::write(output, &page).map_err(about(output.display()))?;
         let mut text = format!("{} bytes in {}\n", page.len(), output.display());
-        if let Some((name, begin, slots)) = self.board {
+        if let Some((_, chip, begin, slots)) = self.board {
             for at in [slots.first, slots.second].map(|slot| begin + slot) {
                 text += &format!(
-                    "probe-rs download --chip {name} --binary-format bin --base-address {at:#010x} {}\n",
+                    "probe-rs download --chip {chip} --binary-format bin --base-address {at:#010x} {}\n",
                     output.display()
                 );
             }
@@ -211,7 +218,7 @@ fn chassis(text: &str) -> Result<Chassis, String> {
     })
 }
 
-fn board(text: &str) -> Result<(&'static str, u32, Slots), String> {
+fn board(text: &str) -> Result<Board, String> {
     let names = BOARDS.map(|(name, ..)| name).join(", ");
     let known = BOARDS.into_iter().find(|(name, ..)| *name == text);
     known.ok_or_else(|| format!("no board is called '{text}': there are {names}"))
