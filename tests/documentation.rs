@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const DOCUMENTS: [&str; 17] = [
+const DOCUMENTS: [&str; 18] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -11,6 +11,7 @@ const DOCUMENTS: [&str; 17] = [
     "docs/flashing.md",
     "docs/inference.md",
     "docs/notebook.md",
+    "docs/page.md",
     "docs/paper.md",
     "docs/protocol.md",
     "docs/symbols.md",

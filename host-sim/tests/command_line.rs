@@ -186,6 +186,34 @@ fn a_task_is_slower_with_less_work_in_a_tick_and_does_the_same() {
 }
 
 #[test]
+fn a_page_is_written_for_a_robot_and_printed_without_its_keys() {
+    const KEY: &str = "000102030405060708090a0b0c0d0e0f";
+    let page = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("robot.bin");
+    let write = |arguments: &str, key: &str| {
+        let mut command = host_sim("provision factory");
+        command.args(arguments.split_whitespace()).args(["--team-key", key, "-o"]).arg(&page);
+        command
+    };
+    let commands = contains("probe-rs download").and(contains("0x08080000")).and(contains("0x080a0000"));
+    write("--robot 2 --epoch 7 --board stm32f405", KEY).assert().success().stdout(commands);
+    let first = fs::read(&page).expect("it was written");
+    let key_file = file("team.key", &format!("{KEY}\n"));
+    write("--robot R2 --epoch 7", &key_file.display().to_string()).assert().success().stderr(is_empty());
+    assert_eq!(fs::read(&page).expect("it was written"), first, "by name, and with the key from a file");
+
+    let shown = host_sim("provision --show").arg(&page).assert().success().stderr(is_empty());
+    let shown = String::from_utf8_lossy(&shown.get_output().stdout).into_owned();
+    assert!(shown.contains("2 of 3") && shown.contains("at least 7") && shown.contains("hidden"), "{shown}");
+    assert!(!first.windows(16).any(|bytes| (0..16).eq(bytes.iter().copied())), "the team's own key");
+
+    refuses(&mut write("--robot 4", KEY), "factory: no robot 4: there are R1, R2, R3, or 1 to 3");
+    refuses(&mut write("--robot 1", "0001"), "0001: ");
+    let cut = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("cut.bin");
+    fs::write(&cut, &first[..first.len() - 1]).expect("the folder for tests can be written");
+    refuses(host_sim("provision --show").arg(&cut), "wrong checksum: damaged, or a write was cut off");
+}
+
+#[test]
 fn nothing_to_do_is_its_own_word_and_success() {
     let scenario = file("there.toml", "title = 't'\nmap = '''\n1..\n2..\n'''\ngoals = [0, 3]\n");
     let run = host_sim("run --quiet").arg(&scenario).assert().success();

@@ -87,7 +87,9 @@ fn examine(flash: &mut impl ReadNorFlash, start: u32) -> Result<Whole, PageError
     let mut source = Source::new(flash, start);
     let magic: [u8; 4] = source.bytes()?;
     if magic != MAGIC {
-        let fault = if magic == [u8::MAX; 4] { Fault::Blank } else { Fault::Magic };
+        // Erased cells read as ones, on some chips and in QEMU as zeros.
+        let is_blank = magic == [u8::MAX; 4] || magic == [0; 4];
+        let fault = if is_blank { Fault::Blank } else { Fault::Magic };
         return Err(PageError { at: 0, fault });
     }
     let version = source.u8()?;
