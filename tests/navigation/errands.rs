@@ -283,9 +283,9 @@ fn line_31_way_points_of_a_lost_robot_are_visited_by_the_others_one_each() {
 fn a_way_point_inside_the_wall_of_a_lost_robot_is_named_and_nobody_sets_out_for_it() {
     let mission = Mission { goals: &[Cell(0), Cell(1), Cell(2)], policies: 1, ..factory() };
     let (team, tracks) = after_a_death(&mission, &[27, 48]);
-    for robot in 0..2 {
+    for (robot, track) in tracks[..2].iter().enumerate() {
         assert_eq!(report(&team, robot).left_behind, Some(Cell(27)));
-        assert!(task(&team, robot).waypoints().is_empty() && !tracks[robot].contains(&27));
+        assert!(task(&team, robot).waypoints().is_empty() && !track.contains(&27));
     }
 }
 
