@@ -15,6 +15,7 @@ mod emulated;
 mod figures;
 mod flash;
 mod frames;
+mod hil;
 #[path = "inference/main.rs"]
 mod inference;
 mod joint_plans;

@@ -3,12 +3,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const DOCUMENTS: [&str; 18] = [
+const DOCUMENTS: [&str; 19] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
     "docs/figures.md",
     "docs/flashing.md",
+    "docs/hil.md",
     "docs/inference.md",
     "docs/notebook.md",
     "docs/page.md",

@@ -300,7 +300,7 @@ fn a_task_for_which_there_is_no_room_is_refused_with_its_size() {
 #[rustfmt::skip]
 #[allow(dead_code, unreachable_pub, reason = "modules as they are written for other crates")]
 mod exported {
-    #[path = "../exported/bottle_and_plate.rs"]
+    #[path = "../../firmware/src/tasks/bottle_and_plate.rs"]
     pub mod bottle_and_plate;
     #[path = "../exported/valves.rs"]
     pub mod valves;
@@ -311,7 +311,7 @@ fn exported_tables_are_those_of_the_file_and_what_export_writes() {
     use exported::{bottle_and_plate, valves};
     let arena = Bump::new();
     let exports = [
-        ("bottle-and-plate", &bottle_and_plate::TABLES, "bottle_and_plate.rs"),
+        ("bottle-and-plate", &bottle_and_plate::TABLES, "../../firmware/src/tasks/bottle_and_plate.rs"),
         ("valves", &valves::TABLES, "valves.rs"),
     ];
     for (name, exported, file) in exports {

@@ -3,11 +3,12 @@
 //! [`IoLink`] makes a link of two `embedded-io` streams, [`DifferentialDrive`] a drive of two
 //! motors behind `embedded-hal` outputs, [`DeadReckoning`] a localiser of nothing but the moves
 //! that were made, and [`VoltageGauge`] a battery gauge of a converter. [`Body`] puts a robot's
-//! parts together; [`Absent`] stands for a sensor that it does not have. [`FrameQueue`] is the
-//! buffer between a sender that must not wait and a slow port, [`ByteQueue`] that between a port
-//! and a receiver.
+//! parts together; [`Absent`] stands for a sensor that it does not have. [`Base`] is a robot whose
+//! motors and sensors sit on another microcontroller. [`FrameQueue`] is the buffer between a sender
+//! that must not wait and a slow port, [`ByteQueue`] that between a port and a receiver.
 
 mod absent;
+pub mod base;
 mod body;
 mod byte_queue;
 mod dead_reckoning;
@@ -17,6 +18,7 @@ mod io_link;
 mod voltage_gauge;
 
 pub use absent::Absent;
+pub use base::Base;
 pub use body::Body;
 pub use byte_queue::ByteQueue;
 pub use dead_reckoning::{Counted, DeadReckoning};

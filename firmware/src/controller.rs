@@ -201,7 +201,7 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
         self.roster.expire(now);
         let (robot, mut room) = (&self.robot, [0; MAX_FRAME]);
         for _ in 0..READS_PER_TICK {
-            let count = self.hardware.read(&mut room);
+            let count = self.hardware.receive_into(&mut room);
             let mut bytes = room.get(..count).unwrap_or(&room);
             if bytes.is_empty() {
                 break;

@@ -23,7 +23,7 @@ pub trait Link {
     /// Moves received bytes to the front of `bytes`, as many as there are and fit; returns how many.
     ///
     /// A link that can move many at once does better than byte by byte.
-    fn read(&mut self, bytes: &mut [u8]) -> usize {
+    fn receive_into(&mut self, bytes: &mut [u8]) -> usize {
         let received = bytes.iter_mut().map_while(|to| Some(*to = self.receive()?));
         received.count()
     }

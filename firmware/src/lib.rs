@@ -40,4 +40,4 @@ pub use navigator::{Navigator, Thresholds};
 pub use robot::Robot;
 pub use settings::Settings;
 pub use storage::Storage;
-pub use table_robot::{Skills, TableRobot, TaskLeaf, Turn};
+pub use table_robot::{Finished, Skills, TableRobot, TaskLeaf, Turn};

@@ -3,7 +3,7 @@
 mod leaves;
 mod skills;
 
-pub use skills::{Skills, TaskLeaf, Turn};
+pub use skills::{Finished, Skills, TaskLeaf, Turn};
 
 use crate::hardware::Equipment;
 use crate::{Robot, Settings};

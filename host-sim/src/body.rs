@@ -78,6 +78,11 @@ impl Scanner {
         }
         self.in_view = in_view;
     }
+
+    /// The obstacles that it has still to report, in order.
+    pub(crate) fn to_report(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.unreported.iter().copied()
+    }
 }
 
 impl hardware::Link for Antenna {

@@ -2,6 +2,8 @@
 
 mod campaign;
 mod frames;
+#[cfg(unix)]
+mod hil;
 mod learn;
 mod manipulate;
 mod missions;
@@ -104,6 +106,10 @@ enum Verb {
     /// Fly a scenario or a task
     #[command(after_help = RUN_EXAMPLES)]
     Run(RunArgs),
+    /// Fly a scenario with a team of emulated microcontrollers, and compare it with `run`
+    #[cfg(unix)]
+    #[command(after_help = hil::EXAMPLES)]
+    Hil(hil::Hil),
     /// Put the paper's results beside ours: a table, and a page to look at
     #[command(after_help = reproduce::EXAMPLES)]
     Reproduce(Reproduce),
@@ -184,6 +190,8 @@ impl Cli {
         match self.verb {
             Some(Verb::List) => list(),
             Some(Verb::Run(run)) => run.run(),
+            #[cfg(unix)]
+            Some(Verb::Hil(hil)) => hil.run(),
             Some(Verb::Reproduce(reproduce)) => reproduce.run(),
             Some(Verb::Campaign(campaign)) => campaign.run(),
             Some(Verb::Missions(missions)) => missions.run().map(|()| ExitCode::SUCCESS),

@@ -167,6 +167,10 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         let mut events = self.world.begin(self.tick, self.progress, |robot| ahead[robot]);
         self.instruct(&mut events);
         events.extend(self.sense());
+        let awake = |index: &usize| !self.world.is_stopped(*index);
+        for index in (0..self.robots.len()).filter(awake) {
+            self.robots[index].prepare();
+        }
         for (index, robot) in self.robots.iter_mut().enumerate() {
             if !self.world.is_stopped(index) {
                 act_in_turn(&mut || self.statuses[index] = robot.tick());

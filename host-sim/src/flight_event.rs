@@ -119,6 +119,11 @@ pub enum FlightEvent {
         /// Who.
         robot: usize,
     },
+    /// A robot restarted, without its memory.
+    Restarted {
+        /// Who.
+        robot: usize,
+    },
     /// A robot has waited for the same for a while.
     Waits {
         /// Who.
@@ -165,6 +170,7 @@ impl FlightEvent {
             Self::Returned { robot, charge } => format!("{} is back with {charge} %", name(*robot)),
             Self::Stopped { robot } => format!("{} stops", name(*robot)),
             Self::Resumed { robot } => format!("{} goes on", name(*robot)),
+            Self::Restarted { robot } => format!("{} restarts", name(*robot)),
             Self::Waits { robot, awaited } => format!("{} stands, {awaited}", name(*robot)),
             Self::Collided { times } => format!("COLLISION ({times})"),
         }

@@ -10,7 +10,7 @@ use crate::progress::is_member;
 use crate::record::{self, Activity, Record, RobotRecord, TimedEvent};
 use crate::robot::AnyRobot;
 use crate::scenario::{Floor, Scenario};
-use crate::team::{Pilot, TeamError, with_team};
+use crate::team::{Boot, Pilot, TeamError, with_team};
 use crate::text::counted;
 use crate::verdict::{self, Evidence};
 use iibt_core::grid::{Cell, Move};
@@ -98,21 +98,37 @@ pub(crate) fn fly_preferring(
     observer: &mut dyn Observer,
 ) -> Result<Record, TeamError> {
     with_team(scenario, conditions.tree, |boot| {
-        let mut flown = scenario.clone();
-        flown.radio.loss = conditions.loss.unwrap_or(scenario.radio.loss);
-        let mut flight = Flight::new(flown, Faults::default(), conditions.seed, boot)?;
+        let mut recorder = Recorder::new(scenario, conditions, boot)?;
         for (robot, values) in preferences.iter().enumerate().take(scenario.robots.len()) {
-            flight.robot_mut(robot).set_goal_preferences(values);
+            recorder.flight.robot_mut(robot).set_goal_preferences(values);
         }
-        let mut recorder = Recorder::new(scenario, conditions, flight);
-        recorder.show(observer, 0);
-        while !recorder.is_over() {
-            let told = recorder.events.len();
-            recorder.tick();
-            recorder.show(observer, told);
-        }
-        Ok(recorder.record())
+        recorder.fly(&Interventions::NONE, observer)
     })
+}
+
+/// What is done to a flight from outside.
+pub(crate) struct Interventions<'i> {
+    /// The robots to restart, and the ticks before which they are.
+    pub(crate) restarts: &'i [(usize, u32)],
+    /// Frames of another flight: each robot hears as many in a tick as there are robots.
+    pub(crate) replay: &'i [u8],
+    /// Whether to end the flight.
+    pub(crate) has_halted: &'i dyn Fn() -> bool,
+}
+
+impl Interventions<'_> {
+    pub(crate) const NONE: Self = Self { restarts: &[], replay: &[], has_halted: &|| false };
+}
+
+/// Flies a scenario with robots that are given.
+pub(crate) fn fly_team<'m>(
+    scenario: &Scenario,
+    conditions: Conditions,
+    interventions: &Interventions<'_>,
+    boot: Boot<'m, dyn AnyRobot + 'm>,
+    observer: &mut dyn Observer,
+) -> Result<Record, TeamError> {
+    Recorder::new(scenario, conditions, boot)?.fly(interventions, observer)
 }
 
 /// A flight and its record so far.
@@ -133,9 +149,16 @@ struct Recorder<'f, 'm> {
 }
 
 impl<'f, 'm> Recorder<'f, 'm> {
-    fn new(scenario: &'f Scenario, conditions: Conditions, flight: Flight<'m, dyn AnyRobot + 'm>) -> Self {
+    fn new(
+        scenario: &'f Scenario,
+        conditions: Conditions,
+        boot: Boot<'m, dyn AnyRobot + 'm>,
+    ) -> Result<Self, TeamError> {
+        let mut flown = scenario.clone();
+        flown.radio.loss = conditions.loss.unwrap_or(scenario.radio.loss);
+        let flight = Flight::new(flown, Faults::default(), conditions.seed, boot)?;
         let size = scenario.robots.len();
-        Self {
+        Ok(Self {
             scenario,
             conditions,
             activities: vec![None; size],
@@ -149,7 +172,40 @@ impl<'f, 'm> Recorder<'f, 'm> {
             events: Vec::new(),
             history: vec![flight.cells().to_vec()],
             flight,
+        })
+    }
+
+    /// Flies to the end.
+    fn fly(
+        mut self,
+        interventions: &Interventions<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<Record, TeamError> {
+        let mut old = interventions.replay.split(|&byte| byte == 0).filter(|frame| !frame.is_empty());
+        self.show(observer, 0);
+        while !self.is_over() && !(interventions.has_halted)() {
+            let (told, tick) = (self.events.len(), self.flight.ticks());
+            for &(robot, _) in interventions.restarts.iter().filter(|&&(_, when)| when == tick) {
+                self.restart(robot)?;
+            }
+            let robots = self.scenario.robots.len();
+            for frame in old.by_ref().take(robots) {
+                let frame = [&[0], frame, &[0]].concat();
+                (0..robots).for_each(|robot| self.flight.deliver(robot, &frame));
+            }
+            self.tick();
+            self.show(observer, told);
         }
+        Ok(self.record())
+    }
+
+    /// Restarts a robot, which forgets what it was told to visit.
+    fn restart(&mut self, robot: usize) -> Result<(), TeamError> {
+        self.flight.restart(robot)?;
+        self.waypoints[robot].clear();
+        let tick = self.flight.ticks();
+        self.events.push(TimedEvent { tick, event: FlightEvent::Restarted { robot } });
+        Ok(())
     }
 
     /// Shows the observer the state of the flight and the new events.

@@ -35,6 +35,8 @@ mod flight;
 mod flight_event;
 mod fly;
 mod frames;
+#[cfg(unix)]
+pub mod hil;
 mod input;
 mod learn;
 pub mod library;

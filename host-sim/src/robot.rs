@@ -12,6 +12,8 @@ use iibt_core::tree::Status;
 /// Implemented for the firmware's [`Controller`] of a [`Navigator`], or of a robot with a
 /// conventional tree, in a simulated body.
 pub trait AnyRobot {
+    /// Takes in what the body senses and hears, before any robot of the team ticks.
+    fn prepare(&mut self) {}
     /// Ticks its controller once; returns what its tree returned.
     fn tick(&mut self) -> Status;
     /// Its report.

@@ -218,6 +218,24 @@ pub struct InferenceSpec {
     pub alike: bool,
 }
 
+impl Event {
+    /// The robots that it waits for and that it happens to.
+    fn robots(&self) -> impl Iterator<Item = usize> {
+        let waits_for = match self.when {
+            Trigger::Reached(robot, _) => Some(robot),
+            Trigger::Tick(_) | Trigger::Planned(..) => None,
+        };
+        let happens_to = match self.effect {
+            EventEffect::BlockPath(robot)
+            | EventEffect::Charge(robot, _)
+            | EventEffect::Visit(robot, _)
+            | EventEffect::Stop(robot, _) => Some(robot),
+            EventEffect::Block(_) | EventEffect::Clear(_) => None,
+        };
+        waits_for.into_iter().chain(happens_to)
+    }
+}
+
 impl RobotSpec {
     /// Returns the number of steps of a plan that one move takes; a step takes at least a tick.
     #[must_use]
@@ -240,6 +258,20 @@ impl Scenario {
         self.goals.contains(&cell)
             || self.robots.iter().any(is_charger)
             || self.events.iter().any(is_waypoint)
+    }
+
+    /// The scenario with its first robots only, and without what happens to the others; `None` when
+    /// it has none, or fewer than this number.
+    #[must_use]
+    pub fn with_robots(mut self, robots: usize) -> Option<Self> {
+        if !(1..=self.robots.len()).contains(&robots) {
+            return None;
+        }
+        self.robots.truncate(robots);
+        self.need = self.need.min(robots);
+        self.drive_faults.retain(|fault| fault.robot < robots);
+        self.events.retain(|event| event.robots().all(|robot| robot < robots));
+        Some(self)
     }
 
     /// Reads a scenario from the bytes of a file; see [`Scenario::parse`].

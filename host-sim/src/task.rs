@@ -23,6 +23,7 @@ mod world;
 
 pub use campaign::{LEVELS, Level, level_table};
 pub use flight::{Flown, Operated};
+pub(crate) use mission::{Beside, TaskShadow};
 pub use mission::{TaskError, Trouble, outcome_line};
 pub use read::TableMission;
 pub use world::{Goal, Truth};

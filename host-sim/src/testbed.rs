@@ -4,9 +4,10 @@ use crate::body::{Antenna, Clock};
 use crate::radio::{KEY, RadioChannel, Traffic};
 use crate::scenario;
 use firmware::{Controller, Robot, Settings, hardware};
-use iibt_core::team::{Invalid, Member, MemberError, Peers, RobotId};
+use iibt_core::team::{Invalid, Keys, Member, MemberError, Peers, RobotId};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
+use std::collections::VecDeque;
 use std::num::NonZero;
 
 /// The settings of a robot in a [`Testbed`] with a team of `team`: it has been switched on once,
@@ -39,6 +40,15 @@ impl<T> hardware::Clock for Simulated<T> {
     fn now(&mut self) -> Instant {
         self.clock.now()
     }
+}
+
+/// What runs beside the robots of a [`Testbed`], with the same inputs.
+pub(crate) trait Shadow<R, T> {
+    /// Takes what a robot senses and hears in a tick, before any of them ticks.
+    fn prepare(&mut self, robot: usize, tick: u32, parts: &T, received: &VecDeque<u8>);
+
+    /// Takes a robot after the tick, what it has told its parts, and the frames that it sends.
+    fn compare(&mut self, robot: usize, own: &R, parts: &T, sent: &[Vec<u8>]);
 }
 
 /// A robot on the parts of simulated hardware: it sees neither the radio nor the clock.
@@ -129,6 +139,7 @@ impl<R: Robot<T>, T> Robot<Simulated<T>> for OnParts<R> {
 /// # Ok::<(), iibt_core::team::MemberError>(())
 /// ```
 pub struct Testbed<R: Robot<T>, T> {
+    shadow: Option<Box<dyn Shadow<R, T>>>,
     robots: Vec<Controller<OnParts<R>, Simulated<T>>>,
     radio: RadioChannel,
     tick: u32,
@@ -146,14 +157,28 @@ impl<R: Robot<T>, T> Testbed<R, T> {
         radio: scenario::Radio,
         seed: u64,
     ) -> Result<Self, MemberError> {
+        Self::beside(team, radio, seed, Keys::shared(&KEY), None)
+    }
+
+    /// A team with its keys, and with what runs beside it.
+    pub(crate) fn beside(
+        team: impl IntoIterator<Item = (R, T)>,
+        radio: scenario::Radio,
+        seed: u64,
+        keys: Keys,
+        shadow: Option<Box<dyn Shadow<R, T>>>,
+    ) -> Result<Self, MemberError> {
         let team: Vec<(R, T)> = team.into_iter().collect();
         let size = team.len();
         let controller = |(robot, (mind, parts)): (u8, (R, T))| {
             let hardware = Simulated { parts, link: Antenna::default(), clock: Clock::default() };
-            Ok(Controller::new(OnParts(mind), settings(RobotId(robot), size)?, hardware))
+            let member = Member::new(RobotId(robot), size)?;
+            let settings = Settings::with_keys(member, keys.clone(), 1, NonZero::<u16>::MIN);
+            Ok(Controller::new(OnParts(mind), settings, hardware))
         };
         let robots = (0..).zip(team).map(controller).collect::<Result<_, _>>()?;
-        Ok(Self { robots, radio: RadioChannel::new(radio, size, seed), tick: 0, frames: Vec::new() })
+        let radio = RadioChannel::new(radio, size, seed);
+        Ok(Self { shadow, robots, radio, tick: 0, frames: Vec::new() })
     }
 
     /// Hands out the frames that arrive, ticks every robot once, and sends what they announce;
@@ -162,11 +187,23 @@ impl<R: Robot<T>, T> Testbed<R, T> {
         for (receiver, frame) in self.radio.arrivals(self.tick) {
             self.robots[receiver].hardware_mut().link.received.extend(frame);
         }
+        if let Some(shadow) = &mut self.shadow {
+            for (index, robot) in self.robots.iter().enumerate() {
+                let Simulated { parts, link, .. } = robot.hardware();
+                shadow.prepare(index, self.tick, parts, &link.received);
+            }
+        }
         let statuses = self.robots.iter_mut().map(|robot| {
             robot.hardware_mut().clock.now = self.tick;
             robot.tick()
         });
         let statuses = statuses.collect();
+        if let Some(shadow) = &mut self.shadow {
+            for (index, robot) in self.robots.iter().enumerate() {
+                let Simulated { parts, link, .. } = robot.hardware();
+                shadow.compare(index, &robot.robot().0, parts, &link.sent);
+            }
+        }
         self.frames.clear();
         for (sender, robot) in self.robots.iter_mut().enumerate() {
             for frame in robot.hardware_mut().link.sent.drain(..) {

@@ -336,3 +336,104 @@ fn missions_that_cannot_be_drawn_or_flown_are_refused_with_a_reason() {
         "wider.toml: 65 cells, but this tree flies on at most 64",
     );
 }
+
+#[cfg(unix)]
+mod emulated {
+    use super::*;
+    use std::os::unix::fs::PermissionsExt;
+    use std::path::Path;
+    use std::time::{Duration, Instant};
+
+    /// An emulator that writes down its process and then does nothing.
+    const IDLE: &str =
+        "#!/bin/sh\n[ \"$1\" = --version ] && exit 0\necho $$ > \"$TMPDIR/process\"\nexec sleep 60\n";
+
+    /// A folder with this program as `qemu-system-arm`, and one for what the simulator leaves.
+    fn with_emulator(name: &str, program: &str) -> (PathBuf, PathBuf) {
+        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _ = fs::remove_dir_all(&folder);
+        let (programs, left) = (folder.join("programs"), folder.join("left"));
+        for folder in [&programs, &left] {
+            fs::create_dir_all(folder).expect("the folder for tests can be written");
+        }
+        let emulator = programs.join("qemu-system-arm");
+        fs::write(&emulator, program).expect("the folder for tests can be written");
+        fs::set_permissions(&emulator, fs::Permissions::from_mode(0o755)).expect("it is ours");
+        (programs, left)
+    }
+
+    fn hil(line: &str, programs: &Path, left: &Path) -> Command {
+        let mut command = host_sim(&format!("hil {line}"));
+        let path = std::env::var("PATH").unwrap_or_default();
+        command.env("PATH", format!("{}:{path}", programs.display())).env("TMPDIR", left);
+        command
+    }
+
+    fn until(what: &str, mut is_so: impl FnMut() -> bool) {
+        let since = Instant::now();
+        while !is_so() {
+            assert!(since.elapsed() < Duration::from_secs(30), "{what}");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_emulated_is_refused_with_the_reason() {
+        let image = file("no-image.elf", "");
+        let line = |rest: &str| host_sim(&format!("hil {rest} --image {}", image.display()));
+        refuses(line("two-goals").env("PATH", ""), "install the package qemu-system-arm");
+        refuses(&mut line("two-goals --restart R3@4"), "no robot is called R3; there are R1, R2");
+        refuses(&mut line("two-goals --restart R2"), "write ROBOT@TICK");
+        refuses(&mut line("two-goals --restart R2@soon"), "soon is no tick");
+        refuses(&mut line("two-goals --robots 3"), "two-goals has 1 to 2");
+        refuses(&mut line("two-goals --robots 0"), "two-goals has 1 to 2");
+        refuses(&mut line("two-goals --tree conventional"), "the image has the tree with inference");
+        refuses(&mut line("valves --restart R1@3"), "a task is flown without --robots, --restart");
+        let (programs, left) = with_emulator("hil-refused", IDLE);
+        refuses(&mut hil("two-goals --image nowhere.elf", &programs, &left), "nowhere.elf: ");
+        let image = image.display();
+        refuses(&mut hil(&format!("warehouse --image {image}"), &programs, &left), "room for 64");
+        refuses(
+            &mut hil(&format!("valves --image {image}"), &programs, &left),
+            "the tables of bottle-and-plate",
+        );
+        refuses(&mut hil(&format!("deliveries --image {image}"), &programs, &left), "room for 64");
+        assert_eq!(fs::read_dir(&left).expect("it is there").count(), 0);
+    }
+
+    #[test]
+    fn an_emulator_that_ends_is_reported_and_its_folder_goes() {
+        let (programs, left) = with_emulator("hil-ends", "#!/bin/sh\n[ \"$1\" = --version ] || exit 3\n");
+        let image = file("an-image.elf", "");
+        let mut command = hil(&format!("two-goals --image {}", image.display()), &programs, &left);
+        refuses(&mut command, "the machine of R1 does not start: qemu-system-arm ended with exit status: 3");
+        assert_eq!(fs::read_dir(&left).expect("it is there").count(), 0);
+    }
+
+    #[test]
+    fn a_simulator_that_is_killed_or_ended_leaves_nothing_behind() {
+        for signal in ["-KILL", "-TERM"] {
+            let (programs, left) = with_emulator(&format!("hil-killed{signal}"), IDLE);
+            let image = file("some-image.elf", "");
+            let path = std::env::var("PATH").unwrap_or_default();
+            let mut simulator = std::process::Command::new(assert_cmd::cargo::cargo_bin!("host-sim"))
+                .args(["hil", "two-goals", "--image"])
+                .arg(&image)
+                .env("PATH", format!("{}:{path}", programs.display()))
+                .env("TMPDIR", &left)
+                .spawn()
+                .expect("it is built");
+            let process = left.join("process");
+            let written = || fs::read_to_string(&process).is_ok_and(|text| text.ends_with('\n'));
+            until("no emulator starts", written);
+            let number = fs::read_to_string(&process).expect("it is written").trim().to_owned();
+            fs::remove_file(&process).expect("it is ours");
+            let run =
+                |line: &str| std::process::Command::new("sh").args(["-c", line]).status().expect("a shell");
+            assert!(run(&format!("kill {signal} {}", simulator.id())).success());
+            simulator.wait().expect("it is a child");
+            until("the emulator goes on", || !run(&format!("kill -0 {number} 2>/dev/null")).success());
+            until("a folder is left", || fs::read_dir(&left).expect("it is there").count() == 0);
+        }
+    }
+}

@@ -155,5 +155,6 @@ fn kind(event: &host_sim::FlightEvent) -> &'static str {
         host_sim::FlightEvent::Returned { .. } => "returned",
         host_sim::FlightEvent::Stopped { .. } => "stopped",
         host_sim::FlightEvent::Resumed { .. } => "resumed",
+        host_sim::FlightEvent::Restarted { .. } => "restarted",
     }
 }

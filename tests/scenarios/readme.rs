@@ -22,7 +22,7 @@ fn every_member_of_the_record_is_explained() {
     names.extend(keys(&serde_json::to_value(FlightEvent::Collided { times: 1 }).unwrap()));
     names.extend(["appeared", "found", "chose", "agreed", "arrived", "collided"].map(String::from));
     names.extend(
-        ["asked", "refused", "visited", "drained", "left", "returned", "stopped", "resumed"]
+        ["asked", "refused", "visited", "drained", "left", "returned", "stopped", "resumed", "restarted"]
             .map(String::from),
     );
     names.extend(

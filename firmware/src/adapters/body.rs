@@ -77,8 +77,8 @@ impl<L: Link, C, D, P, S, B> Link for Body<L, C, D, P, S, B> {
     fn receive(&mut self) -> Option<u8> {
         self.link.receive()
     }
-    fn read(&mut self, bytes: &mut [u8]) -> usize {
-        self.link.read(bytes)
+    fn receive_into(&mut self, bytes: &mut [u8]) -> usize {
+        self.link.receive_into(bytes)
     }
     fn send(&mut self, frame: &[u8]) -> bool {
         self.link.send(frame)

@@ -95,10 +95,10 @@ pub struct Line {
 impl Link for Line {
     fn receive(&mut self) -> Option<u8> {
         let mut byte = [0];
-        (self.read(&mut byte) == 1).then_some(byte[0])
+        (self.receive_into(&mut byte) == 1).then_some(byte[0])
     }
 
-    fn read(&mut self, bytes: &mut [u8]) -> usize {
+    fn receive_into(&mut self, bytes: &mut [u8]) -> usize {
         self.heard.read(bytes)
     }
 

@@ -11,23 +11,24 @@ const INBOX: usize = 2048;
 /// Bytes that may wait to be sent.
 const OUTBOX: usize = 512;
 
-/// A serial line to the teammates, for a `static`: a reference to it is the [`Link`].
+/// A serial line to the teammates or to a base, for a `static`: a reference to it is the [`Link`].
 ///
-/// It never waits: a frame for which there is no room is refused.
+/// It never waits: a frame for which there is no room is refused. `IN` and `OUT` are the bytes that
+/// may wait.
 #[derive(Debug)]
-pub struct Line<P> {
+pub struct Line<P, const IN: usize = INBOX, const OUT: usize = OUTBOX> {
     port: Shared<Slot<P>>,
-    queues: Shared<Queues>,
+    queues: Shared<Queues<IN, OUT>>,
 }
 
 #[derive(Debug)]
-struct Queues {
-    inbox: ByteQueue<INBOX>,
-    outbox: FrameQueue<OUTBOX>,
+struct Queues<const IN: usize, const OUT: usize> {
+    inbox: ByteQueue<IN>,
+    outbox: FrameQueue<OUT>,
     lost: u32,
 }
 
-impl<P: Port> Line<P> {
+impl<P: Port, const IN: usize, const OUT: usize> Line<P, IN, OUT> {
     /// A line without a port.
     #[must_use]
     pub const fn new() -> Self {
@@ -46,6 +47,12 @@ impl<P: Port> Line<P> {
         self.port.with(|port| port.as_mut().map(|port| self.queues.with(|queues| queues.serve(port))));
     }
 
+    /// The number of received bytes that wait to be read.
+    #[must_use]
+    pub fn waiting(&self) -> usize {
+        self.queues.with(|queues| queues.inbox.len()).unwrap_or(0)
+    }
+
     /// The number of received bytes lost since the start, to a full queue or a disturbed line.
     #[must_use]
     pub fn lost(&self) -> u32 {
@@ -53,19 +60,19 @@ impl<P: Port> Line<P> {
     }
 }
 
-impl<P: Port> Default for Line<P> {
+impl<P: Port, const IN: usize, const OUT: usize> Default for Line<P, IN, OUT> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<P: Port> Link for &Line<P> {
+impl<P: Port, const IN: usize, const OUT: usize> Link for &Line<P, IN, OUT> {
     fn receive(&mut self) -> Option<u8> {
         let mut byte = [0];
-        (self.read(&mut byte) == 1).then_some(byte[0])
+        (self.receive_into(&mut byte) == 1).then_some(byte[0])
     }
 
-    fn read(&mut self, bytes: &mut [u8]) -> usize {
+    fn receive_into(&mut self, bytes: &mut [u8]) -> usize {
         self.queues.with(|queues| queues.inbox.read(bytes)).unwrap_or(0)
     }
 
@@ -76,7 +83,7 @@ impl<P: Port> Link for &Line<P> {
     }
 }
 
-impl Queues {
+impl<const IN: usize, const OUT: usize> Queues<IN, OUT> {
     fn receive(&mut self, byte: Result<u8, Disturbed>) {
         let kept = byte.is_ok_and(|byte| self.inbox.push(byte));
         self.lost = self.lost.saturating_add(u32::from(!kept));

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | PA9, PA10 | USART1, 115200 baud: the log, as defmt frames |
 //! | PA2, PA3 | USART2, 115200 baud: the link to the teammates |
+//! | PB10, PB11 | USART3, 115200 baud: the port to a base |
 //! | PA6, PB0 | left motor: speed at 20 kHz (TIM3), direction |
 //! | PA7, PB1 | right motor: speed at 20 kHz (TIM3), direction |
 //! | PA0 | half of the battery's voltage; without a battery, tie it to ground |
@@ -23,7 +24,7 @@ use embedded_hal_nb::nb;
 use embedded_hal_nb::serial::{Read, Write};
 use stm32f4xx_hal::gpio::{Output, PA5, PB0, PB1, PinState};
 use stm32f4xx_hal::interrupt;
-use stm32f4xx_hal::pac::{ADC1, Interrupt, Peripherals, TIM3, USART1, USART2};
+use stm32f4xx_hal::pac::{ADC1, Interrupt, Peripherals, TIM3, USART1, USART2, USART3};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Enable;
 use stm32f4xx_hal::serial::{Rx, RxListen, Tx, TxISR, TxListen};
@@ -35,6 +36,9 @@ const BAUD: u32 = 115_200;
 
 /// The link to the teammates.
 pub type TeamLink = &'static Line<Usart<USART2>>;
+
+/// The port to a base: one request and two answers may wait.
+pub type BasePort = &'static Line<Usart<USART3>, 128, 256>;
 
 /// The drive of the two motors.
 pub type Motors = DifferentialDrive<
@@ -66,6 +70,8 @@ pub type StatusLed = PA5<Output>;
 pub struct Board {
     /// The link to the teammates.
     pub link: TeamLink,
+    /// The port to a base.
+    pub base: BasePort,
     /// The motors.
     pub drive: Motors,
     /// Time since the start.
@@ -100,6 +106,10 @@ impl Board {
         rx.listen();
         let link = LINK.start(Usart { rx: Some(rx), tx });
         enable(Interrupt::USART2);
+        let (tx, mut rx) = chip.USART3.serial((b.pb10, b.pb11), BAUD.bps(), &mut rcc).ok()?.split();
+        rx.listen();
+        let base = BASE.start(Usart { rx: Some(rx), tx });
+        enable(Interrupt::USART3);
 
         let (_, (left, right, ..)) = chip.TIM3.pwm_hz(20.kHz(), &mut rcc);
         let (mut left, mut right) = (left.with(a.pa6), right.with(a.pa7));
@@ -118,12 +128,13 @@ impl Board {
         let battery = VoltageGauge::new(Converter(chip.ADC1), CELL);
         let storage = Flash::storage(chip.FLASH);
         let led = a.pa5.into_push_pull_output_in_state(PinState::High);
-        Some(Self { link, drive, clock, battery, storage, led })
+        Some(Self { link, base, drive, clock, battery, storage, led })
     }
 }
 
 static LOG: LogPort<Usart<USART1>> = LogPort::new();
 static LINK: Line<Usart<USART2>> = Line::new();
+static BASE: Line<Usart<USART3>, 128, 256> = Line::new();
 
 #[interrupt]
 fn USART1() {
@@ -133,6 +144,11 @@ fn USART1() {
 #[interrupt]
 fn USART2() {
     LINK.serve();
+}
+
+#[interrupt]
+fn USART3() {
+    BASE.serve();
 }
 
 /// A USART of the chip; without a receiver it only sends.
@@ -153,6 +169,10 @@ impl Numbered for USART1 {
 
 impl Numbered for USART2 {
     const INTERRUPT: Interrupt = Interrupt::USART2;
+}
+
+impl Numbered for USART3 {
+    const INTERRUPT: Interrupt = Interrupt::USART3;
 }
 
 impl<U: Numbered> Port for Usart<U>

@@ -85,6 +85,31 @@ impl<H> Skills<H> for () {
     fn message(&self) {}
 }
 
+/// The skill of a robot that is done when it has pursued its aims one after the other: one leaf,
+/// which succeeds as an action and then holds as a condition for good.
+///
+/// ```text
+/// Fallback { Condition(Own(())), Sequence { Inference(Aim(0)), Inference(Aim(1)), Action(Own(())) } }
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Finished(bool);
+
+impl<H> Skills<H> for Finished {
+    type Leaf = ();
+    type Message = ();
+
+    fn condition(&mut self, (): &(), _: &Turn<'_, ()>) -> bool {
+        self.0
+    }
+
+    fn on_running(&mut self, (): &(), _: &mut Turn<'_, ()>) -> Status {
+        self.0 = true;
+        Status::Success
+    }
+
+    fn message(&self) {}
+}
+
 /// One tick as the robot's own leaves see it.
 pub struct Turn<'k, X> {
     /// The time of the tick.

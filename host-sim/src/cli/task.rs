@@ -29,7 +29,7 @@ pub(super) fn title(name: &str) -> Result<String, Failure> {
 
 pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
     let name = &of.scenario;
-    if of.tree != Pilot::default() || of.log.is_some() || of.disturbance != Disturbance::None {
+    if of.is_more_than_a_task() {
         return Err(format!("{name}: a task is flown without --tree, --disturbance and --log").into());
     }
     let arena = Bump::new();
@@ -49,6 +49,13 @@ pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
         false => mission.narrate(&flown),
     })?;
     Ok(exit_status(flown.success))
+}
+
+impl RunArgs {
+    /// Whether there are arguments that are for scenarios only.
+    pub(super) fn is_more_than_a_task(&self) -> bool {
+        self.tree != Pilot::default() || self.log.is_some() || self.disturbance != Disturbance::None
+    }
 }
 
 pub(super) fn campaign(

@@ -4,12 +4,12 @@ use super::station::Station;
 use super::waiting;
 use super::world::{TaskWorld, Truth};
 use super::{HostTask, HostWanted};
-use crate::radio::Traffic;
+use crate::radio::{KEY, Traffic};
 use crate::scenario;
-use crate::testbed::Testbed;
+use crate::testbed::{Shadow, Testbed};
 use firmware::Robot;
 use iibt_core::iibt::table::{Command, JointDecision, Tables};
-use iibt_core::team::MemberError;
+use iibt_core::team::{Keys, MemberError};
 use iibt_core::tree::Status;
 use serde::Serialize;
 
@@ -76,9 +76,21 @@ impl<'t, R: Worker<'t>> TaskFlight<'t, R> {
         seed: u64,
         robots: Vec<R>,
     ) -> Result<Self, MemberError> {
+        Self::beside(tables, truth, (radio, seed), robots, Keys::shared(&KEY), None)
+    }
+
+    /// A flight of a team with its keys, and with what runs beside it.
+    pub(crate) fn beside(
+        tables: &'t Tables<'t>,
+        truth: &'t Truth,
+        (radio, seed): (scenario::Radio, u64),
+        robots: Vec<R>,
+        keys: Keys,
+        shadow: Option<Box<dyn Shadow<R, Station>>>,
+    ) -> Result<Self, MemberError> {
         let statuses = vec![Status::Running; robots.len()];
         let team = robots.into_iter().map(|robot| (robot, Station::default()));
-        let testbed = Testbed::new(team, radio, seed)?;
+        let testbed = Testbed::beside(team, radio, seed, keys, shadow)?;
         let world = TaskWorld::new(tables, truth, seed);
         Ok(Self { world, statuses, tick: 0, testbed, operated: Vec::new() })
     }

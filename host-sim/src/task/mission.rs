@@ -1,11 +1,14 @@
 //! Flights of a task file: each robot's tree is a sequence of its aims, an inference node each.
 
+use super::Station;
 use super::flight::{Flown, TaskFlight};
 use super::read::TableMission;
-use super::robot::{Finished, HostRobot, TIMEOUT, tree_of};
-use crate::testbed::settings;
+use super::robot::{HostRobot, TIMEOUT, tree_of};
+use crate::radio::KEY;
+use crate::testbed::{Shadow, settings};
+use firmware::Finished;
 use iibt_core::iibt::table::TablesError;
-use iibt_core::team::{MemberError, RobotId};
+use iibt_core::team::{Keys, MemberError, RobotId};
 use iibt_core::time::Duration;
 use iibt_core::tree::{NodeMemory, Status};
 use thiserror::Error;
@@ -27,13 +30,32 @@ pub struct Trouble {
 
 /// Why a task is not flown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error(transparent)]
 pub enum TaskError {
     /// The tables need more room than the simulator has.
+    #[error(transparent)]
     Tables(#[from] TablesError),
     /// There is no such team.
+    #[error(transparent)]
     Team(#[from] MemberError),
+    /// What was to run beside the robots has not started.
+    #[error("the flight has not begun")]
+    Halted,
 }
+
+/// What is beside a flight of a task.
+pub(crate) struct Beside<'a> {
+    /// The keys of the team.
+    pub(crate) keys: Keys,
+    /// What runs beside its robots.
+    pub(crate) shadow: Option<TaskShadow>,
+    /// Whether that has halted.
+    pub(crate) has_halted: &'a dyn Fn() -> bool,
+    /// Gets the frames of every tick.
+    pub(crate) record: &'a mut dyn FnMut(&[u8]),
+}
+
+/// What runs beside the robots of a task.
+pub(crate) type TaskShadow = Box<dyn for<'x> Shadow<HostRobot<'x, Finished>, Station>>;
 
 impl TableMission<'_> {
     /// Flies the task until all robots have reached their last aim, or to the limit.
@@ -55,6 +77,20 @@ impl TableMission<'_> {
         trouble: Trouble,
         record: &mut dyn FnMut(&[u8]),
     ) -> Result<Flown, TaskError> {
+        self.fly_with(
+            seed,
+            trouble,
+            Beside { keys: Keys::shared(&KEY), shadow: None, has_halted: &|| false, record },
+        )
+    }
+
+    /// Flies the task with what is beside its robots, until that has halted.
+    pub(crate) fn fly_with(
+        &self,
+        seed: u64,
+        trouble: Trouble,
+        beside: Beside<'_>,
+    ) -> Result<Flown, TaskError> {
         let mut truth = self.truth.clone();
         truth.wrong = trouble.wrong.or(truth.wrong);
         if let Some(fails) = trouble.fails {
@@ -75,23 +111,25 @@ impl TableMission<'_> {
                 &settings,
                 tree,
                 memory,
-                Finished(false),
+                Finished::default(),
                 self.timeout(),
             )?;
             Ok(robot.with_budget(self.budget.unwrap_or(u32::MAX)))
         });
         let robots = robots.collect::<Result<_, TaskError>>()?;
-        let flight = TaskFlight::new(&self.tables, &truth, radio, seed, robots)?;
-        let done = |statuses: &[Status]| statuses.iter().all(|&status| status == Status::Success);
+        let Beside { keys, shadow, has_halted, record } = beside;
+        let flight = TaskFlight::beside(&self.tables, &truth, (radio, seed), robots, keys, shadow)?;
+        let done =
+            |statuses: &[Status]| has_halted() || statuses.iter().all(|&status| status == Status::Success);
         Ok(flight.fly(self.limit, done, &mut |flight| record(flight.frames())))
     }
 
     /// The timeout of inference nodes: with a budget, a decision takes as many more ticks as it has
     /// units.
     fn timeout(&self) -> Duration {
-        let budget = self.budget.unwrap_or(u32::MAX).max(1);
+        let Some(budget) = self.budget else { return TIMEOUT };
         let units = UNITS_OF_A_DECISION * self.tables.policies() as u32;
-        Duration(TIMEOUT.0.saturating_add(units.div_ceil(budget)))
+        Duration(TIMEOUT.0.saturating_add(units.div_ceil(budget.max(1))))
     }
 
     /// Narrates a flight line by line: the actions, the outcome, and what is missing.

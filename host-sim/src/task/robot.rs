@@ -2,10 +2,10 @@
 
 use super::flight::Worker;
 use super::{HostTask, HostWanted, Station};
-use firmware::{Skills, TableRobot, TaskLeaf, Turn};
+use firmware::{Skills, TableRobot, TaskLeaf};
 use iibt_core::iibt::table::{Aim, TablesError};
 use iibt_core::time::Duration;
-use iibt_core::tree::{Full, Node, NodeMemory, OwnedTree, Row, Status};
+use iibt_core::tree::{Full, Node, NodeMemory, OwnedTree, Row};
 
 /// The ticks for which a precondition may stay unmet before an inference node fails.
 pub(crate) const TIMEOUT: Duration = Duration(50);
@@ -34,23 +34,4 @@ pub(super) fn tree_of(aims: &[Aim<'_>]) -> Result<AimsTree, TablesError> {
     nodes.extend((0..aims.len()).map(|aim| Node::Inference(TaskLeaf::Aim(aim))));
     nodes.push(Node::Action(finished));
     OwnedTree::try_new(nodes.into_iter().map(Row::new).collect()).map_err(|_| too_many)
-}
-
-/// Whether the robot has reached its last aim.
-pub(super) struct Finished(pub(super) bool);
-
-impl Skills<Station> for Finished {
-    type Leaf = ();
-    type Message = ();
-
-    fn condition(&mut self, (): &(), _: &Turn<'_, ()>) -> bool {
-        self.0
-    }
-
-    fn on_running(&mut self, (): &(), _: &mut Turn<'_, ()>) -> Status {
-        self.0 = true;
-        Status::Success
-    }
-
-    fn message(&self) {}
 }

@@ -286,7 +286,9 @@ pub(super) fn believed<const S: usize, const N: usize>(
 impl<const S: usize, const N: usize> Question<'_, '_, S, N> {
     /// Gives ln E - γ G of these joint policies to `note`, one after the other.
     pub(super) fn scores(&self, policies: impl Iterator<Item = u16> + Clone, note: &mut dyn FnMut(f32)) {
-        let wanted = self.preferences;
+        // There may be room for more robots than the team has; the outcome, which comes after the
+        // robots, keeps its own preference.
+        let wanted = self.preferences.get(..self.tables.robots()).unwrap_or(self.preferences);
         with_model(self.tables, None, self.outcome, &mut |model| {
             self.each(model, wanted, policies.clone(), &mut |evaluation| {
                 note(evaluation.scores().first().copied().unwrap_or(f32::NEG_INFINITY));
