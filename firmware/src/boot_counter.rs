@@ -140,7 +140,10 @@ impl BootCounter {
 /// The bytes between two entries: a count, or what the flash writes at once if that is more.
 const fn entry<F: NorFlash>() -> u32 {
     const {
-        assert!(WINDOW as usize % F::WRITE_SIZE == 0, "a write of a flash is 1 to 64 bytes, a power of two");
+        assert!(
+            (WINDOW as usize).is_multiple_of(F::WRITE_SIZE),
+            "a write of a flash is 1 to 64 bytes, a power of two"
+        );
         if F::WRITE_SIZE > COUNT as usize { F::WRITE_SIZE as u32 } else { COUNT }
     }
 }

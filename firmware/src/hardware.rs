@@ -24,7 +24,10 @@ pub trait Link {
     ///
     /// A link that can move many at once does better than byte by byte.
     fn receive_into(&mut self, bytes: &mut [u8]) -> usize {
-        let received = bytes.iter_mut().map_while(|to| Some(*to = self.receive()?));
+        let received = bytes.iter_mut().map_while(|to| {
+            *to = self.receive()?;
+            Some(())
+        });
         received.count()
     }
 

@@ -213,6 +213,10 @@ impl<L: Link, P> Link for Base<L, P> {
         self.link.receive()
     }
 
+    fn receive_into(&mut self, bytes: &mut [u8]) -> usize {
+        self.link.receive_into(bytes)
+    }
+
     fn send(&mut self, frame: &[u8]) -> bool {
         self.link.send(frame)
     }

@@ -27,6 +27,18 @@ impl<const N: usize> ByteQueue<N> {
         Self { bytes: [0; N], first: 0, length: 0 }
     }
 
+    /// Returns the number of bytes.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.length
+    }
+
+    /// Returns whether there is no byte.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
     /// Adds a byte; returns whether there was room for it.
     pub fn push(&mut self, byte: u8) -> bool {
         let end = self.first + self.length;

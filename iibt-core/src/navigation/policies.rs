@@ -291,6 +291,14 @@ fn give_up_twins<const W: usize>(errands: &mut [Errand], closed: &CellSet<W>) {
     }
 }
 
+/// What [`OnMap::entry`] has found.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    /// The policy, the robot and the moves that it has made.
+    question: (usize, RobotId, u16),
+    answer: Option<(usize, Cell)>,
+}
+
 /// Policies as the rounds ask about them, on a map.
 ///
 /// A step of a path is a move: its waits only keep it behind others, and the order does that.
@@ -301,7 +309,7 @@ pub(super) struct OnMap<'a, const W: usize, const K: usize> {
     pub view: View,
     pub open: Open,
     /// The question and the answer of the last [`entry`](Self::entry): it is asked of each teammate.
-    entry: core::cell::Cell<Option<((usize, RobotId, u16), Option<(usize, Cell)>)>>,
+    entry: core::cell::Cell<Option<Entry>>,
 }
 
 impl<'a, const W: usize, const K: usize> OnMap<'a, W, K> {
@@ -323,13 +331,13 @@ impl<'a, const W: usize, const K: usize> OnMap<'a, W, K> {
     /// The cell that a member enters with its next move, and the step at whose end it is there.
     fn entry(&self, policy: usize, robot: RobotId, moves: u16) -> Option<(usize, Cell)> {
         let question = (policy, robot, moves);
-        if let Some((_, answer)) = self.entry.get().filter(|&(asked, _)| asked == question) {
-            return answer;
+        if let Some(known) = self.entry.get().filter(|known| known.question == question) {
+            return known.answer;
         }
         let (at, _) = self.next_move(policy, robot, moves)?;
         let path = self.path(policy, robot)?;
         let answer = Some((at + 1, path.cell_at(self.map(), at + 1)));
-        self.entry.set(Some((question, answer)));
+        self.entry.set(Some(Entry { question, answer }));
         answer
     }
 

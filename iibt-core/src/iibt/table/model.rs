@@ -261,26 +261,30 @@ pub(super) fn believed<const S: usize, const N: usize>(
     announced: &[Option<usize>; N],
 ) -> Option<Rows<S, N>> {
     let mut rows = None;
-    with_model(tables, None, None, &mut |model| {
-        let all = || {
-            let mut beliefs = Beliefs::<S, N>::try_prior(model).ok()?;
-            beliefs.set(model, own, states.get(..model.factors().get(own)?.states())?).ok()?;
-            for (robot, announced) in announced.iter().enumerate().take(tables.robots()) {
-                if let Some(state) = announced {
-                    // A message is read like a sensor; the flat prior leaves no outcome impossible
-                    // that the sensor can read.
-                    let _ = beliefs.observe(model, robot, Evidence::Outcome(*state));
-                }
-            }
-            let mut rows = [[0.0; S]; N];
-            for (robot, row) in rows.iter_mut().enumerate() {
-                crate::math::assign(row, beliefs.part(model, robot));
-            }
-            Some(rows)
-        };
-        rows = all();
-    })?;
+    with_model(tables, None, None, &mut |model| rows = believed_in(model, (own, states), announced))?;
     rows
+}
+
+fn believed_in<const S: usize, const N: usize>(
+    model: &Model,
+    (own, states): (usize, &[f32]),
+    announced: &[Option<usize>; N],
+) -> Option<Rows<S, N>> {
+    let mut beliefs = Beliefs::<S, N>::try_prior(model).ok()?;
+    let robots = model.factors().len();
+    beliefs.set(model, own, states.get(..model.factors().get(own)?.states())?).ok()?;
+    for (robot, announced) in announced.iter().enumerate().take(robots) {
+        if let Some(state) = announced {
+            // A message is read like a sensor; the flat prior leaves no outcome impossible that the
+            // sensor can read.
+            let _ = beliefs.observe(model, robot, Evidence::Outcome(*state));
+        }
+    }
+    let mut rows = [[0.0; S]; N];
+    for (robot, row) in rows.iter_mut().enumerate() {
+        crate::math::assign(row, beliefs.part(model, robot));
+    }
+    Some(rows)
 }
 
 impl<const S: usize, const N: usize> Question<'_, '_, S, N> {
