@@ -426,7 +426,7 @@ mod missions {
         {
             assert!(text.contains(words), "{text}");
         }
-        assert!(text.ends_with("70 frames of which 0 were lost.\n"), "{text}");
+        assert!(text.ends_with("58 frames of which 0 were lost.\n"), "{text}");
     }
 }
 

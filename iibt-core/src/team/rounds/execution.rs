@@ -86,13 +86,12 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
             return Some(missing);
         }
         let (heard, _) = heard.zip(self.digest())?;
+        let differs = !self.follows(heard);
         match heard.message.answer.digest() {
             None => Some(Waiting::Scores(robot)),
             // One of the two has taken a fact to last that did not, and gives again.
-            Some(_) if F::LASTS && !self.has_decided() && !self.follows(heard) => {
-                Some(Waiting::Scores(robot))
-            }
-            Some(_) if !self.follows(heard) => Some(Waiting::Outdated(robot)),
+            Some(_) if F::LASTS && !self.has_decided() && differs => Some(Waiting::Scores(robot)),
+            Some(_) if differs => Some(Waiting::Outdated(robot)),
             Some(_) if !self.has_decided() => {
                 Some(Waiting::Scores(robot)).filter(|_| heard.message.answer.scores().is_none())
             }
