@@ -396,7 +396,9 @@ fn no_way_point_is_lost_whatever_the_members_have_heard() {
         for cell in known {
             let is_visited = tracks.iter().any(|track| track.contains(&cell.0));
             let is_named = (0..2).any(|robot| task(&team, robot).left_behind().any(|left| left == cell));
-            assert!(is_visited || is_named, "{cell:?}, seed {seed}");
+            // Put off, for want of a way to it.
+            let is_pending = (0..2).any(|robot| task(&team, robot).waypoints().contains(&cell));
+            assert!(is_visited || is_named || is_pending, "{cell:?}, seed {seed}");
         }
     }
 }

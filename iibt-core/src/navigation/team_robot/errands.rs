@@ -4,6 +4,7 @@ use super::super::handover::{Handover, PendingWaypoints, Takers};
 use super::super::intention::room;
 use super::super::{Fact, Intention, Purpose, VisitError};
 use super::Navigation;
+use crate::bounded::up_to;
 use crate::grid::Cell;
 use crate::team::rounds::{Teammates, View};
 use crate::team::{Peers, RobotId};
@@ -102,7 +103,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// room.
     pub(super) fn pending(&self, fact: &Fact<W>) -> PendingWaypoints {
         let others = self.waypoints.all().iter().copied().filter(|&cell| fact.purpose.cell() != Some(cell));
-        others.take(room(fact)).collect()
+        up_to(others.take(room(fact)))
     }
 }
 
@@ -112,7 +113,7 @@ fn pending<const W: usize, const K: usize>(said: &Intention<W, K>) -> PendingWay
         Purpose::Visit(cell) => Some(cell),
         Purpose::Goal | Purpose::Charge(_) | Purpose::Stand => None,
     };
-    let mut pending: PendingWaypoints = named.into_iter().collect();
+    let mut pending: PendingWaypoints = up_to(named);
     let _ = said.waypoints.iter().try_for_each(|&cell| pending.push(cell));
     pending
 }
