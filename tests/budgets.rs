@@ -1,7 +1,7 @@
 //! The resources that the released image takes, checked against `budgets.toml` and README.
 
 use iibt_core::team::{SipHash64, decode};
-use tests::budgets::assert_within;
+use tests::budgets::{assert_stack_within, assert_within};
 use tests::elf::Elf;
 use tests::qemu::{Robot, number, team_member};
 use tests::rig::{Message, OnHost, demo_keys, demo_page};
@@ -74,7 +74,7 @@ fn the_stack_of_a_tick_is_within_budget() {
     agree(&mut image, &mut second);
     image.wait_for("took");
     let used = top - image.pause().lowest_used();
-    assert_within("team_member", "stack_of_a_tick", used.into());
+    assert_stack_within("team_member", "stack_of_a_tick", used.into());
 }
 
 /// From the reset to the end of the first tick: the board is set up, and the robot is made.
@@ -84,7 +84,7 @@ fn the_stack_of_the_boot_is_within_budget() {
     let top = image.pause().paint();
     image.wait_for("took");
     let used = top - image.pause().lowest_used();
-    assert_within("team_member", "stack_of_the_boot", used.into());
+    assert_stack_within("team_member", "stack_of_the_boot", used.into());
 }
 
 /// Ticks in which nothing is heard and nothing decided.
@@ -95,7 +95,7 @@ fn the_stack_of_an_ordinary_tick_is_within_budget() {
     let top = image.pause().paint();
     (0..5).for_each(|_| drop(image.receive()));
     let used = top - image.pause().lowest_used();
-    assert_within("team_member", "stack_of_an_ordinary_tick", used.into());
+    assert_stack_within("team_member", "stack_of_an_ordinary_tick", used.into());
 }
 
 #[test]

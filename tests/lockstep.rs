@@ -6,7 +6,7 @@ use firmware::bench::lockstep::{self, CELLS, KEY, WORDS, problem, robot};
 use firmware::missions::{LAYERS, NODES, POLICIES};
 use host_sim::{Faults, NavigatorFlight, Reading};
 use std::path::Path;
-use tests::budgets::assert_within;
+use tests::budgets::{assert_stack_within, assert_within};
 use tests::qemu::{Robot, image, number};
 
 type Flight<'m> = NavigatorFlight<'m, CELLS, WORDS, LAYERS, NODES, POLICIES>;
@@ -136,7 +136,7 @@ fn the_memory_of_a_team_that_searches_is_within_budget() {
     }
     assert!(searched > 200_000, "{searched} instructions in no tick for a list");
     let used = top - chip.pause().lowest_used();
-    assert_within("team_of_eight", "stack_of_a_searching_tick", used.into());
+    assert_stack_within("team_of_eight", "stack_of_a_searching_tick", used.into());
 }
 
 #[test]

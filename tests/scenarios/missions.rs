@@ -93,9 +93,14 @@ fn a_robot_that_is_never_heard_is_named_in_the_record_and_in_the_summary() {
     let told = |timed: &&host_sim::TimedEvent| matches!(timed.event, host_sim::FlightEvent::Waits { .. });
     let scenario = built_in("two-goals");
     let lines: Vec<_> = record.events.iter().filter(told).map(|timed| timed.line(&scenario)).collect();
-    assert_eq!(lines.len(), 2, "once for each robot: {lines:?}");
-    let line = "R1 stands, waiting for R2: it was never heard, so it may be anywhere";
-    assert!(lines[0].ends_with(line), "{lines:?}");
+    let told = [
+        "R1 stands, waiting for R2: it was never heard, so it may be anywhere",
+        "R2 stands, waiting for R1: it was never heard, so it may be anywhere",
+        // Of two robots only the first may go on alone.
+        "R2 stands, waiting for R1: it is lost, and the others are no quorum",
+    ];
+    assert_eq!(lines.len(), told.len(), "once for each reason: {lines:?}");
+    assert!(lines.iter().zip(told).all(|(line, end)| line.ends_with(end)), "{lines:?}");
     let json: serde_json::Value = serde_json::from_str(&record.to_json().unwrap()).unwrap();
     assert_eq!(json["robots"][1]["waiting"]["robot"], "R1");
     assert!(flown(&scenario, 0, 0.0).robots.iter().all(|robot| robot.waiting.is_none()));
