@@ -17,7 +17,7 @@ pub const LISTED: usize = 4;
 /// How many problems of each size are planned.
 pub const PROBLEMS: u32 = 200;
 
-/// Of how many problems of each size the [hardest](hardest) are known.
+/// Of how many problems of each size the [`hardest`] are known.
 pub const SEARCHED: usize = 20_000;
 
 /// The draws of the problems whose plans take the most work units or instructions of the first

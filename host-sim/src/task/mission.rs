@@ -1,5 +1,6 @@
 //! Flights of a task file: each robot's tree is a sequence of its aims, an inference node each.
 
+use super::HostTask;
 use super::Station;
 use super::flight::{Flown, TaskFlight};
 use super::read::TableMission;
@@ -103,6 +104,8 @@ impl TableMission<'_> {
         let radio = crate::scenario::Radio { loss: trouble.loss.unwrap_or(self.radio.loss), ..self.radio };
         let trees =
             self.tables.roles().iter().map(|role| tree_of(role.aims)).collect::<Result<Vec<_>, _>>()?;
+        // Emulated robots have the budget of images.
+        let default_budget = if beside.shadow.is_some() { HostTask::BUDGET } else { u32::MAX };
         let robots = (0..).zip(&trees).map(|(robot, tree)| {
             let settings = settings(RobotId(robot), trees.len())?;
             let (tree, memory) = (tree.by_ref(), vec![NodeMemory::NEW; tree.len()]);
@@ -114,7 +117,7 @@ impl TableMission<'_> {
                 Finished::default(),
                 self.timeout(),
             )?;
-            Ok(robot.with_budget(self.budget.unwrap_or(u32::MAX)))
+            Ok(robot.with_budget(self.budget.unwrap_or(default_budget)))
         });
         let robots = robots.collect::<Result<_, TaskError>>()?;
         let Beside { keys, shadow, has_halted, record } = beside;

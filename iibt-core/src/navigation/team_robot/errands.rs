@@ -14,7 +14,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 {
     /// Tells the robot to visit a cell before it goes to a goal, after those it was told before.
     ///
-    /// A way-point to which the team finds no plan is [put off](super::Report::put_off): the robot
+    /// A way-point to which the team finds no plan is [put off](super::super::Report::put_off): the robot
     /// goes on with the rest, and the team tries again after 20 ticks, then 40, up to 1,280, or as
     /// soon as a teammate that had an errand too is done with it.
     ///
