@@ -40,6 +40,26 @@ pub use log::{LogPort, dropped as dropped_log_frames};
 pub use mapped_flash::{MappedFlash, mapped};
 pub use port::{Disturbed, IoPort, Irq, Port, enable};
 
+#[cfg(any(feature = "stm32f405", feature = "rp2040", feature = "nrf52840"))]
+/// The parts of the board that a controller uses.
+pub struct Board {
+    /// The link to the teammates.
+    pub link: TeamLink,
+    /// The port to a base.
+    #[cfg(feature = "stm32f405")]
+    pub base: BasePort,
+    /// The motors.
+    pub drive: Motors,
+    /// Time since the start.
+    pub clock: Milliseconds,
+    /// The battery gauge.
+    pub battery: Gauge,
+    /// The flash, and what lies in it.
+    pub storage: crate::Storage<Flash>,
+    /// The status LED.
+    pub led: StatusLed,
+}
+
 /// Sleeps until the next interrupt: a byte on the link, or the next millisecond.
 pub fn sleep() {
     cortex_m::asm::wfi();

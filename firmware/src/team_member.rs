@@ -57,6 +57,23 @@ pub enum Standing {
     Started,
 }
 
+/// Reads the page of a robot and takes the epoch of this start. A copy of the page that is not
+/// whole is logged.
+///
+/// # Errors
+/// [`Standing`]: the robot must not take part.
+pub fn configure<const S: usize, const W: usize, const P: usize>(
+    page: &'static mut Page<S, W, P>,
+    storage: &mut Storage<impl NorFlash>,
+) -> Result<(&'static Page<S, W, P>, u32), Standing> {
+    let origin = storage.load(page).map_err(Standing::NoPage)?;
+    if let Some(other) = origin.other {
+        defmt::warn!("page {=u32} is the {} copy; the other: {}", origin.generation, origin.which, other);
+    }
+    let epoch = storage.epoch(page.epoch()).map_err(Standing::NoEpoch)?;
+    Ok((page, epoch))
+}
+
 /// The memory of the robot, for a `static`.
 pub struct Memory<L: Link, C: Clock, D: Drive, B: Battery> {
     robot: StaticCell<TeamMember<L, C, D, B>>,
@@ -93,8 +110,8 @@ impl<L: Link, C: Clock, D: Drive, B: Battery> Memory<L, C, D, B> {
         battery: B,
         storage: &mut Storage<impl NorFlash>,
     ) -> Result<Started<L, C, D, B>, Standing> {
-        let page = self.read_page(storage)?;
-        let epoch = storage.epoch(page.epoch()).map_err(Standing::NoEpoch)?;
+        let page = self.page.try_init_with(|| OwnPage::EMPTY).ok_or(Standing::Started)?;
+        let (page, epoch) = configure(page, storage)?;
         let mission = self.mission_of(page).ok_or(Standing::Started)?;
         let no_robot = Standing::NoMission(MissionError::NoSuchRobot);
         let settings = page.settings(epoch).map_err(|_| no_robot)?;
@@ -107,24 +124,11 @@ impl<L: Link, C: Clock, D: Drive, B: Battery> Memory<L, C, D, B> {
         let robot = self.robot.try_init_with(|| Controller::idle(Agent::idle(), settings.clone(), body));
         let robot = robot.ok_or(Standing::Started)?;
         robot.start(|agent| agent.start(mission, &settings)).map_err(Standing::NoMission)?;
-        robot.robot_mut().set_thresholds(page.thresholds());
-        if let Some(units) = page.budget() {
-            robot.robot_mut().navigation_mut().set_budget(units.get());
-        }
+        page.tune(robot.robot_mut());
         let team = mission.starts.len();
         defmt::info!("boot: robot {=u8} of {=usize} on p{=u16}", number.0.saturating_add(1), team, start.0);
         defmt::info!("boot: epoch {=u32}", epoch);
         Ok(Started { robot, mission, period: settings.tick() })
-    }
-
-    /// The page in the flash, with a word on a copy of it that is not whole.
-    fn read_page(&'static self, storage: &mut Storage<impl NorFlash>) -> Result<&'static OwnPage, Standing> {
-        let page = self.page.try_init_with(|| OwnPage::EMPTY).ok_or(Standing::Started)?;
-        let origin = storage.load(page).map_err(Standing::NoPage)?;
-        if let Some(other) = origin.other {
-            defmt::warn!("page {=u32} is the {} copy; the other: {}", origin.generation, origin.which, other);
-        }
-        Ok(page)
     }
 
     fn mission_of(&'static self, page: &'static OwnPage) -> Option<&'static OwnMission> {

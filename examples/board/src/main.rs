@@ -1,4 +1,5 @@
-//! A board of one's own: the MPS2 with the image AN386, which QEMU has, and for which there is no HAL.
+//! A board of one's own: the MPS2 with the image AN386, which QEMU has, and for which there is no
+//! HAL.
 #![no_std]
 #![no_main]
 

@@ -106,6 +106,9 @@ pub enum Event {
     Silent,
 }
 
+/// How long readings may stay away before an image tells the base to stop, in milliseconds.
+pub const SILENCE: Duration = Duration(1_000);
+
 impl<L: Link, P: Link> Base<L, P> {
     /// Creates a base that has been heard last at `now`, and is silent after `limit` without
     /// readings, both by the robot's own clock.
@@ -180,8 +183,8 @@ impl<L: Link, P: Link> Base<L, P> {
         self.answer(BaseAnswer::Act(act))
     }
 
-    /// Ends a tick of a table task: tells the base which operator to begin. Returns whether the port
-    /// could take it.
+    /// Ends a tick of a table task: tells the base which operator to begin. Returns whether the
+    /// port could take it.
     pub fn end_operation(&mut self) -> bool {
         let operation = self.command.take().map(Operation::from);
         self.answer(BaseAnswer::Operate(operation))

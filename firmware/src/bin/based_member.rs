@@ -9,18 +9,18 @@ fn main() {
 
 #[cfg(target_os = "none")]
 mod image {
-    use firmware::adapters::base::{BaseAnswer, Decision, Event, MAX_WATCHED, first};
+    use firmware::adapters::base::{BaseAnswer, Decision, Event, MAX_WATCHED, SILENCE, first};
     use firmware::adapters::{Base, Chassis};
     use firmware::board::{self, BasePort, Board, Milliseconds, TeamLink};
     use firmware::hardware::Clock;
     use firmware::missions::{ALL_PATHS, LAYERS, NODES, POLICIES};
     use firmware::page;
+    use firmware::team_member::configure;
     use firmware::{Controller, Navigator};
     use heapless::Vec;
     use iibt_core::grid::{Path, words};
     use iibt_core::navigation::Mission;
     use iibt_core::team::MAX_TEAM;
-    use iibt_core::time::Duration;
     use static_cell::StaticCell;
 
     /// The most cells of a map.
@@ -28,9 +28,6 @@ mod image {
 
     /// The words of such a map.
     const WORDS: usize = words(CELLS, 1);
-
-    /// Without readings for as long, the base is told to stop.
-    const SILENCE: Duration = Duration(1_000);
 
     type Page = page::Page<CELLS, WORDS, ALL_PATHS>;
 
@@ -51,33 +48,19 @@ mod image {
     }
 
     /// `None` when a part is taken already: that cannot happen after a reset. A robot without a
-    /// page that it can use stands for ever.
+    /// page that it can use stands until the board is reset.
     #[inline(never)]
     fn start() -> Option<(&'static mut Robot, Milliseconds)> {
         let mut board = Board::take(Chassis::STANDING)?;
-        let page = PAGE.try_init_with(|| Page::EMPTY)?;
-        if let Err(refused) = board.storage.load(page) {
-            defmt::error!("stands: no page: {}", refused);
-            stand();
-        }
-        let page: &'static Page = page;
-        let epoch = match board.storage.epoch(page.epoch()) {
-            Ok(epoch) => epoch,
-            Err(reason) => {
-                defmt::error!("stands: no epoch: {}", reason);
-                stand();
-            }
-        };
+        let configured = configure(PAGE.try_init_with(|| Page::EMPTY)?, &mut board.storage);
+        let (page, epoch) = configured.unwrap_or_else(|reason| board::stand(&reason));
         let paths = PATHS.try_init(page.path_lists())?;
         let mission = &*MISSION.try_init(page.mission(paths))?;
         let base = Base::new(board.link, board.base, SILENCE, board.clock.now());
         let settings = page.settings(epoch).ok()?;
         let robot = ROBOT.try_init_with(|| Controller::idle(Navigator::idle(), settings.clone(), base))?;
         robot.start(|navigator| navigator.start(mission, &settings)).ok()?;
-        robot.robot_mut().set_thresholds(page.thresholds());
-        if let Some(budget) = page.budget() {
-            robot.robot_mut().navigation_mut().set_budget(budget.get());
-        }
+        page.tune(robot.robot_mut());
         defmt::info!(
             "boot: robot {=u8} of {=usize}, epoch {=u32}",
             page.robot().0,
@@ -87,12 +70,6 @@ mod image {
         Some((robot, board.clock))
     }
 
-    fn stand() -> ! {
-        loop {
-            board::sleep();
-        }
-    }
-
     fn run(robot: &'static mut Robot, mut clock: Milliseconds) -> ! {
         let mut decided = None;
         robot.hardware_mut().answer(BaseAnswer::Ready);
@@ -100,9 +77,7 @@ mod image {
             match robot.hardware_mut().poll(clock.now()) {
                 Some(Event::Tick) => tick(robot, &mut decided),
                 Some(Event::Waiting) => {
-                    let base = robot.hardware_mut();
-                    let waiting = base.link.waiting().try_into().unwrap_or(u16::MAX);
-                    base.answer(BaseAnswer::Waiting(waiting));
+                    robot.hardware_mut().answer_waiting();
                 }
                 Some(Event::Sensed) => defmt::warn!("a tick for a table task is passed over"),
                 Some(Event::Silent) => defmt::error!("no readings from the base: it was told to stop"),

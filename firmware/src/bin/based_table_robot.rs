@@ -2,8 +2,8 @@
 //! with its teammate. Its sensors and actuators sit on a base behind USART3, and it ticks when the
 //! base's readings arrive.
 //!
-//! The tables of both roles are those that `host-sim export bottle-and-plate` writes. Which robot it
-//! is, its page says; of the page's mission it needs no more than the size of the team.
+//! The tables of both roles are those that `host-sim export bottle-and-plate` writes. Which robot
+//! it is, its page says; of the page's mission it needs no more than the size of the team.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -21,19 +21,17 @@ mod bottle_and_plate;
 mod image {
     use super::bottle_and_plate::TABLES;
     use cortex_m::singleton;
-    use firmware::adapters::base::{BaseAnswer, Decision, Event};
+    use firmware::adapters::base::{BaseAnswer, Decision, Event, SILENCE};
     use firmware::adapters::{Base, Chassis};
     use firmware::board::{self, BasePort, Board, Milliseconds, TeamLink};
     use firmware::hardware::Clock;
     use firmware::missions::{ALL_PATHS, CELLS, WORDS};
     use firmware::page::Page;
+    use firmware::team_member::configure;
     use firmware::{Controller, Finished, TaskLeaf, table_robot};
     use iibt_core::time::Duration;
     use iibt_core::tree;
     use iibt_core::tree::Tree;
-
-    /// Without readings for as long, the base is told to stop.
-    const SILENCE: Duration = Duration(1_000);
 
     /// The ticks for which a precondition may stay unmet.
     const TIMEOUT: Duration = Duration(50);
@@ -63,22 +61,13 @@ mod image {
     }
 
     /// `None` when a part is taken already: that cannot happen after a reset. A robot without a
-    /// page that it can use stands for ever.
+    /// page that it can use stands until the board is reset.
     #[inline(never)]
     fn start() -> Option<(&'static mut Robot, Milliseconds)> {
         let mut board = Board::take(Chassis::STANDING)?;
         let page = singleton!(: Page<CELLS, WORDS, ALL_PATHS> = Page::EMPTY)?;
-        if let Err(refused) = board.storage.load(page) {
-            defmt::error!("stands: no page: {}", refused);
-            stand();
-        }
-        let epoch = match board.storage.epoch(page.epoch()) {
-            Ok(epoch) => epoch,
-            Err(reason) => {
-                defmt::error!("stands: no epoch: {}", reason);
-                stand();
-            }
-        };
+        let configured = configure(page, &mut board.storage);
+        let (page, epoch) = configured.unwrap_or_else(|reason| board::stand(&reason));
         let base = Base::new(board.link, board.base, SILENCE, board.clock.now());
         let settings = page.settings(epoch).ok()?;
         let robot = <table_robot!(TABLES, Hardware, Finished, 6)>::new(
@@ -94,12 +83,6 @@ mod image {
         Some((robot, board.clock))
     }
 
-    fn stand() -> ! {
-        loop {
-            board::sleep();
-        }
-    }
-
     fn run(robot: &'static mut Robot, mut clock: Milliseconds) -> ! {
         robot.hardware_mut().answer(BaseAnswer::Ready);
         loop {
@@ -107,9 +90,7 @@ mod image {
                 Some(Event::Sensed) => tick(robot),
                 Some(Event::Tick) => defmt::warn!("a tick for a robot that drives is passed over"),
                 Some(Event::Waiting) => {
-                    let base = robot.hardware_mut();
-                    let waiting = base.link.waiting().try_into().unwrap_or(u16::MAX);
-                    base.answer(BaseAnswer::Waiting(waiting));
+                    robot.hardware_mut().answer_waiting();
                 }
                 Some(Event::Silent) => defmt::error!("no readings from the base: it was told to stop"),
                 None => board::sleep(),

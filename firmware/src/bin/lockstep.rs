@@ -2,8 +2,9 @@
 //! it reads and hears, and answers with the cycles of the tick and its frame.
 //!
 //! Over USART2 it gets the number of robots, of the draw of their problem and its own, and whether
-//! each robot owns a goal; then for each tick the cell (two bytes) and the length of what it hears (two bytes), little-endian, and
-//! that. It answers with the cycles (four bytes), the length of its frame (one byte) and the frame.
+//! each robot owns a goal; then for each tick the cell (two bytes) and the length of what it hears
+//! (two bytes), little-endian, and that. It answers with the cycles (four bytes), the length of its
+//! frame (one byte) and the frame.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

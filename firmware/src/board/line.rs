@@ -2,6 +2,7 @@
 
 use super::port::{Disturbed, Port, feed};
 use super::shared::{Shared, Slot};
+use crate::adapters::base::{Base, BaseAnswer};
 use crate::adapters::{ByteQueue, FrameQueue};
 use crate::hardware::Link;
 
@@ -57,6 +58,14 @@ impl<P: Port, const IN: usize, const OUT: usize> Line<P, IN, OUT> {
     #[must_use]
     pub fn lost(&self) -> u32 {
         self.queues.with(|queues| queues.lost).unwrap_or(0)
+    }
+}
+
+impl<P: Port, const IN: usize, const OUT: usize, B: Link> Base<&Line<P, IN, OUT>, B> {
+    /// Tells the base how many bytes of teammates wait on the link; returns whether its port could
+    /// take that.
+    pub fn answer_waiting(&mut self) -> bool {
+        self.answer(BaseAnswer::Waiting(self.link.waiting().try_into().unwrap_or(u16::MAX)))
     }
 }
 

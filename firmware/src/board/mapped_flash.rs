@@ -32,7 +32,7 @@ impl ReadNorFlash for MappedFlash {
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
         check_read(self, offset, bytes.len())?;
         for (at, byte) in (self.begin + offset as usize..).zip(bytes) {
-            // SAFETY: the address is inside the flash, as whoever created this has promised.
+            // SAFETY: the address is inside the flash, as the caller of `mapped` has promised.
             #[expect(unsafe_code, reason = "the flash is read where it lies")]
             unsafe {
                 *byte = ptr::read_volatile(at as *const u8);

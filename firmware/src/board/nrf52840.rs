@@ -12,9 +12,7 @@
 use super::clock::{count_millisecond, now};
 use super::port::{Disturbed, Port, enable};
 use super::shared::{Shared, Slot};
-use super::{Line, LogPort};
-use super::{MappedFlash, mapped};
-use crate::Storage;
+use super::{Board, Line, LogPort, MappedFlash, mapped};
 use crate::adapters::{Chassis, DifferentialDrive, Samples, VoltageGauge, VoltageRange, Wheel};
 use crate::hardware;
 use crate::page::Slots;
@@ -43,6 +41,9 @@ pub type TeamLink = &'static Line<LinkPort>;
 /// The drive of the two motors.
 pub type Motors = DifferentialDrive<Motor, Motor, Milliseconds>;
 
+/// The flash, which is only read.
+pub type Flash = MappedFlash;
+
 /// The battery gauge.
 pub type Gauge = VoltageGauge<Converter>;
 
@@ -58,22 +59,6 @@ impl Samples for Converter {
         // Noise can make it negative.
         u16::try_from(sample).unwrap_or(0)
     }
-}
-
-/// The parts of the board that a controller uses.
-pub struct Board {
-    /// The link to the teammates.
-    pub link: TeamLink,
-    /// The motors.
-    pub drive: Motors,
-    /// Time since the start.
-    pub clock: Milliseconds,
-    /// The battery gauge.
-    pub battery: Gauge,
-    /// The flash, and what lies in it.
-    pub storage: Storage<MappedFlash>,
-    /// The status LED.
-    pub led: StatusLed,
 }
 
 impl Board {

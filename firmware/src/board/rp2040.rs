@@ -10,9 +10,7 @@
 //! | GP25 | status LED |
 
 use super::port::{IoPort, enable};
-use super::{Line, LogPort};
-use super::{MappedFlash, mapped};
-use crate::Storage;
+use super::{Board, Line, LogPort, MappedFlash, mapped};
 use crate::adapters::{Chassis, DifferentialDrive, Samples, VoltageGauge, VoltageRange, Wheel};
 use crate::page::Slots;
 use rp2040_hal::adc::{Adc, AdcPin};
@@ -56,6 +54,9 @@ pub type TeamLink = &'static Line<LinkPort>;
 /// The drive of the two motors.
 pub type Motors = DifferentialDrive<Motor<A, Gpio6>, Motor<B, Gpio7>, Milliseconds>;
 
+/// The flash, which is only read.
+pub type Flash = MappedFlash;
+
 /// The battery gauge.
 pub type Gauge = VoltageGauge<Converter>;
 
@@ -69,22 +70,6 @@ impl Samples for Converter {
     fn sample(&mut self) -> u16 {
         self.0.read_single().unwrap_or(0)
     }
-}
-
-/// The parts of the board that a controller uses.
-pub struct Board {
-    /// The link to the teammates.
-    pub link: TeamLink,
-    /// The motors.
-    pub drive: Motors,
-    /// Time since the start.
-    pub clock: Milliseconds,
-    /// The battery gauge.
-    pub battery: Gauge,
-    /// The flash, and what lies in it.
-    pub storage: Storage<MappedFlash>,
-    /// The status LED.
-    pub led: StatusLed,
 }
 
 impl Board {

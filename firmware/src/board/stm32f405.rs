@@ -16,8 +16,7 @@ mod flash;
 pub use flash::Flash;
 
 use super::port::{Disturbed, Port, enable};
-use super::{Line, LogPort};
-use crate::Storage;
+use super::{Board, Line, LogPort};
 use crate::adapters::{Chassis, DifferentialDrive, Samples, VoltageGauge, VoltageRange, Wheel};
 use cortex_m::peripheral::NVIC;
 use embedded_hal_nb::nb;
@@ -65,24 +64,6 @@ const CELL: VoltageRange = VoltageRange { empty: 2048, full: 2606 };
 
 /// The status LED, on while its pin is high, as it is from the start.
 pub type StatusLed = PA5<Output>;
-
-/// The parts of the board that a controller uses.
-pub struct Board {
-    /// The link to the teammates.
-    pub link: TeamLink,
-    /// The port to a base.
-    pub base: BasePort,
-    /// The motors.
-    pub drive: Motors,
-    /// Time since the start.
-    pub clock: Milliseconds,
-    /// The battery gauge.
-    pub battery: Gauge,
-    /// The flash, and what lies in it.
-    pub storage: Storage<Flash>,
-    /// The status LED.
-    pub led: StatusLed,
-}
 
 impl Board {
     /// Starts the clock, the log, the link and the outputs; `None` the second time.

@@ -3,7 +3,7 @@
 use super::{Fault, Origin, PageError, Refused, Slots};
 use super::{slots::Bytes, source::Source};
 use crate::adapters::Chassis;
-use crate::{Settings, Thresholds};
+use crate::{Navigator, Settings, Thresholds};
 use core::num::NonZero;
 use embedded_storage::nor_flash::ReadNorFlash;
 use heapless::Vec;
@@ -158,6 +158,17 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
     #[must_use]
     pub const fn thresholds(&self) -> Thresholds {
         self.thresholds
+    }
+
+    /// Sets the battery thresholds of a robot, and the work units of its ticks if the page says so.
+    pub fn tune<const L: usize, const M: usize, const K: usize>(
+        &self,
+        navigator: &mut Navigator<'_, S, W, L, M, K>,
+    ) {
+        navigator.set_thresholds(self.thresholds);
+        if let Some(units) = self.budget {
+            navigator.navigation_mut().set_budget(units.get());
+        }
     }
 
     /// Returns the measures of the robot and of the grid, if the page has them.

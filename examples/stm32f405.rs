@@ -1,10 +1,10 @@
-//! Links the example with the memory map of the STM32F405.
+//! Links an example with the memory map of the STM32F405.
 
 use std::env;
 use std::path::Path;
 
 fn main() {
-    println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-changed=../stm32f405.rs");
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
