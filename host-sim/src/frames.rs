@@ -6,8 +6,10 @@
 
 mod heard;
 mod task;
+mod told;
 
-pub use task::{ChosenParts, RobotPart, TaskFrames, TaskRound};
+pub use task::{ChosenParts, RobotPart, TaskFrames};
+pub use told::{HeardFrames, HeardRound, ToldChoice};
 
 use self::heard::{Heard, Round};
 use crate::scenario::{MAX_CELLS, Scenario};
@@ -17,7 +19,6 @@ use iibt_core::grid::{Cell, Move, words};
 use iibt_core::navigation::{Fact, Intention, Mission, Navigation, Policies, Purpose};
 use iibt_core::team::rounds::Choice;
 use iibt_core::team::{Context, Key, Member, RobotId};
-use std::collections::BTreeMap;
 use std::fmt;
 
 /// What is known from recorded frames.
@@ -30,30 +31,7 @@ use std::fmt;
 /// assert_eq!((noise.accepted, noise.refused.len()), (0, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
-pub struct TeamFrames {
-    /// The number of frames of the mission.
-    pub accepted: u32,
-    /// The reasons why others were refused, and how often.
-    pub refused: BTreeMap<String, u32>,
-    /// The rounds by their numbers.
-    pub rounds: Vec<HeardRound>,
-}
-
-/// A round as its frames tell it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HeardRound {
-    /// Its number.
-    pub round: u32,
-    /// The names of its members.
-    pub members: Vec<String>,
-    /// The names of the members whose facts are missing.
-    pub missing: Vec<String>,
-    /// Whether a frame has the choice.
-    pub is_decided: bool,
-    /// The joint policy, if a frame has the choice and no fact is missing.
-    pub chosen: Option<ChosenPolicy>,
-}
+pub type TeamFrames = HeardFrames<ChosenPolicy>;
 
 /// The joint policy that the members of a round follow.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,23 +97,12 @@ fn read<const S: usize, const W: usize>(
         let context = Context::of::<Intention<W, POLICIES>>(0, navigation.mission_id());
         let accepts = |message: &Intention<W, POLICIES>| navigation.accepts(message);
         let heard = Heard::<Fact<W>, _>::read(bytes, key, context, accepts);
-        let rounds = heard.rounds.iter().map(|round| round.told(scenario, mission)).collect();
-        Ok(TeamFrames { accepted: heard.accepted, refused: heard.refused, rounds })
+        let name = |robot: RobotId| scenario.robots[robot.index()].name.clone();
+        Ok(HeardFrames::of(heard, name, |round| round.chosen(round.choice?, scenario, mission)))
     })
 }
 
 impl<const W: usize> Round<Fact<W>, Intention<W, POLICIES>> {
-    fn told(&self, scenario: &Scenario, mission: &Mission<'_, W>) -> HeardRound {
-        let name = |robot: RobotId| scenario.robots[robot.index()].name.clone();
-        HeardRound {
-            round: self.proposal.round,
-            members: self.members().map(name).collect(),
-            missing: self.missing().map(name).collect(),
-            is_decided: self.choice.is_some(),
-            chosen: self.choice.and_then(|choice| self.chosen(choice, scenario, mission)),
-        }
-    }
-
     fn chosen(&self, choice: Choice, scenario: &Scenario, mission: &Mission<'_, W>) -> Option<ChosenPolicy> {
         let fact = |robot: RobotId| self.facts[robot.index()].as_ref();
         let list = Policies::<W, LAYERS, NODES, POLICIES>::of_round(mission, &self.proposal, fact)?;
@@ -162,21 +129,8 @@ impl<const W: usize> Round<Fact<W>, Intention<W, POLICIES>> {
     }
 }
 
-impl fmt::Display for TeamFrames {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for round in &self.rounds {
-            write!(f, "{round}")?;
-        }
-        heard::count(f, self.accepted, &self.refused)
-    }
-}
-
-impl fmt::Display for HeardRound {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let chosen = self.chosen.as_ref().map(|chosen| chosen as &dyn fmt::Display);
-        let unknown = ("who goes where", &self.missing[..]);
-        heard::round(f, (self.round, &self.members), chosen, self.is_decided, unknown)
-    }
+impl ToldChoice for ChosenPolicy {
+    const UNKNOWN: &'static str = "who goes where";
 }
 
 impl fmt::Display for ChosenPolicy {

@@ -1,4 +1,5 @@
-//! A team of emulated microcontrollers, each with the image that is flashed, in the simulated world.
+//! A team of emulated microcontrollers, each with the image that is flashed, in the simulated
+//! world.
 //!
 //! Beside every emulated robot the same robot runs in process, with the same readings and frames:
 //! what they decide, send and do is compared in every tick, bit by bit.

@@ -72,7 +72,9 @@ pub use faults::Faults;
 pub use flight::{Flight, NavigatorFlight, Reading};
 pub use flight_event::FlightEvent;
 pub use fly::{Conditions, Observer, Snapshot, fly};
-pub use frames::{ChosenParts, ChosenPolicy, HeardRound, RobotPart, TaskFrames, TaskRound, TeamFrames, Way};
+pub use frames::{
+    ChosenParts, ChosenPolicy, HeardFrames, HeardRound, RobotPart, TaskFrames, TeamFrames, ToldChoice, Way,
+};
 pub use input::FileError;
 pub use learn::{Learned, MoveRatio, RobotRatios};
 pub use log::{Attempt, ExecutionLog, Logbook};

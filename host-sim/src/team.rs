@@ -128,18 +128,7 @@ fn sized<const S: usize, const W: usize, T>(
             Ok(Box::new(Controller::new(robot, settings, body())))
         }));
     }
-    on_mission::<W, T>(scenario, |mission| {
-        let budget = scenario.inference.budget.unwrap_or(UNLIMITED);
-        fly(Box::new(move |robot, epoch| {
-            Ok(Box::new(navigating::<S, W, LAYERS, NODES, POLICIES>(
-                mission,
-                KEY.into(),
-                robot,
-                epoch,
-                budget,
-            )?))
-        }))
-    })
+    on_mission::<W, T>(scenario, |mission| fly(boot::<S, W, LAYERS, NODES, POLICIES>(scenario, mission)))
 }
 
 /// Robots with the sizes of images.
@@ -149,17 +138,17 @@ fn as_in_images<T>(
 ) -> Result<T, TeamError> {
     use missions::{LAYERS, NODES, POLICIES};
     const W: usize = words(SMALL, 1);
-    on_mission::<W, T>(scenario, |mission| {
-        let budget = scenario.inference.budget.unwrap_or(UNLIMITED);
-        fly(Box::new(move |robot, epoch| {
-            Ok(Box::new(navigating::<SMALL, W, LAYERS, NODES, POLICIES>(
-                mission,
-                KEY.into(),
-                robot,
-                epoch,
-                budget,
-            )?))
-        }))
+    on_mission::<W, T>(scenario, |mission| fly(boot::<SMALL, W, LAYERS, NODES, POLICIES>(scenario, mission)))
+}
+
+/// Starts the navigating robots of a scenario.
+fn boot<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>(
+    scenario: &Scenario,
+    mission: &'m Mission<'m, W>,
+) -> Boot<'m, dyn AnyRobot + 'm> {
+    let budget = scenario.inference.budget.unwrap_or(UNLIMITED);
+    Box::new(move |robot, epoch| {
+        Ok(Box::new(navigating::<S, W, L, M, K>(mission, KEY.into(), robot, epoch, budget)?))
     })
 }
 

@@ -221,7 +221,8 @@ impl<R: Robot<T>, T> Testbed<R, T> {
         self.tick
     }
 
-    /// The frames that the robots sent in the last tick, one after the other, with their delimiters.
+    /// The frames that the robots sent in the last tick, one after the other, with their
+    /// delimiters.
     #[must_use]
     pub fn frames(&self) -> &[u8] {
         &self.frames

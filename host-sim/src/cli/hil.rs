@@ -48,7 +48,8 @@ pub(super) struct Hil {
     /// The starts that the robots have had before: their first epoch is the one after
     #[arg(long, value_name = "N", default_value_t = 0)]
     starts: u32,
-    /// Let all robots hear frames that were kept with --frames, as many in a tick as there are robots
+    /// Let all robots hear frames that were kept with --frames, as many in a tick as there are
+    /// robots
     #[arg(long, value_name = "FILE")]
     replay: Option<String>,
     /// The ELF file of the image, in place of building it

@@ -5,7 +5,6 @@ use iibt_core::team::{
     Context, Deframer, Envelope, Invalid, Key, Keys, MAX_TEAM, Message, RobotId, SipHash64, decode,
 };
 use std::collections::BTreeMap;
-use std::fmt;
 
 /// What was heard so far.
 pub(super) struct Heard<F: Fact, M> {
@@ -40,7 +39,8 @@ impl<F: Fact, M> Heard<F, M> {
         M: Message + AsRef<RoundMessage<F, K>>,
     {
         let mut heard = Self { accepted: 0, refused: BTreeMap::new(), rounds: Vec::new() };
-        // Robots that were provisioned send under keys of their own, those of the simulator under one.
+        // Robots that were provisioned send under keys of their own, those of the simulator under
+        // one.
         let auth = SipHash64::with(Keys::of_team(key, 0, 0).accepting(&Keys::shared(key)));
         let mut deframer = Deframer::new();
         // A delimiter more, so that a frame that was cut off is refused and not forgotten.
@@ -107,35 +107,4 @@ impl<F: Fact, M> Round<F, M> {
     pub(super) fn missing(&self) -> impl Iterator<Item = RobotId> {
         self.members().filter(|robot| self.facts[robot.index()].is_none())
     }
-}
-
-/// Writes a round: its number and members, then the joint policy that was chosen, or why that is
-/// not known; `unknown` is what cannot be told then.
-pub(super) fn round(
-    f: &mut fmt::Formatter<'_>,
-    (number, members): (u32, &[String]),
-    chosen: Option<&dyn fmt::Display>,
-    is_decided: bool,
-    (unknown, missing): (&str, &[String]),
-) -> fmt::Result {
-    write!(f, "round {number}, {}: ", members.join(" "))?;
-    match chosen {
-        Some(chosen) => write!(f, "{chosen}"),
-        None if !is_decided => writeln!(f, "no choice was sent"),
-        None if missing.is_empty() => writeln!(f, "the choice is not in the list of its facts"),
-        None => writeln!(f, "{unknown} is unknown without the facts of {}", missing.join(" ")),
-    }
-}
-
-/// Writes how many frames were read, and why others were refused.
-pub(super) fn count(
-    f: &mut fmt::Formatter<'_>,
-    accepted: u32,
-    refused: &BTreeMap<String, u32>,
-) -> fmt::Result {
-    write!(f, "{} read", crate::text::counted(accepted, "frame"))?;
-    for (reason, times) in refused {
-        write!(f, ", {times} refused: {reason}")?;
-    }
-    writeln!(f)
 }

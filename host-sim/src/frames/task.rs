@@ -1,11 +1,11 @@
 //! What recorded frames of a team with a table task say: who does what, and how surely.
 
-use super::heard::{self, Heard, Round};
+use super::heard::{Heard, Round};
+use super::{HeardFrames, ToldChoice};
 use crate::task::{HostTask, TableMission};
 use iibt_core::iibt::table::{Announcement, Role, TableMessage, Tables, TablesError, joint_policies};
 use iibt_core::team::rounds::Choice;
 use iibt_core::team::{Context, Key, RobotId};
-use std::collections::BTreeMap;
 use std::fmt;
 
 /// What is known from recorded frames of a task.
@@ -25,30 +25,7 @@ use std::fmt;
 /// assert_eq!(turn.parts[0].operator, "turn");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
-pub struct TaskFrames {
-    /// The number of frames of the task.
-    pub accepted: u32,
-    /// The reasons why others were refused, and how often.
-    pub refused: BTreeMap<String, u32>,
-    /// The rounds by their numbers.
-    pub rounds: Vec<TaskRound>,
-}
-
-/// A round as its frames tell it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TaskRound {
-    /// Its number.
-    pub round: u32,
-    /// The names of its members.
-    pub members: Vec<String>,
-    /// The names of the members whose facts are missing.
-    pub missing: Vec<String>,
-    /// Whether a frame has the choice.
-    pub is_decided: bool,
-    /// The joint policy, if a frame has the choice and no fact is missing.
-    pub chosen: Option<ChosenParts>,
-}
+pub type TaskFrames = HeardFrames<ChosenParts>;
 
 /// The joint policy that the members of a round carry out.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,20 +69,8 @@ impl TaskFrames {
         let context = Context::of::<TableMessage>(0, tables.mission());
         let heard =
             Heard::<Announcement, _>::read(bytes, key, context, |said: &TableMessage| listener.accepts(said));
-        let rounds = heard.rounds.iter().map(|round| told(round, tables)).collect();
-        Ok(Self { accepted: heard.accepted, refused: heard.refused, rounds })
-    }
-}
-
-fn told(round: &Round<Announcement, TableMessage>, tables: &Tables<'_>) -> TaskRound {
-    let name = |robot: RobotId| tables.roles()[robot.index()].name.to_owned();
-    let missing: Vec<String> = round.missing().map(name).collect();
-    TaskRound {
-        round: round.proposal.round,
-        members: round.members().map(name).collect(),
-        is_decided: round.choice.is_some(),
-        chosen: round.choice.filter(|_| missing.is_empty()).and_then(|choice| chosen(round, choice, tables)),
-        missing,
+        let name = |robot: RobotId| tables.roles()[robot.index()].name.to_owned();
+        Ok(Self::of(heard, name, |round| chosen(round, round.choice?, tables)))
     }
 }
 
@@ -114,6 +79,9 @@ fn chosen(
     choice: Choice,
     tables: &Tables<'_>,
 ) -> Option<ChosenParts> {
+    if round.missing().next().is_some() {
+        return None;
+    }
     let list = joint_policies(tables, &round.facts);
     let policy = *list.get(usize::from(choice.policy))?;
     let part = |robot: RobotId| {
@@ -144,21 +112,8 @@ fn part(role: &Role<'_>, operator: u8, fact: &Announcement) -> RobotPart {
     }
 }
 
-impl fmt::Display for TaskFrames {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for round in &self.rounds {
-            write!(f, "{round}")?;
-        }
-        heard::count(f, self.accepted, &self.refused)
-    }
-}
-
-impl fmt::Display for TaskRound {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let chosen = self.chosen.as_ref().map(|chosen| chosen as &dyn fmt::Display);
-        let unknown = ("who does what", &self.missing[..]);
-        heard::round(f, (self.round, &self.members), chosen, self.is_decided, unknown)
-    }
+impl ToldChoice for ChosenParts {
+    const UNKNOWN: &'static str = "who does what";
 }
 
 impl fmt::Display for ChosenParts {

@@ -4,8 +4,8 @@ use super::HilError;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-/// Builds the image of a navigating robot as it is released, and returns the path of its ELF file. Cargo's progress goes
-/// to the standard error stream.
+/// Builds the image of a navigating robot as it is released, and returns the path of its ELF file.
+/// Cargo's progress goes to the standard error stream.
 ///
 /// # Errors
 /// [`HilError::Build`] when it does not build, in a folder outside of the checkout for example.
