@@ -14,9 +14,9 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 {
     /// Tells the robot to visit a cell before it goes to a goal, after those it was told before.
     ///
-    /// A way-point to which the team finds no plan is [put off](super::super::Report::put_off): the robot
-    /// goes on with the rest, and the team tries again after 20 ticks, then 40, up to 1,280, or as
-    /// soon as a teammate that had an errand too is done with it.
+    /// A way-point to which the team finds no plan is [put off](super::super::Report::put_off): the
+    /// robot goes on with the rest, and the team tries again after 20 ticks, then 40, up to 1,280,
+    /// or as soon as a teammate that had an errand too is done with it.
     ///
     /// # Errors
     /// [`VisitError`] when the cell is blocked or no way of the map leads there, or when the robot
@@ -68,7 +68,11 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     /// Takes over way-points of teammates that are lost, or gives up those that a member has taken
     /// over from this robot while it was left out.
-    pub(super) fn hand_over(&mut self, peers: Peers<'_, Intention<W, K>>) {
+    pub(super) fn hand_over(
+        &mut self,
+        peers: Peers<'_, Intention<W, K>>,
+        teammates: &Teammates<'_, Fact<W>, K>,
+    ) {
         let Some(rounds) = &self.rounds else { return };
         let (own, view) = (self.robot(), rounds.proposal().view);
         for peer in peers.iter() {
@@ -79,8 +83,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             let handover = &self.handover;
             self.waypoints.give_up(|cell| handover.is_announced(cell));
         } else if self.handover.left().next().is_some() && rounds.protocol().has_decided() {
-            let mut busy = self.busy(&Teammates::from(peers));
-            busy = if self.purpose() == Purpose::Goal { busy } else { busy.with(own) };
+            let busy = self.busy(teammates);
+            let busy = if self.purpose() == Purpose::Goal { busy } else { busy.with(own) };
             self.take_over(Takers { own, view, free: view.difference(busy) });
         }
     }

@@ -25,7 +25,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let busy = self.busy(&teammates);
         self.waypoints.pass(busy);
         self.locate(percept.reading);
-        self.look(percept, peers);
+        self.look(percept, peers, &teammates);
         if let Some(here) = self.standing() {
             let obstacles = &self.obstacles;
             self.waypoints.tick_off(here, |cell| obstacles.is_blocked(cell));
@@ -36,7 +36,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             }
         }
         self.attend(&teammates, busy);
-        self.hand_over(peers);
+        self.hand_over(peers, &teammates);
     }
 
     fn locate(&mut self, reading: Option<Cell>) {
@@ -58,10 +58,15 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     }
 
     /// Takes in what is in view.
-    fn look(&mut self, percept: &GridPercept, peers: Peers<'_, Intention<W, K>>) {
+    fn look(
+        &mut self,
+        percept: &GridPercept,
+        peers: Peers<'_, Intention<W, K>>,
+        teammates: &Teammates<'_, Fact<W>, K>,
+    ) {
         self.mates_in_view = CellSet::EMPTY;
         if !percept.hazards.is_empty() {
-            self.look_at_hazards(percept, peers);
+            self.look_at_hazards(percept, teammates);
         }
         for &cell in percept.clear.iter().filter(|&&cell| self.watched.contains(cell)) {
             self.obstacles.look(cell, false);
@@ -81,12 +86,11 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     /// What is seen where a teammate may be, may be the teammate; but not in the cell that the plan
     /// lets this robot enter now.
-    fn look_at_hazards(&mut self, percept: &GridPercept, peers: Peers<'_, Intention<W, K>>) {
-        let teammates = Teammates::from(peers);
-        let entering = self.may_enter(&teammates).map(|(_, to)| to);
+    fn look_at_hazards(&mut self, percept: &GridPercept, teammates: &Teammates<'_, Fact<W>, K>) {
+        let entering = self.may_enter(teammates).map(|(_, to)| to);
         let own = self.localisation.position().0;
         for &cell in percept.hazards.iter().filter(|&&cell| self.mission.map.is_free(cell) && cell != own) {
-            if entering != Some(cell) && self.may_be_teammate(cell, &teammates) {
+            if entering != Some(cell) && self.may_be_teammate(cell, teammates) {
                 self.mates_in_view.insert(cell);
             } else {
                 self.obstacles.look(cell, true);
