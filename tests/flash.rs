@@ -155,7 +155,7 @@ fn a_page_whose_writing_is_cut_off_anywhere_leaves_the_one_before_or_the_new_one
         if outcome.is_ok() {
             break;
         }
-        // Whoever writes it again finds it done or does it.
+        // A second write finds it done or does it.
         let again = page::store(&mut flash, SLOTS, &new);
         assert!(matches!(again, Ok(()) | Err(StoreError::NotNewer(2))), "{again:?}");
         assert_eq!(stored(&mut flash), Ok((2, 1)));

@@ -1,5 +1,5 @@
-//! Teams that have to be sorted: robots that own their goals on narrow ground, where a search over all joint states
-//! knows which of them can.
+//! Teams that have to be sorted: robots that own their goals on narrow ground, where a search over
+//! all joint states knows which of them can.
 
 use host_sim::Random;
 use iibt_core::grid::joint::{Errand, Failure, JointPlan, JointPlanner, Problem, Target};
@@ -140,7 +140,8 @@ impl Team {
         planner.work(&Problem::new(&self.map, &errands), &mut u32::MAX.clone()).expect("within the budget")
     }
 
-    /// Panics unless a plan takes every robot from its start to its goal and no two get in each other's way.
+    /// Panics unless a plan takes every robot from its start to its goal and no two get in each
+    /// other's way.
     fn check(&self, plan: &JointPlan<8>) {
         let paths = plan.paths();
         assert!(paths.iter().map(|path| path.start).eq(self.starts.iter().copied()), "{plan:?}");
@@ -151,8 +152,8 @@ impl Team {
     }
 }
 
-/// With the sizes of the simulator all teams are sorted that can be, and of the others that is proved; with those of
-/// images most are.
+/// With the sizes of the simulator all teams are sorted that can be, and of the others that is
+/// proved; with those of images most are.
 #[test]
 fn teams_that_can_be_sorted_are() {
     let mut host = Box::new(JointPlanner::<2, 65, 8, 4096>::new());

@@ -473,8 +473,8 @@ mod with_a_robot_that_dies {
     use super::*;
 
     /// A random mission of three to six robots of which one stops for good, up to nine ticks after
-    /// all others have heard it with a vector. Returns also whether a robot has arrived on a goal on
-    /// which the dead one may be.
+    /// all others have heard it with a vector. Returns also whether a robot has arrived on a goal
+    /// on which the dead one may be.
     fn fly(seed: u64, faults: Faults) -> (Fate, bool) {
         let mut random = Random::new(seed);
         let size = 3 + (seed % 4) as usize;

@@ -1,4 +1,5 @@
-//! The work of a tick of robots with table tasks: bounded by a budget that changes nothing but when.
+//! The work of a tick of robots with table tasks: bounded by a budget that changes nothing but
+//! when.
 
 use firmware::prelude::*;
 use host_sim::{Radio, Testbed, settings};

@@ -408,7 +408,8 @@ fn starts<const P: usize, const N: usize>(team: &mut Team<P, N>, ticks: usize) -
 /// Two robots that have nothing to do with each other.
 static APART: Tables = Tables::new(&[Role { name: "first", ..LIFTER }, Role { name: "second", ..LIFTER }]);
 
-/// A team whose robot `robot` slips when it lifts, while the load of the other is up if it `is_done`.
+/// A team whose robot `robot` slips when it lifts, while the load of the other is up if it
+/// `is_done`.
 fn slipping(tables: &'static Tables<'static>, robot: usize, slips: u8, is_done: bool) -> Team<4, 2> {
     let mut team = Team::<4, 2>::new(tables, 0.0, 1);
     team.testbed.parts_mut(robot).slips = slips;

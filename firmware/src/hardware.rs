@@ -20,7 +20,8 @@ pub trait Link {
     /// Returns the next received byte, if there is one.
     fn receive(&mut self) -> Option<u8>;
 
-    /// Moves received bytes to the front of `bytes`, as many as there are and fit; returns how many.
+    /// Moves received bytes to the front of `bytes`, as many as there are and fit; returns how
+    /// many.
     ///
     /// A link that can move many at once does better than byte by byte.
     fn receive_into(&mut self, bytes: &mut [u8]) -> usize {

@@ -58,8 +58,8 @@ pub struct Navigator<'m, const S: usize, const W: usize, const L: usize, const M
     repeated: u8,
 }
 
-/// After so many repetitions of a message, frames of teammates take turns with it: of 120
-/// teammates that lose 30 % of the frames, all but one have heard it.
+/// The repetitions of a message after which frames of teammates take turns with it. At 30 % loss,
+/// 119 of 120 teammates have heard it by then.
 const REPETITIONS: u8 = 3;
 
 /// What the leaves share.

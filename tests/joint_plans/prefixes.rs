@@ -7,7 +7,8 @@ use iibt_core::grid::{Cell, Move, Path};
 use std::collections::{BTreeMap, HashSet};
 
 impl Case {
-    /// The same with random first moves of some of the robots, which do not get in each other's way.
+    /// The same with random first moves of some of the robots, which do not get in each other's
+    /// way.
     fn with_prefixes(self, random: &mut Random) -> Self {
         loop {
             let robots: Vec<usize> = (0..self.errands.len()).filter(|_| random.below(3) == 0).collect();
@@ -72,8 +73,8 @@ fn plans_begin_with_the_prefixes_and_nobody_follows() {
     assert!(plans > 7_000 && solved > 2_000 && prefixes > 3_500, "{plans} plans of {solved} problems");
 }
 
-/// The fewest steps in which enough robots are on goals once all have made their first moves; `None` when
-/// they never are.
+/// The fewest steps in which enough robots are on goals once all have made their first moves;
+/// `None` when they never are.
 fn fewest_steps(case: &Case) -> Option<usize> {
     let longest = case.prefixes.iter().map(|prefix| prefix.path.len()).max().unwrap_or(0);
     let is_end =

@@ -43,7 +43,8 @@ fn late_and_repeated_frames_cost_time_only() {
     let record = flown(&scenario, 0, 0.0);
     assert!(record.outcome.is_success() && record.collisions.total() == 0, "{:?}", record.outcome);
     assert!(record.ticks > usual.ticks);
-    // A frame heard twice is rejected once, and so is one that is passed on where nobody misses it.
+    // A frame heard twice is rejected once, and so is one that is passed on where no robot misses
+    // it.
     for (robot, usual) in record.robots.iter().zip(&usual.robots) {
         assert!(robot.rejected > usual.rejected, "{} after {}", robot.rejected, usual.rejected);
     }

@@ -8,8 +8,8 @@ use host_sim::Random;
 /// A flash that writes `WRITE` bytes and erases `ERASE` bytes at once.
 ///
 /// A word is written once after it was erased; otherwise the test fails. A write or an erasure that
-/// is cut off leaves the bits that it was about to change in any state, and a part whose erasure was
-/// cut off must be erased again before it is written, even if it reads as erased.
+/// is cut off leaves the bits that it was about to change in any state, and a part whose erasure
+/// was cut off must be erased again before it is written, even if it reads as erased.
 #[derive(Clone, Debug)]
 pub struct PoweredFlash<const WRITE: usize, const ERASE: usize> {
     /// What the cells hold.
@@ -26,7 +26,7 @@ pub struct PoweredFlash<const WRITE: usize, const ERASE: usize> {
 }
 
 impl<const WRITE: usize, const ERASE: usize> PoweredFlash<WRITE, ERASE> {
-    /// An erased flash of so many parts.
+    /// An erased flash of `parts` parts.
     #[must_use]
     pub fn erased(parts: usize, seed: u64) -> Self {
         Self {

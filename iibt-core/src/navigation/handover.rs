@@ -2,8 +2,8 @@
 //!
 //! Every robot announces the way-points that it has yet to visit, and remembers what each teammate
 //! has announced last. Those of a lost robot are taken over by the members in turn, without a
-//! message of their own: whoever takes one over announces it, and the others hear that. Members
-//! that have heard different announcements may visit one twice, and lose none.
+//! message of their own: the robot that takes one over announces it, and the others hear that.
+//! Members that have heard different announcements may visit one twice, and lose none.
 
 use super::errands::MAX_WAYPOINTS;
 use crate::grid::Cell;

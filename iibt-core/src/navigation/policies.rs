@@ -261,8 +261,8 @@ fn target<const W: usize>(
 }
 
 /// Lets robots stand that are at their targets in closed cells, in the wall of a robot left out
-/// for example: nobody could come back there, and they are in nobody's way. Returns how many of the
-/// open goals they hold.
+/// for example: no robot could come back there, and they are in no one's way. Returns how many of
+/// the open goals they hold.
 fn hold_closed<const W: usize>(
     errands: &mut [Errand],
     open: impl Iterator<Item = Cell> + Clone,
@@ -308,7 +308,8 @@ pub(super) struct OnMap<'a, const W: usize, const K: usize> {
     pub plans: &'a [TeamPlan],
     pub view: View,
     pub open: Open,
-    /// The question and the answer of the last [`entry`](Self::entry): it is asked of each teammate.
+    /// The question and the answer of the last [`entry`](Self::entry): it is asked of each
+    /// teammate.
     entry: core::cell::Cell<Option<Entry>>,
 }
 

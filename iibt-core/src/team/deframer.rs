@@ -43,8 +43,8 @@ impl Deframer {
         self.take(&mut &[byte][..])
     }
 
-    /// Takes bytes from the front of `bytes` up to a delimiter at which [`feed`](Self::feed) returns
-    /// a frame, and returns that; or all of them.
+    /// Takes bytes from the front of `bytes` up to a delimiter at which [`feed`](Self::feed)
+    /// returns a frame, and returns that; or all of them.
     ///
     /// ```
     /// use iibt_core::team::Deframer;

@@ -26,8 +26,8 @@ pub enum BaseRequest {
     Tick(Readings),
     /// The question how many bytes of teammates wait to be read; the robot does not tick.
     Waiting,
-    /// The readings of a tick of a robot whose task is written as tables: it ticks, and answers with
-    /// [`BaseAnswer::Operate`].
+    /// The readings of a tick of a robot whose task is written as tables: it ticks, and answers
+    /// with [`BaseAnswer::Operate`].
     Sense(Sensed),
 }
 

@@ -16,9 +16,9 @@
 //! stays so. The first `need` paths end on goals, the others on any cell that is left; a path that
 //! is led elsewhere never gives its goal up, only to the path that takes its place.
 //!
-//! A robot with a prefix comes into the network on a later layer than the top. The cells of prefixes
-//! are closed around the time at which they are visited, and the search begins again with every
-//! `T`, since they lie on other layers then.
+//! A robot with a prefix comes into the network on a later layer than the top. The cells of
+//! prefixes are closed around the time at which they are visited, and the search begins again with
+//! every `T`, since they lie on other layers then.
 //!
 //! How the new path is found in the sets is in [`walk`](super::walk).
 
@@ -124,8 +124,8 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         }
     }
 
-    /// Begins a search for the robots at `starts`, which keep clear of the prefixes of a problem and
-    /// of the fixed paths.
+    /// Begins a search for the robots at `starts`, which keep clear of the prefixes of a problem
+    /// and of the fixed paths.
     pub(super) fn begin(
         &mut self,
         problem: &Problem<'_, W>,
@@ -152,9 +152,9 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         }
     }
 
-    /// Begins a search in the other turn for a plan of so many steps, one less than of the plan that
-    /// was found: the paths that are on goals before its last step are good there too. Only without
-    /// prefixes and fixed paths.
+    /// Begins a search in the other turn for a plan of `steps` steps, one less than of the plan
+    /// that was found: the paths that are on goals before its last step are good there too. Only
+    /// without prefixes and fixed paths.
     pub(super) fn begin_shorter(&mut self, steps: usize) {
         self.stage = Stage::Failed;
         if steps < self.query.first || steps + 1 != self.steps {

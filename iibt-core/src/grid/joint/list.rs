@@ -235,7 +235,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
         }
     }
 
-    /// Adds a plan that is short of so many goals, unless it is one of the list.
+    /// Adds a plan that is short of `short_by` goals, unless it is one of the list.
     fn add(&mut self, plan: &JointPlan<N>, short_by: usize) {
         if let Some(slot) = self.policies.get_mut(self.len) {
             slot.clone_from(plan);

@@ -158,9 +158,9 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
         }
     }
 
-    // A search that is not a constant is built on the stack before it is moved to where it stays: in
-    // functions of their own, the stack is only taken when that is done. The constants are zeros,
-    // so that nothing is copied.
+    // A search that is not a constant is built on the stack before it is moved to where it stays:
+    // in functions of their own, the stack is only taken when that is done. The constants are
+    // zeros, so that nothing is copied.
 
     #[inline(never)]
     fn search_flows(&mut self, choice: Choice) {

@@ -7,8 +7,9 @@ use crate::actions::HORIZON;
 
 /// The path that a robot follows from the first step on, before it goes wherever the plan leads it.
 ///
-/// No other robot is on a cell of it one step before, while, or one step after it is there: nobody
-/// follows this robot, and it follows nobody. A plan is at least as long as each of its prefixes.
+/// No other robot is on a cell of it one step before, while, or one step after it is there: no
+/// robot follows this one, and it follows no other. A plan is at least as long as each of its
+/// prefixes.
 ///
 /// ```
 /// use iibt_core::grid::joint::{Errand, JointPlanner, Prefix, Problem, Target};
@@ -127,7 +128,8 @@ impl<const W: usize> Problem<'_, W> {
 }
 
 /// The cells on which prefixes leave no room for other robots at a step: where their robots are one
-/// step before, then, and one step after. The end of a prefix is open to its own robot from then on.
+/// step before, then, and one step after. The end of a prefix is open to its own robot from then
+/// on.
 pub(super) fn closed_around<const W: usize>(problem: &Problem<'_, W>, step: usize) -> CellSet<W> {
     let mut closed = CellSet::EMPTY;
     for Prefix { path, .. } in problem.prefixes.iter().filter(|prefix| step <= prefix.path.len()) {

@@ -50,8 +50,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
     }
 
     /// The robot's own inference: what it would choose while its teammates do what they announced.
-    /// `None` while the budget of the tick is not enough; it then goes on in the next, from the same
-    /// beliefs and preferences.
+    /// `None` while the budget of the tick is not enough; it then goes on in the next, from the
+    /// same beliefs and preferences.
     pub(super) fn think(&mut self, offered: &Offered<N>, wanted: &Wanted<S, N>) -> Option<u16> {
         let preferences = wanted.rows.each_ref().map(Preference::values);
         let (mut decision, from) = self.unfinished(&preferences).or_else(|| self.new_thought(preferences))?;

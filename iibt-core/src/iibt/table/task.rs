@@ -187,9 +187,9 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
         })
     }
 
-    /// Sets the most work units of a tick. A unit is one joint policy that is scored, for the robot's
-    /// own decision or for the team's list, or looked at for the list; what is left is done in the
-    /// next tick.
+    /// Sets the most work units of a tick. A unit is one joint policy that is scored, for the
+    /// robot's own decision or for the team's list, or looked at for the list; what is left is done
+    /// in the next tick.
     ///
     /// What is decided does not depend on it, only when: a robot is as slow as its own decisions
     /// and the list, each [`policies`](Tables::policies) units. Teammates leave out a robot whose
