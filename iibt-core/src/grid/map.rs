@@ -158,17 +158,15 @@ impl<const W: usize> Map<W> {
         if !self.contains(from) || !self.contains(to) {
             return None;
         }
-        if from.0 == to.0 {
-            return Some(Move::Wait);
+        let width = self.width.get();
+        match (to.0.abs_diff(from.0), to.0 > from.0) {
+            (0, _) => Some(Move::Wait),
+            (by, true) if by == width => Some(Move::Down),
+            (by, false) if by == width => Some(Move::Up),
+            (1, true) if !to.0.is_multiple_of(width) => Some(Move::Right),
+            (1, false) if !from.0.is_multiple_of(width) => Some(Move::Left),
+            _ => None,
         }
-        let mut code = 0;
-        while let Some(step) = Move::from_code(code) {
-            if self.neighbour(from, step).0 == to.0 {
-                return Some(step);
-            }
-            code += 1;
-        }
-        None
     }
 
     /// The Manhattan distance of two cells: columns plus rows apart.

@@ -49,11 +49,12 @@ impl<const W: usize> CellSet<W> {
     /// Adds a cell; returns whether the set changed.
     pub const fn insert(&mut self, cell: Cell) -> bool {
         let word = cell.index() / 32;
-        let changes = word < W && self.words[word] & bit(cell) == 0;
-        if changes {
-            self.words[word] |= bit(cell);
+        if word >= W {
+            return false;
         }
-        changes
+        let before = self.words[word];
+        self.words[word] = before | bit(cell);
+        self.words[word] != before
     }
 
     /// Takes a cell out; returns whether it was there.

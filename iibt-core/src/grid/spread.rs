@@ -44,6 +44,15 @@ impl<const W: usize> Spread<W> {
         reached.intersection(&self.free)
     }
 
+    /// The cells beside a cell of the map, whether or not they are free, in the order of their
+    /// numbers; below the last row, numbers that no cell has.
+    pub(super) fn beside(&self, cell: Cell) -> impl Iterator<Item = Cell> + Clone {
+        let (at, width) = (cell.0, self.width as u16);
+        let left = at.checked_sub(1).filter(|_| !self.first_column.contains(cell));
+        let right = at.checked_add(1).filter(|_| !self.last_column.contains(cell));
+        [at.checked_sub(width), left, right, at.checked_add(width)].into_iter().flatten().map(Cell)
+    }
+
     /// Visits a cell and every free cell that moves from there reach with the number of moves, the
     /// nearest first.
     ///

@@ -26,11 +26,12 @@ use super::super::{Cell, CellSet};
 use super::Problem;
 use super::network::Network;
 use super::prefix::{self, Entry};
-use super::table::{NOWHERE, Table, cell, set};
+use super::table::{Table, cell, column, set};
 use super::walk::Walk;
 
-/// Where a search has come to.
+/// Where a search has come to. The first stage is all zeros, so that a new flow is cleared memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
 pub(super) enum Stage {
     /// From the goals to the starts.
     Search,
@@ -100,14 +101,15 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     pub(super) const LATEST: usize =
         if L > crate::actions::HORIZON { crate::actions::HORIZON } else { L - 1 };
 
+    /// Memory in which a search is to be [begun](Self::begin).
     pub(super) const fn new() -> Self {
         Self {
             network: Network::NOTHING,
             query: Query { goals: CellSet::EMPTY, need: 0, first: 0, latest: 0 },
-            starts: [Entry { cell: NOWHERE, step: 0 }; N],
+            starts: [Entry { cell: Cell(0), step: 0 }; N],
             robots: 0,
             has_prefixes: false,
-            paths: [[NOWHERE; N]; L],
+            paths: [[Cell(0); N]; L],
             matched: 0,
             fixed: 0,
             steps: 0,
@@ -120,7 +122,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
             changed: 0,
             is_new: [false; L],
             walk: Walk::new(),
-            stage: Stage::Failed,
+            stage: Stage::Search,
         }
     }
 
@@ -144,9 +146,12 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         self.matched = 0;
         self.stage = Stage::Failed;
         if self.steps <= self.query.latest {
+            let is_closed = self.has_prefixes || self.fixed > 0;
             for layer in 0..=self.steps {
-                let closed = prefix::closed_around(problem, self.steps - layer);
-                self.close(layer, closed.union(&self.fixed_cells(layer)));
+                let around = || prefix::closed_around(problem, self.steps - layer);
+                let closed =
+                    if is_closed { around().union(&self.fixed_cells(layer)) } else { CellSet::EMPTY };
+                self.close(layer, closed);
             }
             self.stage = self.next_search();
         }
@@ -226,7 +231,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
 
     /// The cells of a path at every step from the start on.
     pub(super) fn cells_of(&self, path: usize) -> impl Iterator<Item = Cell> + '_ {
-        (0..=self.steps).rev().map(move |layer| cell(&self.paths, layer, path))
+        column(&self.paths, self.steps, path)
     }
 
     /// The layer at whose cell `entry.cell` a robot comes into the flow.
@@ -303,8 +308,9 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
 
     /// Adds the cells of the flow at a layer.
     pub(super) fn occupy(&mut self, layer: usize) {
-        let cells: CellSet<W> = self.flow_at(layer).iter().copied().collect();
-        self.close(layer, self.occupied(layer).union(&cells));
+        if let Some((cells, occupied)) = self.paths.get(layer).zip(self.occupied.get_mut(layer)) {
+            cells.iter().take(self.matched).for_each(|&at| _ = occupied.insert(at));
+        }
     }
 
     /// Takes the cells of the flow out at all layers.
@@ -425,12 +431,14 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     /// The first robot from a place on that has no path and whose start is reached.
     pub(super) fn start_reached(&self, first: usize) -> Option<(usize, Entry)> {
         let top = self.reached(self.steps).without(&self.occupied(self.steps));
-        let mut starts = self.starts.iter().copied().enumerate().take(self.robots).skip(first);
-        starts.find(|&(_, Entry { cell, step })| {
-            let layer = self.layer_of(Entry { cell, step });
-            let below = || self.reached(layer).contains(cell) && !self.occupied(layer).contains(cell);
-            if step == 0 { top.contains(cell) } else { below() }
-        })
+        let starts = self.starts.get(first..self.robots)?;
+        let place = starts.iter().position(|entry| {
+            let layer = self.layer_of(*entry);
+            let below =
+                || self.reached(layer).contains(entry.cell) && !self.occupied(layer).contains(entry.cell);
+            if entry.step == 0 { top.contains(entry.cell) } else { below() }
+        })?;
+        Some((first + place, *starts.get(place)?))
     }
 
     /// One step more, in which all robots wait at their starts.
@@ -467,9 +475,9 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
 
     /// Goes up to the next layer from which there is anything new to reach.
     fn skip_old_layers(&mut self) {
-        let above = self.is_new.get(self.level..self.steps).unwrap_or_default();
-        self.level =
-            above.iter().position(|&is_new| is_new).map_or(self.steps, |skipped| self.level + skipped);
+        while self.level < self.steps && self.is_new.get(self.level) == Some(&false) {
+            self.level += 1;
+        }
     }
 
     /// Reaches from the highest known layer to the next one; returns whether there was room to note
@@ -482,7 +490,9 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
             *is_new = false;
         }
         self.level = next;
-        let has_room = taken.is_empty() || self.touch_all(&taken, next);
+        // Where a path has been touched above a layer, its cell there is reached.
+        let untouched = taken.without(&self.reached(next));
+        let has_room = untouched.is_empty() || self.touch_all(&untouched, next).is_some();
         let open = from.without(&taken);
         if let Some((layer, is_new)) = self.reached.get_mut(next).zip(self.is_new.get_mut(next)) {
             let with_open = layer.union(&open);
@@ -492,31 +502,23 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         has_room
     }
 
-    /// Reaches the cells that the paths on some cells of a layer have below it.
-    fn touch_all(&mut self, taken: &CellSet<W>, layer: usize) -> bool {
-        let mut has_room = true;
-        for path in 0..self.matched {
-            let from = self.touched.get(path).copied().unwrap_or(layer);
-            if from < layer && taken.contains(cell(&self.paths, layer, path)) {
-                has_room &= self.touch(path, from, layer);
-                self.changed = self.changed.min(from);
+    /// Reaches the cells that the paths on some cells of a layer have below it; returns whether there
+    /// was room to note them.
+    fn touch_all(&mut self, taken: &CellSet<W>, layer: usize) -> Option<()> {
+        let Self { paths, touched, reached, is_new, touches, .. } = self;
+        let cells = paths.get(layer)?;
+        let all = cells.iter().zip(touched).take(self.matched).enumerate();
+        for (path, (_, below)) in all.filter(|(_, (at, below))| **below < layer && taken.contains(**at)) {
+            let from = core::mem::replace(below, layer);
+            let (cells, reached) = (paths.get(from..layer)?, reached.get_mut(from..layer)?);
+            for ((cells, reached), is_new) in cells.iter().zip(reached).zip(is_new.get_mut(from..layer)?) {
+                *is_new |= reached.insert(*cells.get(path)?);
             }
+            self.changed = self.changed.min(from);
+            *touches.as_flattened_mut().get_mut(self.touch_count)? =
+                Touch { path: path as u8, from: from as u8 };
+            self.touch_count += 1;
         }
-        has_room
-    }
-
-    /// Reaches the cells of a path from one layer to below another; returns whether there was room
-    /// to note it.
-    fn touch(&mut self, path: usize, from: usize, layer: usize) -> bool {
-        if let Some(touched) = self.touched.get_mut(path) {
-            *touched = layer;
-        }
-        let layers = self.paths.iter().zip(&mut self.reached).zip(&mut self.is_new);
-        for ((cells, reached), is_new) in layers.take(layer).skip(from) {
-            *is_new |= reached.insert(cells.get(path).copied().unwrap_or(NOWHERE));
-        }
-        let slot = self.touches.as_flattened_mut().get_mut(self.touch_count);
-        self.touch_count += 1;
-        slot.map(|slot| *slot = Touch { path: path as u8, from: from as u8 }).is_some()
+        Some(())
     }
 }

@@ -107,9 +107,9 @@ impl<const W: usize> Network<W> {
         self.not_before.get(layer).is_none_or(|closed| !closed.contains(cell))
     }
 
-    /// The cells that one move from a cell leads to, and the cell itself.
-    pub(super) fn beside(&self, cell: Cell) -> CellSet<W> {
-        self.spread.from(&[cell].into_iter().collect())
+    /// The cells beside a cell, whether or not they can be entered, in the order of their numbers.
+    pub(super) fn beside(&self, cell: Cell) -> impl Iterator<Item = Cell> + Clone {
+        self.spread.beside(cell)
     }
 
     /// The cells from which one move at any time leads into some of these, and these.

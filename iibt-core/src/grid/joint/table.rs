@@ -19,3 +19,13 @@ pub(super) fn set<const L: usize, const N: usize>(table: &mut Table<L, N>, at: u
         *slot = to;
     }
 }
+
+/// The cells of a path from a layer down to the lowest.
+pub(super) fn column<const L: usize, const N: usize>(
+    table: &Table<L, N>,
+    top: usize,
+    path: usize,
+) -> impl Iterator<Item = Cell> + '_ {
+    let layers = table.get(..=top).unwrap_or_default();
+    layers.iter().rev().map(move |cells| cells.get(path).copied().unwrap_or(NOWHERE))
+}

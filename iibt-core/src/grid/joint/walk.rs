@@ -16,7 +16,7 @@ use super::super::Cell;
 use super::execution::{self, Execution};
 use super::flow::{Flow, Stage};
 use super::prefix::Entry;
-use super::table::{NOWHERE, Table, cell, set};
+use super::table::{NOWHERE, Table, cell, column, set};
 
 /// How often a new path may take the rest of another one.
 pub(super) const MOST_CHANGES: usize = 32;
@@ -72,16 +72,17 @@ impl<const L: usize, const N: usize> Walk<L, N> {
 
     /// Keeps the steps of the segment below `end`.
     fn keep_segment(&mut self, end: usize) {
-        let walked = self.tail.iter_mut().zip(&self.segment).take(end).skip(self.layer);
-        for (kept, &at) in walked {
+        let kept = self.tail.get_mut(self.layer..end).unwrap_or_default();
+        for (kept, &at) in kept.iter_mut().zip(self.segment.get(self.layer..end).unwrap_or_default()) {
             *kept = at;
         }
     }
 
     /// Exchanges the parts of the new path and of another one above a layer.
     fn exchange(&mut self, path: usize, layer: usize) {
-        let above = self.tail.iter_mut().zip(&mut self.paths).take(self.top + 1).skip(layer + 1);
-        for (ours, cells) in above {
+        let above = layer + 1..self.top + 1;
+        let ours = self.tail.get_mut(above.clone()).unwrap_or_default();
+        for (ours, cells) in ours.iter_mut().zip(self.paths.get_mut(above).unwrap_or_default()) {
             if let Some(theirs) = cells.get_mut(path) {
                 core::mem::swap(ours, theirs);
             }
@@ -130,7 +131,7 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     /// Executes the flow and the fixed paths with a barrier before the last moves.
     pub(super) fn execution(&mut self) -> Option<Execution> {
         let (paths, steps) = (&self.paths, self.steps);
-        let cells = |path| (0..=steps).rev().map(move |layer| cell(paths, layer, path));
+        let cells = |path| column(paths, steps, path);
         let all = (0..self.matched).chain(N.saturating_sub(self.fixed)..N);
         execution::run(all.map(cells), true, &mut self.walk.paths)
     }
@@ -190,10 +191,10 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         {
             return Some(at);
         }
-        let mut entered = self.network.entered(&reached, below).intersection(&self.network.beside(at));
-        entered.remove(at);
-        let free = entered.without(&occupied).iter().next();
-        free.or_else(|| entered.iter().next().filter(|_| may_be_on_path))
+        let entered = self.network.entered(&reached, below);
+        let mut beside = self.network.beside(at).filter(|&next| entered.contains(next));
+        let free = beside.clone().find(|&next| !occupied.contains(next));
+        free.or_else(|| beside.next().filter(|_| may_be_on_path))
     }
 
     /// A walk beside the newest path may come to an end: the robot then needs a search of its own.
