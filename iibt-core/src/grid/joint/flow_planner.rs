@@ -62,7 +62,9 @@ pub(super) struct Found {
     is_executed: bool,
 }
 
+/// What is to be done next. The first stage is all zeros.
 #[derive(Clone, Copy, Debug)]
+#[repr(u8)]
 pub(super) enum Stage {
     Begin,
     Survey,
@@ -78,12 +80,15 @@ pub(super) enum Stage {
 impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     pub(super) const LATEST: usize = Flow::<W, L, N>::LATEST;
 
-    pub(super) const fn new(choice: Choice) -> Self {
+    /// Memory in which a search is to be [started](Self::start). It is all zeros, so that it is
+    /// cleared where it stays: none of it is on the stack, and none in flash.
+    pub(super) const CLEARED: Self = {
+        let turn = Some(Turn::BlackLast); // zero, which `None` is not
         Self {
             flow: Flow::new(),
             survey: Survey::begin(CellSet::EMPTY, CellSet::EMPTY, 0),
             stage: Stage::Begin,
-            choice,
+            choice: Choice { turn, ..Choice::BEST },
             goals: CellSet::EMPTY,
             need: 0,
             short_by: 0,
@@ -93,9 +98,13 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
             attempt: Attempt { kind: Kind::Plain, turn: Turn::BlackLast, is_second: false },
             precedence: Precedence { second_first: false, rest: 0, steps: 0 },
             plan: JointPlan::NOBODY,
-            found: None,
+            found: Some(Found { steps: 0, turn: Turn::BlackLast, spread: None, is_executed: false }),
             soonest: 0,
         }
+    };
+
+    pub(super) const fn new(choice: Choice) -> Self {
+        Self { choice, found: None, ..Self::CLEARED }
     }
 
     /// Starts over with one of the plans for a problem.

@@ -152,10 +152,10 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
             let mut goals = [Cell(0); MOST_GOALS];
             let prefix = [self.prefix];
             let variant = self.variant(problem, &mut errands, &mut goals, &prefix);
-            let Some(result) = self.planner.work(&variant, budget) else { return false };
-            let has_plan = result.is_ok();
-            self.take(problem, &result);
-            self.go_on(problem, count.min(K), has_plan);
+            let result = &self.planner.work(&variant, budget); // where it is: it holds a plan
+            let Some(result) = result else { return false };
+            self.take(problem, result);
+            self.go_on(problem, count.min(K), result.is_ok());
         }
         true
     }

@@ -164,7 +164,10 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
 
     #[inline(never)]
     fn search_flows(&mut self, choice: Choice) {
-        self.search = Search::Flow(FlowPlanner::new(choice));
+        self.search = Search::Flow(FlowPlanner::CLEARED);
+        if let Search::Flow(flow) = &mut self.search {
+            flow.start(choice);
+        }
     }
 
     #[inline(never)]
