@@ -1,6 +1,7 @@
 //! Robots that begin with a given path: by a look-out, or on to where they can be stopped.
 
-use super::{Case, List, conflict, fault, listed, timelines};
+use super::checker::{conflict, fault, timelines};
+use super::{Case, List, listed};
 use host_sim::Random;
 use iibt_core::grid::joint::{JointPlan, LookOut, Prefix, Problem, ProblemError, Target};
 use iibt_core::grid::{Cell, Move, Path};
