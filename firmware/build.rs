@@ -12,24 +12,34 @@ fn main() {
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
-    let package = env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR");
-    for board in BOARDS {
-        let feature = board.to_uppercase().replace('-', "_");
-        if env::var_os(format!("CARGO_FEATURE_{feature}")).is_none() {
-            continue;
-        }
+    let boards = BOARDS.iter().copied().filter(|(board, _)| is_enabled(board));
+    for (board, arguments) in boards.chain(is_enabled("self-test").then(self_test)) {
+        let package = env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR");
         let folder = Path::new(&package).join("boards").join(board);
         println!("cargo:rustc-link-arg-bins=-L{}", folder.display());
-        let arguments = if *board == "riscv-virt" { RISC_V } else { CORTEX_M };
         for argument in arguments {
             println!("cargo:rustc-link-arg-bins={argument}");
         }
     }
 }
 
-/// The folders of `boards`; the features of the package have the same names.
-const BOARDS: &[&str] = &["stm32f405", "nrf52840", "rp2040", "riscv-virt"];
+/// The folders of `boards`, which the features of the package have the names of, and the arguments
+/// of the linker.
+const BOARDS: [(&str, &[&str]); 3] =
+    [("stm32f405", CORTEX_M), ("nrf52840", CORTEX_M), ("rp2040", CORTEX_M)];
 
 const CORTEX_M: &[&str] = &["--nmagic", "-Tlink.x", "-Tdefmt.x"];
 
-const RISC_V: &[&str] = &["-Tmemory.x", "-Tlink.x"];
+/// The self-test has no log, and no board but the memory of a chip with the target's core.
+fn self_test() -> (&'static str, &'static [&'static str]) {
+    match env::var("TARGET").as_deref() {
+        Ok("thumbv6m-none-eabi") => ("microbit", &["--nmagic", "-Tlink.x"]),
+        Ok("riscv32imc-unknown-none-elf") => ("riscv-virt", &["-Tmemory.x", "-Tlink.x"]),
+        _ => ("stm32f405", &["--nmagic", "-Tlink.x"]),
+    }
+}
+
+fn is_enabled(feature: &str) -> bool {
+    let feature = feature.to_uppercase().replace('-', "_");
+    env::var_os(format!("CARGO_FEATURE_{feature}")).is_some()
+}

@@ -35,6 +35,7 @@ mod rounds;
 mod safety;
 mod scenarios;
 mod second_implementation;
+mod self_test;
 mod table_budget;
 mod table_rounds;
 #[path = "tasks.rs"]

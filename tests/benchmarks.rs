@@ -1,6 +1,6 @@
 //! The benchmark models on the emulated chip: their cost there, and the same bits as on the host.
 
-use firmware::bench::{Benchmark, SEED, Workspace, digest, t1, t2};
+use firmware::bench::{Benchmark, Workspace, t1, t2};
 use iibt_core::inference::Scoring;
 use tests::budgets::assert_within;
 use tests::qemu::{Robot, image_with, number};
@@ -37,8 +37,6 @@ fn the_benchmarks_have_the_same_bits_on_the_chip_and_keep_their_budgets() {
     let mut robot = Robot::boot_counting(&image_with("benchmark", "bench"));
     let first = assert_same(&mut robot, &t1::BENCHMARK);
     let second = assert_same(&mut robot, &t2::BENCHMARK);
-    let line = robot.wait_for("digest:").message;
-    assert_eq!(line, format!("digest: {:016x}", digest(SEED)), "T1, T2 and 200 random models");
     assert_within("benchmark", "t1", first);
     assert_within("benchmark", "t2", second);
 }

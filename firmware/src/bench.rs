@@ -4,15 +4,14 @@
 //! belief update and policy posterior of them (cpp-AIF, x86-64).
 
 mod benchmark;
-mod digest;
 pub mod joint_plans;
 pub mod lockstep;
 pub mod random_model;
+pub mod self_test;
 pub mod t1;
 pub mod t2;
 
 pub use benchmark::{Benchmark, POLICIES, Workspace};
-pub use digest::{MODELS, digest};
 
-/// The seed of the random models that the image and the host are compared by.
+/// The seed of the random models that images and the host are compared by.
 pub const SEED: u64 = 2026;

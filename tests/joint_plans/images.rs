@@ -2,7 +2,7 @@
 
 use firmware::bench::joint_plans::{List, Planner, Plans, Problems, SEARCHED, hardest, plan_all};
 use tests::budgets::assert_within;
-use tests::qemu::{Robot, image, number, printed_on_riscv};
+use tests::qemu::{Robot, image, number};
 
 /// An image of the release profile, 200 problems of each size on 64 cells with a fifth of them
 /// blocked: one plan, and a decision among four.
@@ -53,20 +53,4 @@ fn check_image(robot: &mut Robot, what: &str, robots: usize, on_the_host: &Plans
     assert!(line.ends_with(&expected), "{line}; on the host {expected}");
     assert_within("joint_plans", &format!("{what}_{robots}"), instructions("took "));
     assert_within("joint_plans", &format!("{what}_{robots}_worst"), instructions("worst "));
-}
-
-/// A processor of another make, without a floating-point unit.
-#[test]
-fn plans_on_risc_v_are_those_of_the_host() {
-    let (mut planner, mut list) = (Planner::new(), Box::new(List::new()));
-    let mut expected = String::new();
-    for robots in [2, 4, 8] {
-        let plans = plan_all(robots, |problem| (problem.plan(&mut planner), 0));
-        let decisions = plan_all(robots, |problem| (problem.decide(&mut list), 0));
-        for (what, plans) in [("plans", plans), ("decisions", decisions)] {
-            let Plans { units, digest, .. } = plans;
-            expected += &format!("{what} of {robots} robots: {units} units, digest {digest:08x}\n");
-        }
-    }
-    assert_eq!(printed_on_riscv("joint_plans_riscv"), expected);
 }

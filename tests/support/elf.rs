@@ -18,6 +18,8 @@ pub struct Elf {
     pub symbols: Vec<String>,
     /// The bytes of each of them.
     sizes: Vec<u64>,
+    /// The value of each of them: for most an address.
+    values: Vec<u64>,
 }
 
 impl Elf {
@@ -29,7 +31,7 @@ impl Elf {
     pub fn read(path: &Path) -> Self {
         let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         let file = object::File::parse(&*bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        let mut elf = Self { flash: 0, ram: 0, symbols: vec![], sizes: vec![] };
+        let mut elf = Self { flash: 0, ram: 0, symbols: vec![], sizes: vec![], values: vec![] };
         for section in file.sections() {
             let SectionFlags::Elf { sh_flags, sh_type, .. } = section.flags() else { continue };
             if !sh_flags.contains(SHF_ALLOC) {
@@ -44,6 +46,7 @@ impl Elf {
             let Ok(name) = symbol.name() else { continue };
             elf.symbols.push(name.to_owned());
             elf.sizes.push(symbol.size());
+            elf.values.push(symbol.address());
         }
         elf
     }
@@ -51,6 +54,16 @@ impl Elf {
     /// The symbols whose name contains one of `parts`.
     pub fn symbols_with<'a>(&'a self, parts: &'a [&str]) -> impl Iterator<Item = &'a str> {
         self.symbols.iter().map(String::as_str).filter(|name| parts.iter().any(|part| name.contains(part)))
+    }
+
+    /// The value of a symbol: of most the address.
+    ///
+    /// # Panics
+    /// When there is no such symbol.
+    #[must_use]
+    pub fn value_of(&self, symbol: &str) -> u64 {
+        let at = self.symbols.iter().position(|name| name == symbol);
+        at.and_then(|at| self.values.get(at).copied()).unwrap_or_else(|| panic!("the image has no {symbol}"))
     }
 
     /// The bytes of the symbols whose names `count` accepts.

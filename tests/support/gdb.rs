@@ -52,12 +52,20 @@ impl Paused {
     /// When QEMU does not answer.
     pub fn paint(&mut self) -> u32 {
         let top = self.stack_pointer();
-        for at in (STACK_END..top).step_by(4 * BLOCK as usize) {
+        self.paint_between(STACK_END, top);
+        top
+    }
+
+    /// Paints the memory from one address to another.
+    ///
+    /// # Panics
+    /// When QEMU does not answer.
+    pub fn paint_between(&mut self, from: u32, top: u32) {
+        for at in (from..top).step_by(4 * BLOCK as usize) {
             let words = (top - at).div_ceil(4).min(BLOCK);
             let paint = format!("{:08x}", PAINT.swap_bytes()).repeat(words as usize);
             assert_eq!(self.ask(&format!("M{at:x},{:x}:{paint}", 4 * words)), "OK");
         }
-        top
     }
 
     /// The lowest address of the stack that has been written to since it was painted.
@@ -65,7 +73,15 @@ impl Paused {
     /// # Panics
     /// When QEMU does not answer.
     pub fn lowest_used(&mut self) -> u32 {
-        let mut at = STACK_END;
+        self.lowest_used_from(STACK_END)
+    }
+
+    /// The same for a stack whose lowest address is `from`.
+    ///
+    /// # Panics
+    /// When QEMU does not answer.
+    pub fn lowest_used_from(&mut self, from: u32) -> u32 {
+        let mut at = from;
         loop {
             let words = self.ask(&format!("m{at:x},{:x}", 4 * BLOCK));
             if let Some(used) = (0..BLOCK as usize).find(|&word| word_at(&words, word) != PAINT) {

@@ -1,6 +1,7 @@
 //! Support shared by several tests: references to compare with, and an emulated board.
 
 pub mod budgets;
+pub mod chips;
 pub mod dense;
 pub mod elf;
 pub mod gdb;

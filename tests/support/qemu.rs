@@ -52,34 +52,6 @@ pub fn image_for(name: &str, profile: &str, target: &str, board: &str) -> PathBu
     image_of("firmware", name, profile, target, Some(board))
 }
 
-/// What the image `name` for QEMU's RISC-V machine prints on its serial port until it ends.
-///
-/// # Panics
-/// When it does not build, does not end, or ends with an error.
-#[must_use]
-pub fn printed_on_riscv(name: &str) -> String {
-    let image = image_for(name, "firmware", "riscv32imc-unknown-none-elf", "riscv-virt");
-    let mut machine = Command::new("qemu-system-riscv32")
-        .args(["-machine", "virt", "-bios", "none", "-display", "none", "-monitor", "none"])
-        .args(["-serial", "stdio", "-no-reboot", "-kernel"])
-        .arg(image)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .spawn()
-        .expect("qemu-system-riscv32 starts: `tests/run` installs it");
-    let since = Instant::now();
-    while machine.try_wait().expect("it is a child").is_none() {
-        if since.elapsed() > PATIENCE {
-            machine.kill().expect("it is a child");
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    let output = machine.wait_with_output().expect("it has ended");
-    let text = String::from_utf8(output.stdout).expect("the image prints text");
-    assert!(output.status.success(), "{name}: {}: {text}", output.status);
-    text
-}
-
 /// Builds the image `name` of a package, with the feature of a board.
 ///
 /// # Panics
@@ -312,7 +284,7 @@ impl Drop for Robot {
 }
 
 /// A new directory for the sockets of one robot.
-fn directory() -> PathBuf {
+pub(crate) fn directory() -> PathBuf {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     let name = format!("iibt-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
     let path = std::env::temp_dir().join(name);

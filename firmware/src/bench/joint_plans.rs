@@ -157,7 +157,10 @@ impl Instance {
     /// Decides, all at once: lists joint policies and weighs them by their steps; returns the one
     /// that is chosen and the work units that it took, or `None` where not all goals can be
     /// reached.
-    pub fn decide(&self, list: &mut List) -> Option<(JointPlan<8>, u32)> {
+    pub fn decide<const K: usize>(
+        &self,
+        list: &mut PolicyList<2, 33, 8, 64, K>,
+    ) -> Option<(JointPlan<8>, u32)> {
         let mut budget = u32::MAX;
         list.start();
         let is_done = list.work(&self.problem()?, LISTED, &mut budget);
@@ -165,7 +168,7 @@ impl Instance {
             .policies()
             .iter()
             .map(|plan| PolicyCost { time: 8 * plan.steps() as u16, ..PolicyCost::FREE });
-        let choice = WeighedPolicies::<16>::new(costs, 1.0).ok()?.choose().filter(|_| is_done)?;
+        let choice = WeighedPolicies::<K>::new(costs, 1.0).ok()?.choose().filter(|_| is_done)?;
         let plan = *list.policies().get(choice.policy)?;
         (plan.short_by() == 0 && list.failure().is_none()).then_some((plan, u32::MAX - budget))
     }
@@ -176,7 +179,8 @@ impl Instance {
         Some(Problem { goals, need: *robots, ..Problem::new(map, errands) })
     }
 
-    fn hash(&self, plan: &JointPlan<8>) -> u32 {
+    /// A hash of the cells of a plan.
+    pub(super) fn hash(&self, plan: &JointPlan<8>) -> u32 {
         let cells = plan.paths().iter().flat_map(|path| path.cells(&self.map));
         cells.fold(u32::from(plan.is_together()), |hash, cell| {
             (hash ^ u32::from(cell.0)).wrapping_mul(0x0100_0193)

@@ -28,15 +28,23 @@ const OUTCOMES: [usize; 2] = [3, 3];
 
 /// A generator of numbers (a linear congruential one, its upper half).
 #[derive(Clone, Debug)]
-struct Chance(u64);
+pub(super) struct Chance(u64);
 
 impl Chance {
-    fn bits(&mut self) -> u32 {
+    /// The numbers of a seed.
+    pub(super) fn new(seed: u64) -> Self {
+        let mut chance = Self(seed);
+        // A linear congruential generator takes a few rounds to leave a small seed behind.
+        let _ = [(); 4].map(|()| chance.bits());
+        chance
+    }
+
+    pub(super) fn bits(&mut self) -> u32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 32) as u32
     }
 
-    fn below(&mut self, count: u32) -> u32 {
+    pub(super) fn below(&mut self, count: u32) -> u32 {
         self.bits() % count.max(1)
     }
 
@@ -46,7 +54,7 @@ impl Chance {
     }
 
     /// A weight: sometimes zero, often small.
-    fn weight(&mut self) -> f32 {
+    pub(super) fn weight(&mut self) -> f32 {
         match self.below(4) {
             0 => 0.0,
             1 => self.unit() * 0.01 + 0.001,
@@ -98,9 +106,7 @@ impl RandomModel {
     /// The model of a seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
-        let chance = &mut Chance(seed);
-        // A linear congruential generator takes a few rounds to leave a small seed behind.
-        let _ = [(); 4].map(|()| chance.bits());
+        let chance = &mut Chance::new(seed);
         let mut model = Self {
             priors: [[0.0; 5]; 3],
             next: core::array::from_fn(|_| chance.below(5) as u16),

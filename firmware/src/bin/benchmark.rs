@@ -1,5 +1,5 @@
 //! The benchmark models on the STM32F405: logs how long one belief update and policy posterior
-//! takes, its bits, and the digest of the bits of 200 random models.
+//! takes, and its bits.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -13,7 +13,7 @@ fn main() {
 mod image {
     use core::hint::black_box;
     use firmware::adapters::Chassis;
-    use firmware::bench::{Benchmark, SEED, digest, t1, t2};
+    use firmware::bench::{Benchmark, t1, t2};
     use firmware::board::{self, Board};
     use iibt_core::inference::Scoring;
 
@@ -22,7 +22,6 @@ mod image {
         let Some(board) = Board::take(Chassis::STANDING) else { board::restart() };
         measure(&t1::BENCHMARK, &board);
         measure(&t2::BENCHMARK, &board);
-        defmt::info!("digest: {=u64:016x}", digest(SEED));
         loop {
             board::sleep();
         }
