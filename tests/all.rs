@@ -12,6 +12,7 @@ mod campaign;
 mod choices;
 mod documentation;
 mod emulated;
+mod fail_safe;
 mod figures;
 mod flash;
 mod frames;

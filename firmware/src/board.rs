@@ -4,16 +4,21 @@
 //! of one's own is [`Board`] written for it over [`Line`], [`LogPort`] and the hardware adapters;
 //! docs/flashing.md has one.
 //!
-//! A panic or a fault is logged and restarts the robot. The stack is guarded by its place; see the
-//! memory maps in `firmware/boards`.
+//! A panic, a fault or a main loop that is late stops the motors and restarts the robot, which then
+//! logs the reason. The stack is guarded by its place; see the memory maps in `firmware/boards`.
 
+#[cfg(target_arch = "arm")]
+mod arm;
 mod clock;
+mod fail_safe;
+#[cfg(target_arch = "arm")]
 mod fault;
 mod line;
 mod log;
 mod mapped_flash;
 mod port;
 mod shared;
+#[cfg(target_arch = "arm")]
 pub mod systick;
 
 #[cfg(feature = "stm32f405")]
@@ -30,15 +35,17 @@ mod nrf52840;
 #[cfg(feature = "nrf52840")]
 pub use nrf52840::*;
 
+use crate::fail_safe as safe;
 use crate::hardware::{Battery, Clock, Drive, Link};
 use crate::team_member::{self, Standing, Started};
+#[cfg(target_arch = "arm")]
+pub use arm::{IoPort, Irq, enable, entry, sleep};
 pub use clock::{count_millisecond, next_millisecond, now};
-pub use cortex_m_rt::entry;
-pub use fault::restart;
+pub use fail_safe::{Guard, begin, restart, stop_motors};
 pub use line::Line;
 pub use log::{LogPort, dropped as dropped_log_frames};
 pub use mapped_flash::{MappedFlash, mapped};
-pub use port::{Disturbed, IoPort, Irq, Port, enable};
+pub use port::{Disturbed, Port};
 
 #[cfg(any(feature = "stm32f405", feature = "rp2040", feature = "nrf52840"))]
 /// The parts of the board that a controller uses.
@@ -58,29 +65,38 @@ pub struct Board {
     pub storage: crate::Storage<Flash>,
     /// The status LED.
     pub led: StatusLed,
-}
-
-/// Sleeps until the next interrupt: a byte on the link, or the next millisecond.
-pub fn sleep() {
-    cortex_m::asm::wfi();
+    /// The watchdog of the chip, which is not started.
+    pub watchdog: ChipWatchdog,
 }
 
 /// Stands, with the motors off and without a word to the team, until the board is reset: a restart
-/// would end here again.
-pub fn stand(reason: &Standing) -> ! {
+/// would end here again. A watchdog that outlives a restart is fed.
+pub fn stand(reason: &Standing, mut watchdog: impl safe::Watchdog) -> ! {
+    stop_motors();
     defmt::error!("stands: {}", reason);
     loop {
+        watchdog.feed();
         sleep();
     }
 }
 
 /// Runs a robot that was started, and restarts it when it needs that; stands where it was not
-/// started. `cycles` counts those of the core.
+/// started. A tick that takes longer than the period of the ticks is late: see [`Guard`]. `cycles`
+/// counts those of the core.
 pub fn run<L: Link, C: Clock, D: Drive, B: Battery>(
     started: Result<Started<L, C, D, B>, Standing>,
+    watchdog: impl safe::Watchdog,
     cycles: impl Fn() -> u32,
 ) -> ! {
-    let started = started.unwrap_or_else(|reason| stand(&reason));
-    team_member::run(started, cycles, sleep);
-    restart()
+    match started {
+        Ok(started) => {
+            let mut guard = Guard::start(watchdog, started.period());
+            team_member::run(started, cycles, || {
+                guard.feed();
+                sleep();
+            });
+            restart()
+        }
+        Err(reason) => stand(&reason, watchdog),
+    }
 }

@@ -20,6 +20,7 @@ pub mod bench;
 pub mod board;
 mod boot_counter;
 mod controller;
+pub mod fail_safe;
 pub mod hardware;
 mod link_report;
 pub mod missions;

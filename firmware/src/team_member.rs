@@ -44,6 +44,13 @@ pub struct Started<L: Link + 'static, C: Clock + 'static, D: Drive + 'static, B:
     period: Duration,
 }
 
+impl<L: Link, C: Clock, D: Drive, B: Battery> Started<L, C, D, B> {
+    /// The period of its ticks.
+    pub const fn period(&self) -> Duration {
+        self.period
+    }
+}
+
 /// Why a robot does not take part, and stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
 pub enum Standing {
@@ -144,12 +151,12 @@ impl<L: Link, C: Clock, D: Drive, B: Battery> Default for Memory<L, C, D, B> {
 }
 
 /// Runs a robot until it [needs a restart](Program::needs_restart), and logs what it does. `cycles`
-/// counts those of the core, to measure ticks; `sleep` returns at the next interrupt, after a
-/// millisecond at the latest.
+/// counts those of the core, to measure ticks; `sleep` is called whenever the loop comes round, and
+/// returns at the next interrupt, after a millisecond at the latest.
 pub fn run<L: Link, C: Clock, D: Drive, B: Battery>(
     started: Started<L, C, D, B>,
     cycles: impl Fn() -> u32,
-    sleep: impl Fn(),
+    mut sleep: impl FnMut(),
 ) {
     let mut program = Program::new(started);
     while !program.needs_restart() {

@@ -91,6 +91,24 @@ impl Paused {
         }
     }
 
+    /// A word of memory, or a register of a peripheral.
+    ///
+    /// # Panics
+    /// When QEMU does not answer.
+    pub fn word(&mut self, address: u32) -> u32 {
+        word_at(&self.ask(&format!("m{address:x},4")), 0)
+    }
+
+    /// Has the image go on at an address.
+    ///
+    /// # Panics
+    /// When QEMU does not answer.
+    pub fn jump(&mut self, address: u32) {
+        let mut registers = self.ask("g");
+        registers.replace_range(8 * 15..8 * 16, &format!("{:08x}", address.swap_bytes()));
+        assert_eq!(self.ask(&format!("G{registers}")), "OK");
+    }
+
     fn ask(&mut self, question: &str) -> String {
         let sum = question.bytes().fold(0_u8, u8::wrapping_add);
         write!(self.0, "${question}#{sum:02x}").expect("QEMU takes the question");

@@ -50,12 +50,12 @@ unsafe fn DefaultHandler(_: i16) {
 fn main() -> ! {
     let Some(core) = cortex_m::Peripherals::take() else { board::restart() };
     let clock = Milliseconds::start(core.SYST, 25_000);
-    for uart in [Uart(0), Uart(1)] {
-        uart.register(4).store(217, Relaxed);
-        uart.register(2).store(0b1011, Relaxed);
-    }
+    (0..2).for_each(|uart| Uart(uart).register(4).store(217, Relaxed));
+    (0..2).for_each(|uart| Uart(uart).ask_for_room(false));
     LOG.start(Uart(0));
+    board::begin(|| {}, false);
     (0..4).for_each(|interrupt| board::enable(Irq(interrupt)));
     let mut storage = unsafe { board::mapped(0, 4 << 20, Slots { first: 0x20_0000, second: 0x20_2000 }) };
-    board::run(MEMORY.start(LINK.start(Uart(1)), clock, |_| Absent, Absent, &mut storage), || clock.cycles())
+    let started = MEMORY.start(LINK.start(Uart(1)), clock, |_| Absent, Absent, &mut storage);
+    board::run(started, Absent, || clock.cycles())
 }

@@ -11,7 +11,7 @@ fn main() {
 #[cfg(target_os = "none")]
 mod image {
     use embassy_executor::Spawner;
-    use firmware::board::{self, Board, Gauge, Milliseconds, Motors, TeamLink};
+    use firmware::board::{self, Board, ChipWatchdog, Gauge, Guard, Milliseconds, Motors, TeamLink};
     use firmware::team_member::{CHASSIS, Memory, Program};
 
     static MEMORY: Memory<TeamLink, Milliseconds, Motors, Gauge> = Memory::new();
@@ -19,11 +19,15 @@ mod image {
     #[embassy_executor::main]
     async fn main(spawner: Spawner) {
         let Some(board) = Board::take(CHASSIS) else { board::restart() };
-        let Board { link, clock, drive, battery, mut storage, .. } = board;
+        let Board { link, clock, drive, battery, mut storage, watchdog, .. } = board;
         let drive = |chassis| drive.with_chassis(chassis);
         let started = MEMORY.start(link, clock, drive, battery, &mut storage);
-        let started = started.unwrap_or_else(|reason| board::stand(&reason));
-        match control(Program::new(started), clock) {
+        let started = match started {
+            Ok(started) => started,
+            Err(reason) => board::stand(&reason, watchdog),
+        };
+        let guard = Guard::start(watchdog, started.period());
+        match control(Program::new(started), clock, guard) {
             Ok(task) => spawner.spawn(task),
             Err(_) => board::restart(),
         }
@@ -31,8 +35,13 @@ mod image {
 
     /// Other tasks run between two milliseconds.
     #[embassy_executor::task]
-    async fn control(mut program: Program<TeamLink, Milliseconds, Motors, Gauge>, clock: Milliseconds) {
+    async fn control(
+        mut program: Program<TeamLink, Milliseconds, Motors, Gauge>,
+        clock: Milliseconds,
+        mut guard: Guard<ChipWatchdog>,
+    ) {
         while !program.needs_restart() {
+            guard.feed();
             program.poll(|| clock.cycles());
             board::next_millisecond().await;
         }

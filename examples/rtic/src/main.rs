@@ -9,7 +9,7 @@ fn main() {
 #[cfg(target_os = "none")]
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [EXTI0])]
 mod image {
-    use firmware::board::{self, Board, Gauge, Milliseconds, Motors, TeamLink};
+    use firmware::board::{self, Board, ChipWatchdog, Gauge, Guard, Milliseconds, Motors, TeamLink};
     use firmware::team_member::{CHASSIS, Memory, Program};
 
     static MEMORY: Memory<TeamLink, Milliseconds, Motors, Gauge> = Memory::new();
@@ -21,24 +21,30 @@ mod image {
     struct Local {
         program: Program<TeamLink, Milliseconds, Motors, Gauge>,
         clock: Milliseconds,
+        guard: Guard<ChipWatchdog>,
     }
 
     #[init]
     fn init(context: init::Context) -> (Shared, Local) {
         let Some(board) = Board::new(context.core, context.device, CHASSIS) else { board::restart() };
-        let Board { link, clock, drive, battery, mut storage, .. } = board;
+        let Board { link, clock, drive, battery, mut storage, watchdog, .. } = board;
         let drive = |chassis| drive.with_chassis(chassis);
         let started = MEMORY.start(link, clock, drive, battery, &mut storage);
-        let started = started.unwrap_or_else(|reason| board::stand(&reason));
+        let started = match started {
+            Ok(started) => started,
+            Err(reason) => board::stand(&reason, watchdog),
+        };
+        let guard = Guard::start(watchdog, started.period());
         // The queue of a task has room for it.
         let _ = control::spawn();
-        (Shared {}, Local { program: Program::new(started), clock })
+        (Shared {}, Local { program: Program::new(started), clock, guard })
     }
 
     /// Tasks of higher priority may interrupt it anywhere.
-    #[task(local = [program, clock], priority = 1)]
+    #[task(local = [program, clock, guard], priority = 1)]
     async fn control(context: control::Context) {
         while !context.local.program.needs_restart() {
+            context.local.guard.feed();
             context.local.program.poll(|| context.local.clock.cycles());
             board::next_millisecond().await;
         }

@@ -11,7 +11,7 @@ fn main() {
 mod image {
     use firmware::adapters::base::{BaseAnswer, Decision, Event, MAX_WATCHED, SILENCE, first};
     use firmware::adapters::{Base, Chassis};
-    use firmware::board::{self, BasePort, Board, Milliseconds, TeamLink};
+    use firmware::board::{self, BasePort, Board, ChipWatchdog, Guard, Milliseconds, TeamLink};
     use firmware::hardware::Clock;
     use firmware::missions::{ALL_PATHS, LAYERS, NODES, POLICIES};
     use firmware::page;
@@ -42,7 +42,7 @@ mod image {
     #[board::entry]
     fn main() -> ! {
         match start() {
-            Some((robot, clock)) => run(robot, clock),
+            Some((robot, clock, watchdog)) => run(robot, clock, Guard::start(watchdog, SILENCE)),
             None => board::restart(),
         }
     }
@@ -50,10 +50,13 @@ mod image {
     /// `None` when a part is taken already: that cannot happen after a reset. A robot without a
     /// page that it can use stands until the board is reset.
     #[inline(never)]
-    fn start() -> Option<(&'static mut Robot, Milliseconds)> {
+    fn start() -> Option<(&'static mut Robot, Milliseconds, ChipWatchdog)> {
         let mut board = Board::take(Chassis::STANDING)?;
         let configured = configure(PAGE.try_init_with(|| Page::EMPTY)?, &mut board.storage);
-        let (page, epoch) = configured.unwrap_or_else(|reason| board::stand(&reason));
+        let (page, epoch) = match configured {
+            Ok(configured) => configured,
+            Err(reason) => board::stand(&reason, board.watchdog),
+        };
         let paths = PATHS.try_init(page.path_lists())?;
         let mission = &*MISSION.try_init(page.mission(paths))?;
         let base = Base::new(board.link, board.base, SILENCE, board.clock.now());
@@ -67,13 +70,14 @@ mod image {
             mission.starts.len(),
             epoch
         );
-        Some((robot, board.clock))
+        Some((robot, board.clock, board.watchdog))
     }
 
-    fn run(robot: &'static mut Robot, mut clock: Milliseconds) -> ! {
+    fn run(robot: &'static mut Robot, mut clock: Milliseconds, mut guard: Guard<ChipWatchdog>) -> ! {
         let mut decided = None;
         robot.hardware_mut().answer(BaseAnswer::Ready);
         loop {
+            guard.feed();
             match robot.hardware_mut().poll(clock.now()) {
                 Some(Event::Tick) => tick(robot, &mut decided),
                 Some(Event::Waiting) => {

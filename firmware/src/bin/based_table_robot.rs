@@ -23,7 +23,7 @@ mod image {
     use cortex_m::singleton;
     use firmware::adapters::base::{BaseAnswer, Decision, Event, SILENCE};
     use firmware::adapters::{Base, Chassis};
-    use firmware::board::{self, BasePort, Board, Milliseconds, TeamLink};
+    use firmware::board::{self, BasePort, Board, ChipWatchdog, Guard, Milliseconds, TeamLink};
     use firmware::hardware::Clock;
     use firmware::missions::{ALL_PATHS, CELLS, WORDS};
     use firmware::page::Page;
@@ -55,7 +55,7 @@ mod image {
     #[board::entry]
     fn main() -> ! {
         match start() {
-            Some((robot, clock)) => run(robot, clock),
+            Some((robot, clock, watchdog)) => run(robot, clock, Guard::start(watchdog, SILENCE)),
             None => board::restart(),
         }
     }
@@ -63,11 +63,14 @@ mod image {
     /// `None` when a part is taken already: that cannot happen after a reset. A robot without a
     /// page that it can use stands until the board is reset.
     #[inline(never)]
-    fn start() -> Option<(&'static mut Robot, Milliseconds)> {
+    fn start() -> Option<(&'static mut Robot, Milliseconds, ChipWatchdog)> {
         let mut board = Board::take(Chassis::STANDING)?;
         let page = singleton!(: Page<CELLS, WORDS, ALL_PATHS> = Page::EMPTY)?;
         let configured = configure(page, &mut board.storage);
-        let (page, epoch) = configured.unwrap_or_else(|reason| board::stand(&reason));
+        let (page, epoch) = match configured {
+            Ok(configured) => configured,
+            Err(reason) => board::stand(&reason, board.watchdog),
+        };
         let base = Base::new(board.link, board.base, SILENCE, board.clock.now());
         let settings = page.settings(epoch).ok()?;
         let robot = <table_robot!(TABLES, Hardware, Finished, 6)>::new(
@@ -80,12 +83,13 @@ mod image {
         let robot = robot.ok()?;
         defmt::info!("boot: robot {=u8} of {=usize}, epoch {=u32}", page.robot().0, TABLES.robots(), epoch);
         let robot = singleton!(: Robot = Controller::new(robot, settings, base))?;
-        Some((robot, board.clock))
+        Some((robot, board.clock, board.watchdog))
     }
 
-    fn run(robot: &'static mut Robot, mut clock: Milliseconds) -> ! {
+    fn run(robot: &'static mut Robot, mut clock: Milliseconds, mut guard: Guard<ChipWatchdog>) -> ! {
         robot.hardware_mut().answer(BaseAnswer::Ready);
         loop {
+            guard.feed();
             match robot.hardware_mut().poll(clock.now()) {
                 Some(Event::Sensed) => tick(robot),
                 Some(Event::Tick) => defmt::warn!("a tick for a robot that drives is passed over"),

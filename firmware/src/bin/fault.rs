@@ -1,5 +1,6 @@
-//! An image that fails as it is told over the link, to test what a robot does then: `p` panics, `f`
-//! faults, `s` overflows the stack.
+//! An image that drives and fails as it is told over the link, to test what a robot does then: `p`
+//! panics, `f` faults, `s` overflows the stack, `l` does not come round to its main loop any more,
+//! `d` does so without interrupts.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -10,21 +11,38 @@ fn main() {
 #[cfg(target_os = "none")]
 mod image {
     use core::hint::black_box;
-    use firmware::adapters::Chassis;
-    use firmware::board::{self, Board};
-    use firmware::hardware::Link;
+    use firmware::board::{self, Board, Guard};
+    use firmware::hardware::{Drive, Link};
+    use firmware::team_member::CHASSIS;
+    use iibt_core::grid::Move;
+    use iibt_core::time::Duration;
+
+    /// Within how many milliseconds the main loop has to come round.
+    const LIMIT: Duration = Duration(100);
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
-        let Some(mut board) = Board::take(Chassis::STANDING) else { board::restart() };
+        let Some(mut board) = Board::take(CHASSIS) else { board::restart() };
+        let mut guard = Guard::start(board.watchdog, LIMIT);
+        board.drive.go(Move::Up);
         defmt::info!("boot");
         loop {
+            guard.feed();
             match board.link.receive() {
                 Some(b'p') => panic!("asked to"),
                 Some(b'f') => cortex_m::asm::udf(),
                 Some(b's') => defmt::info!("{=u32}", deeper(1)),
+                Some(b'l') => drive_on(&mut board.drive),
+                Some(b'd') => cortex_m::interrupt::free(|_| drive_on(&mut board.drive)),
                 _ => board::sleep(),
             }
+        }
+    }
+
+    /// Never comes back, and drives all the while.
+    fn drive_on(drive: &mut impl Drive) -> ! {
+        loop {
+            drive.go(Move::Up);
         }
     }
 

@@ -19,10 +19,12 @@ mod image {
 
     #[board::entry]
     fn main() -> ! {
-        let Some(Board { link, clock, drive, battery, mut storage, .. }) = Board::take(CHASSIS) else {
+        let Some(Board { link, clock, drive, battery, mut storage, watchdog, .. }) = Board::take(CHASSIS)
+        else {
             board::restart()
         };
         let drive = |chassis| drive.with_chassis(chassis);
-        board::run(MEMORY.start(link, clock, drive, battery, &mut storage), || clock.cycles())
+        let started = MEMORY.start(link, clock, drive, battery, &mut storage);
+        board::run(started, watchdog, || clock.cycles())
     }
 }

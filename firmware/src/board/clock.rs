@@ -1,5 +1,6 @@
 //! Time since the start, in milliseconds.
 
+use super::fail_safe::check_deadline;
 use super::shared::Shared;
 use core::future::poll_fn;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -11,13 +12,15 @@ static NOW: AtomicU32 = AtomicU32::new(0);
 /// The task that waits for the next millisecond.
 static WAITING: Shared<Option<Waker>> = Shared::new(None);
 
-/// Counts a millisecond. The interrupt of a board's timer calls this.
+/// Counts a millisecond, and restarts a robot whose main loop is late. The interrupt of a board's
+/// timer calls this.
 pub fn count_millisecond() {
     // There is one writer, and a chip without atomic additions has loads and stores.
     NOW.store(NOW.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
     if let Some(waker) = WAITING.with(Option::take).flatten() {
         waker.wake();
     }
+    check_deadline();
 }
 
 /// The milliseconds that were counted.

@@ -1,33 +1,17 @@
-//! Panics and faults: log the place, restart the robot.
+//! Faults of a Cortex-M: stop the motors, log the place, restart the robot.
 
-use super::log;
-use core::panic::PanicInfo;
-use cortex_m::peripheral::SCB;
-
-/// Sends the rest of the log and resets the chip, which lets go of the motors.
-pub fn restart() -> ! {
-    log::flush();
-    SCB::sys_reset()
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo<'_>) -> ! {
-    log::abandon();
-    defmt::error!("{}", defmt::Display2Format(info));
-    restart()
-}
+use super::fail_safe::fail;
+use crate::fail_safe::Failure;
 
 /// The address reported for a stack overflow; odd, unlike every program counter.
 const NO_STACK: u32 = 1;
 
 /// Reports a fault; runs on a fresh stack.
 extern "C" fn report(place: u32) -> ! {
-    log::abandon();
     match place {
-        NO_STACK => defmt::error!("stack overflow"),
-        _ => defmt::error!("fault at {=u32:#010x}", place),
+        NO_STACK => fail(Failure::StackOverflow, || {}),
+        at => fail(Failure::Fault { at }, || {}),
     }
-    restart()
 }
 
 /// The hard fault, which every other fault escalates to.

@@ -10,23 +10,24 @@
 //! | P0.13 | status LED, which the kit wires to the supply |
 
 use super::clock::{count_millisecond, now};
-use super::port::{Disturbed, Port, enable};
 use super::shared::{Shared, Slot};
-use super::{Board, Line, LogPort, MappedFlash, mapped};
+use super::{Board, Disturbed, Line, LogPort, MappedFlash, Port, begin, enable, mapped};
 use crate::adapters::{Chassis, DifferentialDrive, Samples, VoltageGauge, VoltageRange, Wheel};
+use crate::fail_safe;
 use crate::hardware;
 use crate::page::Slots;
 use core::sync::atomic::{AtomicU8, Ordering, compiler_fence};
 use cortex_m::peripheral::{DWT, NVIC};
-use iibt_core::time::Instant;
+use iibt_core::time::{Duration, Instant};
 use nrf52840_hal::clocks::Clocks;
 use nrf52840_hal::gpio::{Floating, Input, Level, Output, Pin, PushPull, p0, p1};
-use nrf52840_hal::pac::{Interrupt, PWM0, Peripherals, TIMER0, UART0, UARTE1, interrupt, uarte0};
+use nrf52840_hal::pac::{Interrupt, PWM0, Peripherals, TIMER0, UART0, UARTE1, WDT, interrupt, uarte0};
 use nrf52840_hal::pwm::{Channel, Pwm, PwmChannel};
 use nrf52840_hal::saadc::{Saadc, SaadcConfig};
 use nrf52840_hal::time::U32Ext;
 use nrf52840_hal::timer::{Periodic, Timer};
 use nrf52840_hal::uarte;
+use nrf52840_hal::wdt::{Inactive, Watchdog, WatchdogHandle, count, handles::Hdl0};
 use static_cell::StaticCell;
 
 /// A lithium cell behind a divider of two equal resistors: 3.3 V and 4.2 V, in steps of 3.3 V /
@@ -49,6 +50,46 @@ pub type Gauge = VoltageGauge<Converter>;
 
 /// The status LED, on while its pin is low, as it is from the start.
 pub type StatusLed = Pin<Output<PushPull>>;
+
+/// The watchdog of the chip. A restart of the core does not stop it.
+pub enum ChipWatchdog {
+    /// It was not started since the power came on.
+    Stopped(Option<Watchdog<Inactive>>),
+    /// It is to be fed.
+    Running(WatchdogHandle<Hdl0>),
+}
+
+impl ChipWatchdog {
+    fn new(chip: WDT) -> Option<Self> {
+        Some(match Watchdog::try_new(chip) {
+            Ok(stopped) => Self::Stopped(Some(stopped)),
+            Err(running) => Self::Running(Watchdog::try_recover::<count::One>(running).ok()?.handles.0),
+        })
+    }
+}
+
+impl fail_safe::Watchdog for ChipWatchdog {
+    fn start(&mut self, limit: Duration) {
+        let Self::Stopped(stopped) = self else { return self.feed() };
+        let Some(mut stopped) = stopped.take() else { return };
+        stopped.set_lfosc_ticks(limit.0 * 32_768 / 1000);
+        *self = Self::Running(stopped.activate::<count::One>().handles.0);
+    }
+
+    fn feed(&mut self) {
+        if let Self::Running(handle) = self {
+            handle.pet();
+        }
+    }
+}
+
+/// Takes both speed outputs from their generator; the pins are low then.
+fn cut_motors() {
+    // SAFETY: one store, to a register that nothing writes once the outputs are set up.
+    #[expect(unsafe_code, reason = "the drive owns the generator, and may be in the middle of a call")]
+    let pwm = unsafe { &*PWM0::ptr() };
+    pwm.enable.write(|w| w.enable().disabled());
+}
 
 /// The converter of the battery's voltage. A sample takes some 200 microseconds.
 pub struct Converter(Saadc, p0::P0_02<Input<Floating>>);
@@ -85,6 +126,9 @@ impl Board {
             uarte::Uarte::new(chip.UARTE1, pins, uarte::Parity::EXCLUDED, uarte::Baudrate::BAUD115200);
         LOG.start(LogUart { _uarte: uarte, is_sending: false });
         enable(Interrupt::UARTE1);
+        let by_watchdog = chip.POWER.resetreas.read().dog().is_detected();
+        chip.POWER.resetreas.write(|w| w.dog().set_bit()); // which clears it
+        begin(cut_motors, by_watchdog);
 
         let txd = port1.p1_02.into_push_pull_output(Level::High).degrade();
         let rxd = port1.p1_01.into_floating_input().degrade();
@@ -109,7 +153,8 @@ impl Board {
         // SAFETY: the flash lies there, by the chip's reference manual, and nothing writes it.
         #[expect(unsafe_code, reason = "the flash is read where it lies")]
         let storage = unsafe { mapped(0, 0x10_0000, Slots::NRF52840) };
-        Some(Self { link, drive, clock: Milliseconds, battery, storage, led })
+        let watchdog = ChipWatchdog::new(chip.WDT)?;
+        Some(Self { link, drive, clock: Milliseconds, battery, storage, led, watchdog })
     }
 }
 

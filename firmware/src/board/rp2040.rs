@@ -9,16 +9,17 @@
 //! | GP26 | half of the battery's voltage; without a battery, tie it to ground |
 //! | GP25 | status LED |
 
-use super::port::{IoPort, enable};
-use super::{Board, Line, LogPort, MappedFlash, mapped};
+use super::{Board, IoPort, Line, LogPort, MappedFlash, begin, enable, mapped};
 use crate::adapters::{Chassis, DifferentialDrive, Samples, VoltageGauge, VoltageRange, Wheel};
+use crate::fail_safe;
 use crate::page::Slots;
+use iibt_core::time::Duration;
 use rp2040_hal::adc::{Adc, AdcPin};
 use rp2040_hal::clocks::{Clock, init_clocks_and_plls};
-use rp2040_hal::fugit::RateExtU32;
+use rp2040_hal::fugit::{ExtU32, RateExtU32};
 use rp2040_hal::gpio::bank0::{Gpio0, Gpio1, Gpio4, Gpio5, Gpio6, Gpio7, Gpio25};
 use rp2040_hal::gpio::{FunctionSioOutput, FunctionUart, Pin, PinState, Pins, PullDown};
-use rp2040_hal::pac::{Interrupt, Peripherals, UART0, UART1, interrupt};
+use rp2040_hal::pac::{IO_BANK0, Interrupt, Peripherals, UART0, UART1, interrupt};
 use rp2040_hal::pwm::{A, B, Channel, FreeRunning, Pwm1, Slice, Slices};
 use rp2040_hal::uart::{DataBits, Reader, StopBits, UartConfig, UartPeripheral, Writer};
 use rp2040_hal::{Sio, Watchdog};
@@ -63,6 +64,30 @@ pub type Gauge = VoltageGauge<Converter>;
 /// The status LED, on while its pin is high, as it is from the start.
 pub type StatusLed = Pin<Gpio25, FunctionSioOutput, PullDown>;
 
+/// The watchdog of the chip.
+pub struct ChipWatchdog(Watchdog);
+
+impl fail_safe::Watchdog for ChipWatchdog {
+    fn start(&mut self, limit: Duration) {
+        self.0.start(limit.0.millis());
+    }
+
+    fn feed(&mut self) {
+        self.0.feed();
+    }
+}
+
+/// Keeps both speed outputs low, whatever drives them. A restart of the core resets no peripheral:
+/// without this they would go on.
+fn cut_motors() {
+    // SAFETY: a store to each of two registers that nothing writes once the pins are set up.
+    #[expect(unsafe_code, reason = "the drive owns the pins, and may be in the middle of a call")]
+    let pins = unsafe { &*IO_BANK0::ptr() };
+    for pin in [2, 3] {
+        pins.gpio(pin).gpio_ctrl().modify(|_, w| w.outover().low());
+    }
+}
+
 /// The converter of the battery's voltage. It converts all the time.
 pub struct Converter(Adc);
 
@@ -78,6 +103,7 @@ impl Board {
     pub fn take(chassis: Chassis) -> Option<Self> {
         let core = cortex_m::Peripherals::take()?;
         let mut chip = Peripherals::take()?;
+        let by_watchdog = chip.WATCHDOG.reason().read().timer().bit_is_set();
         let mut watchdog = Watchdog::new(chip.WATCHDOG);
         let resets = &mut chip.RESETS;
         let (plls, clocks) = ((chip.PLL_SYS, chip.PLL_USB), chip.CLOCKS);
@@ -94,6 +120,7 @@ impl Board {
         let (rx, tx) = log.split();
         LOG.start(IoPort::new(rx, tx, Interrupt::UART0_IRQ, ask));
         enable(Interrupt::UART0_IRQ);
+        begin(cut_motors, by_watchdog);
         let link = (pins.gpio4.into_function(), pins.gpio5.into_function());
         let link = UartPeripheral::new(chip.UART1, link, resets).enable(config(), frequency).ok()?;
         let (mut rx, tx) = link.split();
@@ -118,7 +145,9 @@ impl Board {
         // SAFETY: the flash lies there, by the chip's reference manual, and nothing writes it.
         #[expect(unsafe_code, reason = "the flash is read where it lies")]
         let storage = unsafe { mapped(0x1000_0000, 0x20_0000, Slots::RP2040) };
-        Some(Self { link, drive, clock, battery, storage, led })
+        watchdog.pause_on_debug(true);
+        let watchdog = ChipWatchdog(watchdog);
+        Some(Self { link, drive, clock, battery, storage, led, watchdog })
     }
 }
 

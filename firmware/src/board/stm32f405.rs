@@ -15,12 +15,13 @@ mod flash;
 
 pub use flash::Flash;
 
-use super::port::{Disturbed, Port, enable};
-use super::{Board, Line, LogPort};
+use super::{Board, Disturbed, Line, LogPort, Port, begin, enable};
 use crate::adapters::{Chassis, DifferentialDrive, Samples, VoltageGauge, VoltageRange, Wheel};
+use crate::fail_safe::Watchdog;
 use cortex_m::peripheral::NVIC;
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial::{Read, Write};
+use iibt_core::time::Duration;
 use stm32f4xx_hal::gpio::{Output, PA5, PB0, PB1, PinState};
 use stm32f4xx_hal::interrupt;
 use stm32f4xx_hal::pac::{ADC1, Interrupt, Peripherals, TIM3, USART1, USART2, USART3};
@@ -28,6 +29,7 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Enable;
 use stm32f4xx_hal::serial::{Rx, RxListen, Tx, TxISR, TxListen};
 use stm32f4xx_hal::timer::PwmChannel;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 pub use super::systick::Milliseconds;
 
@@ -65,6 +67,27 @@ const CELL: VoltageRange = VoltageRange { empty: 2048, full: 2606 };
 /// The status LED, on while its pin is high, as it is from the start.
 pub type StatusLed = PA5<Output>;
 
+/// The independent watchdog, which has an oscillator of its own.
+pub struct ChipWatchdog(IndependentWatchdog);
+
+impl Watchdog for ChipWatchdog {
+    fn start(&mut self, limit: Duration) {
+        self.0.start(limit.0.millis());
+    }
+
+    fn feed(&mut self) {
+        self.0.feed();
+    }
+}
+
+/// Forces both speed outputs low, whatever their duty cycles.
+fn cut_motors() {
+    // SAFETY: one store, to a register that nothing writes once the outputs are set up.
+    #[expect(unsafe_code, reason = "the drive owns the timer, and may be in the middle of a call")]
+    let timer = unsafe { &*TIM3::ptr() };
+    timer.ccmr1_output().write(|w| w.oc1m().force_inactive().oc2m().force_inactive());
+}
+
 impl Board {
     /// Starts the clock, the log, the link and the outputs; `None` the second time.
     #[must_use]
@@ -75,6 +98,8 @@ impl Board {
     /// As [`take`](Self::take), with peripherals that were taken already, as RTIC does.
     #[must_use]
     pub fn new(core: cortex_m::Peripherals, chip: Peripherals, chassis: Chassis) -> Option<Self> {
+        let by_watchdog = chip.RCC.csr().read().wdgrstf().is_reset();
+        chip.RCC.csr().modify(|_, w| w.rmvf().clear());
         let mut rcc = chip.RCC.constrain();
         let a = chip.GPIOA.split(&mut rcc);
         let b = chip.GPIOB.split(&mut rcc);
@@ -83,6 +108,7 @@ impl Board {
         let tx = chip.USART1.tx(a.pa9, BAUD.bps(), &mut rcc).ok()?;
         LOG.start(Usart { rx: None, tx });
         enable(Interrupt::USART1);
+        begin(cut_motors, by_watchdog);
         let (tx, mut rx) = chip.USART2.serial((a.pa2, a.pa3), BAUD.bps(), &mut rcc).ok()?.split();
         rx.listen();
         let link = LINK.start(Usart { rx: Some(rx), tx });
@@ -109,7 +135,10 @@ impl Board {
         let battery = VoltageGauge::new(Converter(chip.ADC1), CELL);
         let storage = Flash::storage(chip.FLASH);
         let led = a.pa5.into_push_pull_output_in_state(PinState::High);
-        Some(Self { link, base, drive, clock, battery, storage, led })
+        let watchdog = IndependentWatchdog::new(chip.IWDG);
+        watchdog.stop_on_debug(&chip.DBGMCU, true);
+        let watchdog = ChipWatchdog(watchdog);
+        Some(Self { link, base, drive, clock, battery, storage, led, watchdog })
     }
 }
 
