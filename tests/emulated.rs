@@ -2,13 +2,28 @@
 //! together.
 
 use firmware::missions::SECTION_5_1;
-use host_sim::{Provision, library};
+use host_sim::{Provision, Random, library};
 use iibt_core::grid::Cell;
 use iibt_core::navigation::Stage;
 use iibt_core::team::rounds::Answer;
 use iibt_core::team::{Envelope, RobotId, SipHash64, decode};
 use tests::qemu::{Robot, number, team_member};
 use tests::rig::{DEMO_KEY, Message, OnHost, demo_keys, demo_page};
+
+/// Flies section 5.1 with the image: robot 2 hears every frame of it and answers each with what
+/// `disturb` makes of its own.
+fn fly(image: &mut Robot, second: &mut OnHost, mut disturb: impl FnMut(Vec<u8>) -> Vec<u8>) {
+    let (auth, context) = (SipHash64::with(demo_keys()), second.context());
+    let mut said: Vec<Envelope<Message>> = vec![];
+    let has_arrived = |said: &Envelope<Message>| matches!(said.message.rounds.answer, Answer::Decided { step, .. } if step == 6);
+    while stage(second) != Stage::Arrived || !said.last().is_some_and(has_arrived) {
+        let frame = image.receive();
+        let inside = &frame[1..frame.len() - 1];
+        said.push(decode(inside, &auth, context).expect("the image sends authentic frames"));
+        image.send(&disturb(second.tick(&frame)));
+        assert!(said.len() < 2000, "no arrival after {} frames: {:#?}", said.len(), image.seen());
+    }
+}
 
 fn stage(robot: &OnHost) -> Stage {
     robot.navigation().report().stage
@@ -26,23 +41,13 @@ fn logged(image: &mut Robot, policies: usize) -> Vec<(u32, u32)> {
 
 #[test]
 fn the_image_decides_with_the_same_bits_as_the_host_and_arrives_with_a_robot_on_the_host() {
-    let mut image = Robot::boot_with_page(team_member(), &demo_page(0));
-    let mut second = OnHost::robot(1);
-    let context = second.context();
-    image.wait_for("boot");
+    decides_and_arrives(Robot::boot_with_page(team_member(), &demo_page(0)));
+}
 
-    // Robot 2 hears every frame of the image and answers each with one of its own.
-    let auth = SipHash64::with(demo_keys());
-    let mut said: Vec<Envelope<Message>> = vec![];
-    let has_arrived = |said: &Envelope<Message>| matches!(said.message.rounds.answer, Answer::Decided { step, .. } if step == 6);
-    while stage(&second) != Stage::Arrived || !said.last().is_some_and(has_arrived) {
-        let frame = image.receive();
-        said.push(
-            decode(&frame[1..frame.len() - 1], &auth, context).expect("the image sends authentic frames"),
-        );
-        image.send(&second.tick(&frame));
-        assert!(said.len() < 2000, "no arrival after {} frames: {:#?}", said.len(), image.seen());
-    }
+fn decides_and_arrives(mut image: Robot) {
+    let mut second = OnHost::robot(1);
+    image.wait_for("boot");
+    fly(&mut image, &mut second, |frame| frame);
 
     let weighed = second.navigation().weighed();
     let on_host: Vec<_> = weighed
@@ -62,6 +67,42 @@ fn the_image_decides_with_the_same_bits_as_the_host_and_arrives_with_a_robot_on_
     let mut goals = [Cell(own as u16), other];
     goals.sort_unstable();
     assert_eq!(goals, SECTION_5_1.goals, "each has a goal of its own");
+}
+
+/// Robot 2's line carries ten bytes of noise for each of a frame, half of the noise delimiters and
+/// short runs between them, as fast as the emulator takes them.
+#[test]
+fn the_image_arrives_although_ten_times_as_much_noise_as_frames_comes_in() {
+    let mut image = Robot::boot_with_page(team_member(), &demo_page(0));
+    let mut random = Random::new(1);
+    image.wait_for("boot");
+    fly(&mut image, &mut OnHost::robot(1), |frame| {
+        let noise = |random: &mut Random| match random.below(4) {
+            0 => 0,
+            _ => random.below(256) as u8,
+        };
+        let before: Vec<u8> = (0..5 * frame.len()).map(|_| noise(&mut random)).collect();
+        let after: Vec<u8> = (0..5 * frame.len()).map(|_| noise(&mut random)).collect();
+        [before, frame, after].concat()
+    });
+    image.wait_for("Arrived");
+    assert!(!image.seen().iter().any(|line| line.level == "error"), "{:#?}", image.seen());
+}
+
+/// Before each frame of robot 2 comes its beginning, cut at every place in turn.
+#[test]
+fn the_image_arrives_although_every_frame_comes_after_one_that_was_cut_off() {
+    let mut image = Robot::boot_with_page(team_member(), &demo_page(0));
+    let (mut cut, mut longest) = (0, 0);
+    image.wait_for("boot");
+    fly(&mut image, &mut OnHost::robot(1), |frame| {
+        cut += 1;
+        longest = longest.max(frame.len());
+        [&frame[..cut % frame.len().max(1)], &frame].concat()
+    });
+    image.wait_for("Arrived");
+    assert!(cut > longest, "{cut} frames of up to {longest} bytes were cut");
+    assert!(!image.seen().iter().any(|line| line.level == "error"), "{:#?}", image.seen());
 }
 
 #[test]
