@@ -25,10 +25,12 @@ fn main() {
 
 /// The folders of `boards`, which the features of the package have the names of, and the arguments
 /// of the linker.
-const BOARDS: [(&str, &[&str]); 3] =
-    [("stm32f405", CORTEX_M), ("nrf52840", CORTEX_M), ("rp2040", CORTEX_M)];
+const BOARDS: [(&str, &[&str]); 4] =
+    [("stm32f405", CORTEX_M), ("nrf52840", CORTEX_M), ("rp2040", CORTEX_M), ("riscv-virt", RISC_V)];
 
 const CORTEX_M: &[&str] = &["--nmagic", "-Tlink.x", "-Tdefmt.x"];
+
+const RISC_V: &[&str] = &["-Tmemory.x", "-Tlink.x", "-Tdefmt.x"];
 
 /// The self-test has no log, and no board but the memory of a chip with the target's core.
 fn self_test() -> (&'static str, &'static [&'static str]) {

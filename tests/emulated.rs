@@ -1,13 +1,15 @@
 //! The image in QEMU against the host: the same plan with the same bits, and a mission flown
 //! together.
 
+use firmware::adapters::Chassis;
 use firmware::missions::SECTION_5_1;
 use host_sim::{Provision, Random, library};
 use iibt_core::grid::Cell;
 use iibt_core::navigation::Stage;
 use iibt_core::team::rounds::Answer;
 use iibt_core::team::{Envelope, RobotId, SipHash64, decode};
-use tests::qemu::{Robot, number, team_member};
+use std::num::NonZero;
+use tests::qemu::{RISC_V, Robot, image_for, number, team_member};
 use tests::rig::{DEMO_KEY, Message, OnHost, demo_keys, demo_page};
 
 /// Flies section 5.1 with the image: robot 2 hears every frame of it and answers each with what
@@ -44,6 +46,21 @@ fn the_image_decides_with_the_same_bits_as_the_host_and_arrives_with_a_robot_on_
     decides_and_arrives(Robot::boot_with_page(team_member(), &demo_page(0)));
 }
 
+/// The same program on another instruction set, without a floating-point unit. Its milliseconds
+/// are those of the host, so it ticks and drives faster.
+#[test]
+fn the_image_on_a_risc_v_decides_with_the_same_bits_as_the_host_and_arrives() {
+    let provision = Provision {
+        epoch: 1,
+        tick: NonZero::new(20).expect("not zero"),
+        chassis: Some(Chassis { cell: 0.5, track: 0.1, speed: 5.0, duty: 60 }),
+        ..Provision::new(RobotId(0), DEMO_KEY)
+    };
+    let page = provision.page_of(&SECTION_5_1).expect("it fits");
+    let image = image_for("team_member", "firmware", "riscv32imc-unknown-none-elf", "riscv-virt");
+    decides_and_arrives(Robot::boot_on(RISC_V, &image, (0x8020_0000, &page)));
+}
+
 fn decides_and_arrives(mut image: Robot) {
     let mut second = OnHost::robot(1);
     image.wait_for("boot");
@@ -69,8 +86,8 @@ fn decides_and_arrives(mut image: Robot) {
     assert_eq!(goals, SECTION_5_1.goals, "each has a goal of its own");
 }
 
-/// Robot 2's line carries ten bytes of noise for each of a frame, half of the noise delimiters and
-/// short runs between them, as fast as the emulator takes them.
+/// Robot 2's line carries ten bytes of noise for each of a frame, a quarter of them delimiters, as
+/// fast as the emulator takes them.
 #[test]
 fn the_image_arrives_although_ten_times_as_much_noise_as_frames_comes_in() {
     let mut image = Robot::boot_with_page(team_member(), &demo_page(0));

@@ -17,6 +17,8 @@ mod line;
 mod log;
 mod mapped_flash;
 mod port;
+#[cfg(target_arch = "riscv32")]
+mod risc_v;
 mod shared;
 #[cfg(target_arch = "arm")]
 pub mod systick;
@@ -34,6 +36,10 @@ pub use rp2040::*;
 mod nrf52840;
 #[cfg(feature = "nrf52840")]
 pub use nrf52840::*;
+#[cfg(feature = "riscv-virt")]
+mod riscv_virt;
+#[cfg(feature = "riscv-virt")]
+pub use riscv_virt::*;
 
 use crate::fail_safe as safe;
 use crate::hardware::{Battery, Clock, Drive, Link};
@@ -46,8 +52,10 @@ pub use line::Line;
 pub use log::{LogPort, dropped as dropped_log_frames};
 pub use mapped_flash::{MappedFlash, mapped};
 pub use port::{Disturbed, Port};
+#[cfg(target_arch = "riscv32")]
+pub use risc_v::{entry, sleep};
 
-#[cfg(any(feature = "stm32f405", feature = "rp2040", feature = "nrf52840"))]
+#[cfg(any(feature = "stm32f405", feature = "rp2040", feature = "nrf52840", feature = "riscv-virt"))]
 /// The parts of the board that a controller uses.
 pub struct Board {
     /// The link to the teammates.

@@ -18,6 +18,9 @@ use std::time::{Duration, Instant};
 /// QEMU's machine with an STM32F405.
 const MACHINE: &str = "netduinoplus2";
 
+/// QEMU's machine with a RISC-V.
+pub const RISC_V: &str = "virt";
+
 /// Where a robot on an STM32F405 looks for the first copy of its page.
 const PAGE: u32 = 0x0800_0000 + Slots::STM32F405.first;
 
@@ -148,8 +151,9 @@ impl Robot {
         Self::boot_with(image, MACHINE, &[], Some((PAGE, page)))
     }
 
-    /// Starts an image on another machine of QEMU, whose first serial port is the log and the
-    /// second one the link, with a page at an address.
+    /// Starts an image on another machine of QEMU, with a page at an address. The log leaves
+    /// [`RISC_V`] by semihosting; of other machines the first serial port is the log. The next one
+    /// is the link.
     ///
     /// # Panics
     /// As [`Robot::boot`].
@@ -318,14 +322,25 @@ fn listen(directory: &Path, name: &str) -> UnixListener {
 /// Starts QEMU as the client of both sockets, so that no byte of the log is lost.
 fn start(image: &Path, sockets: &Path, machine: &str, options: &[&str]) -> Child {
     let socket = |name: &str| format!("socket,id={name},path={}", sockets.join(name).display());
-    let mut command = Command::new("qemu-system-arm");
+    let (emulator, ports) = emulator(machine);
+    let mut command = Command::new(emulator);
     command.args(["-M", machine, "-display", "none", "-monitor", "none", "-no-reboot"]).args(PACE);
-    for (name, serial) in [("log", "chardev:log"), ("link", "chardev:link")] {
-        command.args(["-chardev", &socket(name), "-serial", serial]);
-    }
+    command.args(["-chardev", &socket("log"), "-chardev", &socket("link")]).args(ports);
     command.args(["-gdb", &format!("unix:{},server=on,wait=off", sockets.join("gdb").display())]);
     command.args(options).arg("-kernel").arg(image).stdin(Stdio::null());
-    command.spawn().unwrap_or_else(|error| panic!("qemu-system-arm: {error}; `tests/run` installs it"))
+    command.spawn().unwrap_or_else(|error| panic!("{emulator}: {error}; `tests/run` installs it"))
+}
+
+/// The emulator of a machine, and where its log and its link leave it.
+fn emulator(machine: &str) -> (&'static str, &'static [&'static str]) {
+    const SEMIHOSTING: &str = "enable=on,target=native,chardev=log";
+    match machine {
+        RISC_V => (
+            "qemu-system-riscv32",
+            &["-bios", "none", "-semihosting-config", SEMIHOSTING, "-serial", "chardev:link"],
+        ),
+        _ => ("qemu-system-arm", &["-serial", "chardev:log", "-serial", "chardev:link"]),
+    }
 }
 
 fn accept(listener: &UnixListener, qemu: &mut Child) -> UnixStream {

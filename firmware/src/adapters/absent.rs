@@ -1,5 +1,6 @@
 //! Parts that a robot does not have.
 
+use super::Motor;
 use crate::hardware::{Battery, Drive, Localiser, Scanner};
 use iibt_core::grid::{Cell, Move};
 
@@ -22,6 +23,13 @@ impl Drive for Absent {
         false
     }
     fn stop(&mut self) {}
+}
+
+/// A motor that is not there runs all the same: its moves take their time.
+impl Motor for Absent {
+    fn run(&mut self, _: u8, _: bool) -> bool {
+        true
+    }
 }
 
 impl Localiser for Absent {

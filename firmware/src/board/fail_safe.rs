@@ -5,6 +5,8 @@
 use super::arm::reset;
 use super::clock::now;
 use super::log;
+#[cfg(target_arch = "riscv32")]
+use super::risc_v::reset;
 use super::shared::Shared;
 use crate::fail_safe::{Deadline, Failure, FailureRecord, Watchdog};
 use core::panic::PanicInfo;
