@@ -7,9 +7,7 @@
 use crate::actions::Action;
 use crate::grid::{Cell, Map, Move};
 use crate::inference::learning::{Rates, SlipCounts};
-use crate::inference::{
-    Beliefs, Evidence, Factor, IdentityNoise, Modality, Model, ObservationError, Shape, Transition,
-};
+use crate::inference::{Beliefs, Evidence, IdentityNoise, Impossible, ObservationError, Shape, Transition};
 use crate::math;
 
 /// The number of moves, waiting included.
@@ -118,27 +116,47 @@ impl<const S: usize> Localisation<S> {
         self.position = likeliest(self.belief.as_flat());
     }
 
+    /// What [`Beliefs::predict`] and [`Beliefs::observe`] come to for one factor and one modality,
+    /// in the same bits: these loops run in every tick.
     fn infer<const W: usize>(&mut self, map: &Map<W>, moved: Option<(Move, f32)>, reading: Option<Cell>) {
-        let motion = GridMotion(map);
-        let Some(place) = Shape::new(self.cells, &[self.cells]) else { return };
-        let prior = self.prior.as_flat();
-        let prior = prior.get(..self.cells).unwrap_or(prior);
-        let indifferent = const { &[0.0; S] };
-        let indifferent = indifferent.get(..self.cells).unwrap_or(indifferent);
-        let factors = [Factor::trusted(&motion, place, prior)];
-        let modalities = [Modality::trusted(&self.sensor, place, &[POSITION], indifferent)];
-        let Ok(model) = Model::try_new(&factors, &modalities) else { return };
-        let belief = &mut self.belief;
         if let Some((step, slip)) = moved {
-            let before = *belief;
-            // The model has the action: every move is one.
-            let _ = belief.predict(&model, &[Some(step.code())]);
-            belief.mix(&before, slip);
+            self.predict(map, step, slip);
         }
-        belief.mix(&self.prior, DOUBT);
+        self.belief.mix(&self.prior, DOUBT);
         if let Some(reading) = reading {
-            self.surprise = belief.observe(&model, POSITION, Evidence::Outcome(reading.index()));
+            self.surprise = self.observe(reading);
         }
+    }
+
+    /// Predicts where a move has led that fails with the probability `slip`.
+    fn predict<const W: usize>(&mut self, map: &Map<W>, step: Move, slip: f32) {
+        let Some(place) = Shape::new(self.cells, &[self.cells]) else { return };
+        let before = self.belief;
+        let from = before.as_flat();
+        let from = from.get(..self.cells).unwrap_or(from);
+        let to = self.belief.as_flat_mut().get_mut(..self.cells).unwrap_or_default();
+        GridMotion(map).predict(&place, step.code(), &[from], to);
+        if math::normalise(to).is_none() {
+            math::assign(to, from);
+        }
+        self.belief.mix(&before, slip);
+    }
+
+    /// Updates the belief by Bayes' rule; returns the surprise -ln P(o).
+    fn observe(&mut self, reading: Cell) -> Result<f32, ObservationError> {
+        Evidence::Outcome(reading.index()).check(POSITION, self.cells)?;
+        let (correct, off) = (self.sensor.correct(), self.sensor.off());
+        let belief = self.belief.as_flat_mut().get_mut(..self.cells).unwrap_or_default();
+        let (before, others) = belief.split_at_mut_checked(reading.index()).unwrap_or_default();
+        let Some((here, after)) = others.split_first_mut() else { return Ok(0.0) };
+        let add = |sum, run: &[f32]| run.iter().fold(sum, |sum, q| sum + q * off);
+        let probability = add(add(0.0, before) + *here * correct, after);
+        if !(probability > 0.0 && probability.is_finite()) {
+            return Err(Impossible { modality: POSITION }.into());
+        }
+        *here = *here * correct / probability;
+        before.iter_mut().chain(after).for_each(|q| *q = *q * off / probability);
+        Ok(-math::ln(probability))
     }
 
     /// Learns from the last move once it is sure where it led. `blocked` are cells into which a
@@ -230,6 +248,7 @@ impl<const W: usize> Transition for GridMotion<'_, W> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inference::{Factor, Modality, Model};
 
     fn robot(sensor: f32) -> (Map<2>, Localisation<49>) {
         let map = Map::new(7, 7).unwrap();
@@ -318,6 +337,43 @@ mod tests {
             read(&mut robot, 40, false);
         }
         assert_eq!((robot.here(), right(&robot)), (Some(Cell(40)), learned), "it was put elsewhere");
+    }
+
+    /// Some readings are outside of the map, or impossible for a sensor that never errs.
+    #[test]
+    fn belief_and_surprise_are_those_of_the_model() {
+        let mut map = Map::<2>::new(7, 7).unwrap();
+        [8, 9, 30].into_iter().for_each(|cell| _ = map.block(Cell(cell)));
+        let (motion, place, mut impossible) = (GridMotion(&map), Shape::new(49, &[49]).unwrap(), 0);
+        for correct in [0.9, 0.9952, 1.0] {
+            let mut robot = Localisation::<49>::new(&map, Cell(0), correct, Rates::new(1.0, 0.02));
+            let (prior, sensor) = (robot.prior, robot.sensor);
+            let factors = [Factor::new(&motion, place, prior.as_flat())];
+            let modalities = [Modality::new(&sensor, place, &[POSITION], &[0.0; 49])];
+            let model = Model::new(&factors, &modalities);
+            let mut random = 1_u32;
+            let mut draw = |below: u32| {
+                random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (random >> 16) % below
+            };
+            for _ in 0..500 {
+                let moved = Move::from_code(draw(8) as u8).map(|step| (step, draw(9) as f32 / 10.0));
+                let reading = Some(Cell(draw(60) as u16)).filter(|cell| cell.0 < 52);
+                let (mut belief, mut surprise) = (robot.belief, robot.surprise);
+                if let Some((step, slip)) = moved {
+                    belief.predict(&model, &[Some(step.code())]).unwrap();
+                    belief.mix(&robot.belief, slip);
+                }
+                belief.mix(&prior, DOUBT);
+                if let Some(reading) = reading {
+                    surprise = belief.observe(&model, POSITION, Evidence::Outcome(reading.index()));
+                }
+                robot.infer(&map, moved, reading);
+                assert_eq!((robot.belief, robot.surprise), (belief, surprise), "{moved:?} {reading:?}");
+                impossible += usize::from(matches!(surprise, Err(ObservationError::Impossible(_))));
+            }
+        }
+        assert!(impossible > 5, "{impossible}");
     }
 
     #[test]

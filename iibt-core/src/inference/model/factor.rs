@@ -90,7 +90,7 @@ impl<'a> Factor<'a> {
     }
 
     /// Builds a factor with a prior that is valid by construction.
-    pub(crate) const fn trusted(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Self {
+    const fn trusted(transition: &'a dyn Transition, shape: Shape, prior: &'a [f32]) -> Self {
         Self { transition, shape, coupled_to: &[], control: Control::Own, prior }
     }
 

@@ -70,16 +70,6 @@ impl<'a> Modality<'a> {
         }
     }
 
-    /// Builds a modality from numbers that are valid by construction.
-    pub(crate) const fn trusted(
-        likelihood: &'a dyn Likelihood,
-        shape: Shape,
-        factors: &'a [usize],
-        preference: &'a [f32],
-    ) -> Self {
-        Self { likelihood, shape, factors, preference }
-    }
-
     /// A: the likelihood of the outcomes given the states.
     #[must_use]
     pub const fn likelihood(&self) -> &'a dyn Likelihood {
