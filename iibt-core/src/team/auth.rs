@@ -131,9 +131,9 @@ impl Zeroize for SipHash64 {
 
 fn tag(key: &[u8; Key::BYTES], context: Context, signed: &[u8]) -> Tag {
     let mut hasher = SipHasher24::new_with_key(key);
-    hasher.write(&context.to_bits().to_le_bytes());
-    hasher.write(signed);
-    hasher.finish().to_le_bytes()
+    hasher.write_u64(context.to_bits().to_le()); // its bytes, little-endian
+    // After whole words, this is what writing the rest and finishing comes to, in fewer steps.
+    hasher.hash(signed).to_le_bytes()
 }
 
 #[cfg(test)]

@@ -55,14 +55,15 @@ impl Deframer {
     /// assert_eq!((deframer.take(&mut bytes), bytes), (None, &[][..]));
     /// ```
     pub fn take(&mut self, bytes: &mut &[u8]) -> Option<&[u8]> {
-        while let Some((&byte, rest)) = bytes.split_first() {
-            *bytes = rest;
-            if byte != 0 {
-                self.push(byte);
-            } else if let Some(length) = self.cut() {
+        while let Some(end) = bytes.iter().position(|&byte| byte == 0) {
+            let (run, rest) = bytes.split_at_checked(end)?;
+            *bytes = rest.get(1..).unwrap_or_default();
+            self.push(run);
+            if let Some(length) = self.cut() {
                 return self.buffer.get(..length);
             }
         }
+        self.push(core::mem::take(bytes));
         None
     }
 
@@ -73,14 +74,11 @@ impl Deframer {
         self.dropped
     }
 
-    fn push(&mut self, byte: u8) {
-        match self.buffer.get_mut(self.length) {
-            Some(place) => {
-                *place = byte;
-                self.length += 1;
-            }
-            None => self.overlong = true,
-        }
+    fn push(&mut self, run: &[u8]) {
+        let room = self.buffer.get_mut(self.length..).unwrap_or_default();
+        self.overlong |= run.len() > room.len();
+        self.length += run.len().min(room.len());
+        room.iter_mut().zip(run).for_each(|(place, &byte)| *place = byte);
     }
 
     /// The length of what a delimiter ends, unless it is nothing or too long.
@@ -124,5 +122,31 @@ mod tests {
             assert_eq!(deframer.dropped(), dropped);
         }
         assert_eq!(frames(&mut deframer, &[1, 2, 0]), [[1, 2]], "and goes on");
+    }
+    #[test]
+    fn runs_of_any_length_are_cut_as_single_bytes_are() {
+        let mut random = 1_u32;
+        let mut draw = |below: u32| {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (random >> 16) % below
+        };
+        let mut byte = |_| {
+            let one_in = [60, 260][draw(2) as usize];
+            if draw(one_in) == 0 { 0 } else { 1 + draw(255) as u8 }
+        };
+        let stream: Vec<u8> = (0..60_000).map(&mut byte).collect();
+        let (mut by_bytes, mut by_runs) = (Deframer::new(), Deframer::new());
+        let expected = frames(&mut by_bytes, &stream);
+        let (mut rest, mut cut) = (&stream[..], Vec::new());
+        while !rest.is_empty() {
+            let (mut run, others) = rest.split_at(rest.len().min(draw(300) as usize));
+            rest = others;
+            while let Some(frame) = by_runs.take(&mut run) {
+                cut.push(frame.to_vec());
+            }
+            assert!(run.is_empty());
+        }
+        assert_eq!((cut.len(), by_runs.dropped()), (expected.len(), by_bytes.dropped()));
+        assert!(cut == expected && by_runs.dropped() > 20 && cut.len() > 200);
     }
 }
