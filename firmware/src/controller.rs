@@ -221,7 +221,8 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
         if self.last_sent.is_some_and(|sent| now.has_reached(sent) && now.since(sent) < self.period) {
             return;
         }
-        let (Some(message), Some(auth)) = (self.robot.message(), &self.auth) else { return };
+        let Some(auth) = &self.auth else { return };
+        let Some(message) = self.robot.message() else { return };
         self.turn = self.turn.wrapping_add(1);
         let peers = self.roster.at(now);
         let passed_on = if self.robot.repeats_itself() { to_pass_on(peers, self.turn) } else { None };

@@ -25,6 +25,7 @@ mod freshness;
 mod keys;
 mod message;
 mod peers;
+pub(crate) mod reading;
 mod replay;
 mod robot_id;
 mod roster;

@@ -3,7 +3,7 @@
 use super::claim::Cells;
 use super::obstacles::{Announced, MAX_EVIDENCE};
 use crate::grid::{Cell, CellSet};
-use crate::team::rounds;
+use crate::team::{reading, rounds};
 use serde::{Deserialize, Serialize};
 
 /// What a robot is for until the next decision.
@@ -67,6 +67,13 @@ impl<const W: usize> rounds::Fact for Fact<W> {
 
     fn anchor(&self) -> Cells<W> {
         Cells([self.anchor].into_iter().collect())
+    }
+
+    fn read_into<'b>(&mut self, mut bytes: &'b [u8]) -> Option<&'b [u8]> {
+        self.anchor = reading::value(&mut bytes)?;
+        self.purpose = reading::value(&mut bytes)?;
+        reading::list(&mut self.evidence, &mut bytes)?;
+        Some(bytes)
     }
 }
 

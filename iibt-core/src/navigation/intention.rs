@@ -3,8 +3,8 @@
 use super::fact::Fact;
 use super::handover::PendingWaypoints;
 use super::obstacles::MAX_EVIDENCE;
-use crate::team::rounds::RoundMessage;
-use crate::team::{Invalid, Message};
+use crate::team::rounds::{Answer, Proposal, RoundMessage};
+use crate::team::{Invalid, Message, reading};
 use serde::{Deserialize, Serialize};
 
 /// A navigating robot's message, on a map of `W` words with up to `K` joint policies.
@@ -39,11 +39,18 @@ impl<const W: usize, const K: usize> Message for Intention<W, K> {
     const MAX_BYTES: usize = RoundMessage::<Fact<W>, K>::MAX_BYTES + 1;
 
     fn read(bytes: &[u8]) -> Option<(Self, &[u8])> {
-        let whole = |rounds| Self { rounds, waypoints: PendingWaypoints::default() };
-        let (mut message, rest) = RoundMessage::read(bytes, whole)?;
-        let (waypoints, rest) = postcard::take_from_bytes(rest).ok()?;
-        message.waypoints = waypoints;
+        let rounds =
+            RoundMessage { proposal: Proposal::first(0), fact: Fact::default(), answer: Answer::Listing(0) };
+        let mut message = Self { rounds, waypoints: PendingWaypoints::new() };
+        let rest = message.read_into(bytes)?;
         Some((message, rest))
+    }
+
+    #[inline(never)] // it is called in two places
+    fn read_into<'b>(&mut self, bytes: &'b [u8]) -> Option<&'b [u8]> {
+        let mut rest = self.rounds.read_into(bytes)?;
+        reading::list(&mut self.waypoints, &mut rest)?;
+        Some(rest)
     }
 
     fn validate(&self) -> Result<(), Invalid> {

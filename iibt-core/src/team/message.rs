@@ -64,11 +64,21 @@ pub trait Message: Clone + Serialize + DeserializeOwned {
     /// Reads a message from the front of `bytes`; returns it with the bytes that follow, or `None`
     /// if there is none.
     ///
-    /// It must read what [`Serialize`] writes. A large message that reads its parts one by one is
-    /// copied less often on the way.
+    /// It must read what [`Serialize`] writes.
     #[must_use]
     fn read(bytes: &[u8]) -> Option<(Self, &[u8])> {
         postcard::take_from_bytes(bytes).ok()
+    }
+
+    /// Reads as [`read`](Self::read) does, into the place of another message; returns the bytes
+    /// that follow. If there is no message in the bytes, what is left in its place is any one.
+    ///
+    /// A large message that reads its parts one by one is not copied on the way.
+    #[must_use]
+    fn read_into<'b>(&mut self, bytes: &'b [u8]) -> Option<&'b [u8]> {
+        let (message, rest) = Self::read(bytes)?;
+        *self = message;
+        Some(rest)
     }
 
     /// Whether the sender takes part in joint decisions now. One that does not is not connected.

@@ -50,7 +50,11 @@ use core::cmp::Ordering;
 pub struct Roster<M> {
     member: Member,
     limits: Limits,
+    /// In the places that `places` gives.
     peers: [Option<Peer<M>>; MAX_TEAM],
+    /// The place of each robot; in that of this one the next message is read, so that it is where
+    /// it stays once it is accepted.
+    places: [u8; MAX_TEAM],
     /// When the lost peers were marked the last time.
     expired: Option<Instant>,
     counters: Counters,
@@ -107,7 +111,8 @@ impl<M: Message> Roster<M> {
     /// Creates the roster of a robot that has received nothing.
     #[must_use]
     pub const fn new(member: Member, limits: Limits) -> Self {
-        Self { member, limits, peers: [const { None }; MAX_TEAM], expired: None, counters: Counters::NONE }
+        let (peers, places) = ([const { None }; MAX_TEAM], [0, 1, 2, 3, 4, 5, 6, 7]);
+        Self { member, limits, peers, places, expired: None, counters: Counters::NONE }
     }
 
     /// Receives a frame, without its delimiters, at an instant; the task may refuse its message.
@@ -139,10 +144,12 @@ impl<M: Message> Roster<M> {
     /// [`Refused`], counted, for any reason but [`Refused::Frame`] and [`Refused::Foreign`]; the
     /// peers' messages are as they were.
     pub fn hear(&mut self, envelope: Envelope<M>, now: Instant) -> Result<Heard, Refused> {
-        let outcome = self.place(envelope.sender, envelope.stamp, now).map(|(place, heard)| {
+        let outcome = self.judge(envelope.sender, envelope.stamp, now);
+        if outcome.is_ok()
+            && let Some(place) = self.place(envelope.sender)
+        {
             *place = Some(Peer { envelope, heard: now, lost: false });
-            heard
-        });
+        }
         self.counters.count(outcome);
         outcome
     }
@@ -169,13 +176,13 @@ impl<M: Message> Roster<M> {
 
     /// The peers that have been heard, in the order of the robots.
     pub fn peers(&self) -> impl Iterator<Item = &Peer<M>> + Clone {
-        self.peers.iter().flatten()
+        (0..MAX_TEAM as u8).filter_map(|robot| self.peer(RobotId(robot)))
     }
 
     /// One peer, if it has been heard.
     #[must_use]
     pub fn peer(&self, robot: RobotId) -> Option<&Peer<M>> {
-        self.peers.get(robot.index())?.as_ref()
+        if robot == self.own() { None } else { self.stored(robot) }
     }
 
     /// The robot that owns this roster.
@@ -211,25 +218,44 @@ impl<M: Message> Roster<M> {
         now: Instant,
         accepts: impl FnOnce(&M) -> Result<(), Invalid>,
     ) -> Result<Heard, Refused> {
-        let read = M::read(content);
-        let (message, rest) = read.as_ref().ok_or(Refused::Frame(DecodeError::Body))?;
-        check(header, message, rest).map_err(Refused::Frame)?;
-        let (sender, stamp) = (header.sender, header.stamp());
-        let (place, heard) = self.place(sender, stamp, now)?;
-        accepts(message).map_err(Refused::Foreign)?;
-        if let Some((message, _)) = read {
-            *place = Some(Peer { envelope: Envelope { sender, stamp, message }, heard: now, lost: false });
+        let (sender, stamp, own) = (header.sender, header.stamp(), self.own());
+        let read = match self.place(own) {
+            Some(Some(Peer { envelope, .. })) => envelope.message.read_into(content),
+            Some(place) => M::read(content).map(|(message, rest)| {
+                *place =
+                    Some(Peer { envelope: Envelope { sender, stamp, message }, heard: now, lost: false });
+                rest
+            }),
+            None => None,
+        };
+        let body = || Refused::Frame(DecodeError::Body);
+        let (rest, new) = read.zip(self.stored(own)).ok_or_else(body)?;
+        check(header, new.message(), rest).map_err(Refused::Frame)?;
+        let heard = self.judge(sender, stamp, now)?;
+        accepts(self.stored(own).ok_or_else(body)?.message()).map_err(Refused::Foreign)?;
+        if let Some(Some(peer)) = self.place(own) {
+            (peer.envelope.sender, peer.envelope.stamp) = (sender, stamp);
+            (peer.heard, peer.lost) = (now, false);
+        }
+        if let Ok([own, theirs]) = self.places.get_disjoint_mut([own.index(), sender.index()]) {
+            core::mem::swap(own, theirs);
         }
         Ok(heard)
     }
 
-    /// Where a message belongs, if it is newer than what is there.
-    fn place(
-        &mut self,
-        sender: RobotId,
-        stamp: Stamp,
-        now: Instant,
-    ) -> Result<(&mut Option<Peer<M>>, Heard), Refused> {
+    /// What is in the place of a robot.
+    fn stored(&self, robot: RobotId) -> Option<&Peer<M>> {
+        let &place = self.places.get(robot.index())?;
+        self.peers.get(usize::from(place))?.as_ref()
+    }
+
+    fn place(&mut self, robot: RobotId) -> Option<&mut Option<Peer<M>>> {
+        let &place = self.places.get(robot.index())?;
+        self.peers.get_mut(usize::from(place))
+    }
+
+    /// Whether a message is newer than what is there of its sender, and how.
+    fn judge(&mut self, sender: RobotId, stamp: Stamp, now: Instant) -> Result<Heard, Refused> {
         self.expire(now);
         if sender == self.own() {
             return Err(Refused::Own);
@@ -237,9 +263,7 @@ impl<M: Message> Roster<M> {
         if sender.index() >= self.team() {
             return Err(Refused::Unknown);
         }
-        let place = self.peers.get_mut(sender.index()).ok_or(Refused::Unknown)?;
-        let heard = judge(place.as_ref().map(|peer| peer.envelope.stamp), stamp)?;
-        Ok((place, heard))
+        judge(self.stored(sender).map(|peer| peer.envelope.stamp), stamp)
     }
 }
 
@@ -477,5 +501,36 @@ mod tests {
         let other = Context::of::<Here>(0, 1);
         let refused = roster.receive(frame, &auth, other, Instant(0), |_| Ok(()));
         assert_eq!(refused, Err(Refused::Frame(DecodeError::Tag)), "another mission");
+    }
+    /// Frames are read in the place of another message, those that are refused too.
+    #[test]
+    fn a_frame_is_kept_as_its_message_is_and_a_refused_one_leaves_no_trace() {
+        let auth = crate::team::SipHash64::new(crate::team::Key::new([7; 16]));
+        let context = Context::of::<Here>(0, 0);
+        let (mut by_frames, mut by_messages) = (roster(4), roster(4));
+        let mut random = 1_u32;
+        let mut draw = |below: u32| {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (random >> 16) % below
+        };
+        for tick in 0..2000 {
+            let (robot, epoch, sequence) = (draw(5) as u8, draw(2) + tick / 300, draw(40) + tick / 30);
+            let message = said(robot, epoch, sequence, draw(2) == 1);
+            let mut buffer = [0; crate::team::MAX_FRAME];
+            let frame = crate::team::encode(&message, &auth, context, &mut buffer).unwrap();
+            let is_accepted = draw(4) > 0;
+            let accepts = |_: &Here| if is_accepted { Ok(()) } else { Err(Invalid("not now")) };
+            let inside = &frame[1..frame.len() - 1];
+            let received = by_frames.receive(inside, &auth, context, Instant(tick), accepts);
+            if is_accepted {
+                assert_eq!(received, by_messages.hear(message, Instant(tick)), "tick {tick}");
+            } else {
+                by_messages.expire(Instant(tick));
+                assert!(received.is_err());
+            }
+            let kept = |roster: &Roster<Here>| std::format!("{:?}", roster.peers().collect::<Vec<_>>());
+            assert_eq!(kept(&by_frames), kept(&by_messages), "tick {tick}");
+        }
+        assert!(by_frames.counters().accepted > 100);
     }
 }

@@ -131,4 +131,14 @@ pub trait Fact: Clone + Debug + Eq + Hash + Serialize + DeserializeOwned {
 
     /// What the robot occupies while it stands: two cells after a restart in the middle of a move.
     fn anchor(&self) -> Self::Claim;
+
+    /// Reads what [`Serialize`] writes from the front of `bytes`, in the place of another fact;
+    /// returns the bytes that follow. If there is no fact in the bytes, what is left in its place
+    /// is any one.
+    #[must_use]
+    fn read_into<'b>(&mut self, bytes: &'b [u8]) -> Option<&'b [u8]> {
+        let (fact, rest) = postcard::take_from_bytes(bytes).ok()?;
+        *self = fact;
+        Some(rest)
+    }
 }

@@ -1,6 +1,6 @@
 //! What a robot announces of a round.
 
-use super::super::{Invalid, MAX_TEAM, RobotId};
+use super::super::{Invalid, MAX_TEAM, RobotId, reading};
 use super::{Claim, Digest, Fact, View};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -117,6 +117,30 @@ pub enum Answer<const K: usize> {
 }
 
 impl<const K: usize> Answer<K> {
+    /// Takes what [`Serialize`] writes from the front of `bytes`.
+    #[inline]
+    fn read(bytes: &mut &[u8]) -> Option<Self> {
+        let mut scores = Vec::new();
+        match reading::value::<u32>(bytes)? {
+            0 => Some(Self::Listing(reading::value(bytes)?)),
+            1 => {
+                let digest = reading::value(bytes)?;
+                reading::list(&mut scores, bytes)?;
+                Some(Self::Scored { digest, scores })
+            }
+            2 => {
+                let digest = reading::value(bytes)?;
+                let has_scores = reading::value::<Option<()>>(bytes)?.is_some();
+                if has_scores {
+                    reading::list(&mut scores, bytes)?;
+                }
+                let (choice, step) = (reading::value(bytes)?, reading::value(bytes)?);
+                Some(Self::Decided { digest, scores: Some(scores).filter(|_| has_scores), choice, step })
+            }
+            _ => None,
+        }
+    }
+
     /// The digest of the list that the robot has scored.
     #[must_use]
     pub const fn digest(&self) -> Option<Digest> {
@@ -209,24 +233,19 @@ impl<F: Fact, const K: usize> RoundMessage<F, K> {
     /// The chosen policy is not in the list.
     pub const CHOICE: Invalid = Invalid("the chosen policy is beyond the end of the list");
 
-    /// Reads what [`Serialize`] writes, and makes a message of it, for its
-    /// [`read`](super::super::Message::read).
+    /// Reads what [`Serialize`] writes, for the [`read_into`](super::super::Message::read_into) of a
+    /// message that holds this part; returns the bytes that follow.
     ///
     /// Field by field: each value that is handed on by serde is copied several times, and the
     /// walls are large.
     #[must_use]
-    pub fn read<M>(bytes: &[u8], message: impl FnOnce(Self) -> M) -> Option<(M, &[u8])> {
-        let mut bytes = postcard::Deserializer::from_bytes(bytes);
-        let round = u32::deserialize(&mut bytes).ok()?;
-        let view = View::deserialize(&mut bytes).ok()?;
-        let mut walls = Vec::new();
-        for _ in 0..u32::deserialize(&mut bytes).ok()? {
-            walls.push(<F::Claim as Claim>::Wire::deserialize(&mut bytes).ok()?).ok()?;
-        }
-        let fact = F::deserialize(&mut bytes).ok()?;
-        let answer = Answer::deserialize(&mut bytes).ok()?;
-        let rest = bytes.finalize().ok()?;
-        Some((message(Self { proposal: Proposal { round, view, walls }, fact, answer }), rest))
+    pub fn read_into<'b>(&mut self, mut bytes: &'b [u8]) -> Option<&'b [u8]> {
+        self.proposal.round = reading::value(&mut bytes)?;
+        self.proposal.view = reading::value(&mut bytes)?;
+        reading::list(&mut self.proposal.walls, &mut bytes)?;
+        bytes = self.fact.read_into(bytes)?;
+        self.answer = Answer::read(&mut bytes)?;
+        Some(bytes)
     }
 
     /// Checks what the types do not say, for a team of `team` robots.
@@ -400,7 +419,9 @@ mod tests {
                 bytes.truncate(whole.len() + 1 - draw(3));
                 let expected = postcard::take_from_bytes::<Round>(&bytes).ok();
                 read += usize::from(expected.is_some());
-                assert_eq!(Round::read(&bytes, |message| message), expected, "{bytes:?}");
+                let mut other = message(1, scored());
+                let rest = other.read_into(&bytes);
+                assert_eq!(rest.map(|rest| (other, rest)), expected, "{bytes:?}");
             }
         }
         assert!((10_000..39_000).contains(&read), "{read}");
