@@ -87,7 +87,9 @@ impl Path {
     pub fn cells<'a, const W: usize>(&'a self, map: &'a Map<W>) -> impl Iterator<Item = Cell> + 'a {
         let mut here = self.start;
         core::iter::once(here).chain(self.moves().map(move |step| {
-            here = map.neighbour(here, step);
+            if step != Move::Wait {
+                here = map.neighbour(here, step);
+            }
             here
         }))
     }

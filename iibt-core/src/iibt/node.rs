@@ -101,7 +101,9 @@ impl<T: Task> InferenceNode<T> {
         let mut choice = task.infer(&candidates, preference, peers); // 8-12
         for _ in 0..Self::PASSES {
             let Some(policy) = choice else { break };
-            let Some(missing) = task.unmet(policy, &candidates) else { break }; // 17
+            let Some(missing) = task.unmet(policy, &candidates) else {
+                return Decided { candidates, policy: choice }; // 17
+            };
             task.raise(missing, &candidates, preference); // 18-19
             candidates = task.candidates(preference, peers); // 20
             choice = task.infer(&candidates, preference, peers); // 21-25

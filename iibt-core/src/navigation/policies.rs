@@ -381,7 +381,10 @@ fn visits<'a, const W: usize>(path: &'a Path, map: &'a Map<W>) -> impl Iterator<
     let (mut moves, mut visit) = (path.moves(), Some((0, path.start)));
     core::iter::from_fn(move || {
         let (made, here) = visit?;
-        let next = |step| (made + u16::from(step != Move::Wait), map.neighbour(here, step));
+        let next = |step| match step {
+            Move::Wait => (made, here),
+            _ => (made + 1, map.neighbour(here, step)),
+        };
         visit = moves.next().map(next);
         Some((made, here))
     })
@@ -443,6 +446,10 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
     fn is_clear(&self, policy: usize, robot: RobotId, step: u16, teammate: RobotId, reported: u16) -> bool {
         let Some((at, to)) = self.entry(policy, robot, step) else { return true };
         let Some(other) = self.path(policy, teammate) else { return false };
+        // Most paths have not come that far by then, at a cell a step.
+        if usize::from(self.map().manhattan(other.start, to)) > at {
+            return true;
+        }
         // It has left a cell to which it comes with fewer moves than it has made.
         let mut earlier = visits(other, self.map()).take(at + 1);
         !earlier.any(|(moves, cell)| moves >= reported && cell == to)
