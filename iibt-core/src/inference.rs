@@ -51,7 +51,8 @@ pub use agent::{Agent, Decision, Room};
 pub use belief::Beliefs;
 pub use candidates::{Candidates, Combinations, Habits};
 pub use costs::{
-    CostTerm, Eighths, PolicyCost, PrivateCost, WeighedPolicies, cheapest, expected_time, worth_of_nats,
+    CostExplanation, CostTerm, Eighths, PolicyCost, PrivateCost, RankedPolicy, WeighedPolicies, cheapest,
+    expected_time, worth_of_nats,
 };
 pub use error::{Argument, DecisionError, Impossible, ObservationError, OutOfRange};
 pub use estimation::{EXACT_LIMIT, MAX_SWEEPS, Update};

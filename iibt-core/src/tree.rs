@@ -140,6 +140,7 @@ mod row;
 mod rules;
 mod status;
 mod table;
+mod tick_log;
 mod visit;
 mod walk;
 
@@ -160,3 +161,4 @@ pub use owned::OwnedTree;
 pub use row::{MAX_DEPTH, MAX_NODES, Row};
 pub use status::{Halt, Next, Status, Tick};
 pub use table::{Tree, TreeRef};
+pub use tick_log::{NodeChange, TickEntry, TickLog};

@@ -5,6 +5,10 @@
 //! prior probability can be expressed in ticks as well. All terms are therefore whole eighths of a
 //! tick, so that robots of every make add them up to the same sum and choose the same policy.
 
+mod explanation;
+
+pub use explanation::{CostExplanation, RankedPolicy};
+
 use super::error::{Argument, OutOfRange};
 use super::policy::{self, Choice};
 use heapless::Vec;
