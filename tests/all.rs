@@ -22,6 +22,7 @@ mod inference;
 mod joint_plans;
 mod learning;
 mod lockstep;
+mod logs;
 mod manipulation;
 mod navigation;
 // The path makes the modules in it lie beside it, not in a folder of its name.

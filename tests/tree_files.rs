@@ -24,6 +24,8 @@ mod pictures;
 mod records;
 #[path = "tree_files/refusals.rs"]
 mod refusals;
+#[path = "tree_files/replays.rs"]
+mod replays;
 #[path = "tree_files/traces.rs"]
 mod traces;
 // What a program would not use of it is no concern here.

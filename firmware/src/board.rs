@@ -14,11 +14,14 @@ mod fail_safe;
 #[cfg(target_arch = "arm")]
 mod fault;
 mod line;
+#[cfg(not(feature = "rtt"))]
 mod log;
 mod mapped_flash;
 mod port;
 #[cfg(target_arch = "riscv32")]
 mod risc_v;
+#[cfg(feature = "rtt")]
+mod rtt;
 mod shared;
 #[cfg(target_arch = "arm")]
 pub mod systick;
@@ -49,11 +52,16 @@ pub use arm::{IoPort, Irq, enable, entry, sleep};
 pub use clock::{count_millisecond, next_millisecond, now};
 pub use fail_safe::{Guard, begin, restart, stop_motors};
 pub use line::Line;
+#[cfg(not(feature = "rtt"))]
 pub use log::{LogPort, dropped as dropped_log_frames};
 pub use mapped_flash::{MappedFlash, mapped};
 pub use port::{Disturbed, Port};
 #[cfg(target_arch = "riscv32")]
 pub use risc_v::{entry, sleep};
+#[cfg(feature = "rtt")]
+use rtt as log;
+#[cfg(feature = "rtt")]
+pub use rtt::LogPort;
 
 #[cfg(any(feature = "stm32f405", feature = "rp2040", feature = "nrf52840", feature = "riscv-virt"))]
 /// The parts of the board that a controller uses.

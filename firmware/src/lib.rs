@@ -33,6 +33,7 @@ mod storage;
 mod table_robot;
 #[cfg(feature = "defmt")]
 pub mod team_member;
+mod tree_trace;
 
 pub use boot_counter::{BootCounter, EpochError};
 pub use controller::Controller;

@@ -1,13 +1,16 @@
 //! The robot of a navigating team.
 
 use crate::hardware::{Battery, Drive, Localiser, Scanner};
+use crate::tree_trace::TreeTrace;
 use crate::{Robot, Settings};
 use iibt_core::iibt::InferenceNode;
 use iibt_core::navigation::{GridPercept, Intention, Mission, MissionError, Navigation};
 use iibt_core::team::{Invalid, Peers};
 use iibt_core::time::{Duration, Instant};
 use iibt_core::tree;
-use iibt_core::tree::{Halt, Leaves, Memory, Status, Tree};
+#[cfg(feature = "explain")]
+use iibt_core::tree::TickEntry;
+use iibt_core::tree::{Halt, Leaves, Memory, Status, StatusChange, Tree};
 
 /// The leaves of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +54,7 @@ static TREE: Tree<Skill, NODES> = tree! {
 #[derive(Clone, Debug)]
 pub struct Navigator<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> {
     memory: Memory<NODES>,
+    trace: TreeTrace,
     blackboard: Blackboard<'m, S, W, L, M, K>,
     percept: GridPercept,
     message: Option<Intention<W, K>>,
@@ -110,6 +114,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     pub const fn idle() -> Self {
         Self {
             memory: Memory::new(),
+            trace: TreeTrace::new(),
             blackboard: Blackboard {
                 navigation: Navigation::idle(),
                 node: InferenceNode::new(Duration(0)),
@@ -157,6 +162,14 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         self
     }
 
+    /// Returns which nodes of the tree the last tick has changed; `None` when they are those of the
+    /// tick before. With the feature `explain` only.
+    #[cfg(feature = "explain")]
+    #[must_use]
+    pub fn tree_entry(&self) -> Option<TickEntry<'_>> {
+        self.trace.entry()
+    }
+
     /// Returns the name of the running leaf.
     #[must_use]
     pub fn activity(&self) -> Option<&'static str> {
@@ -197,8 +210,10 @@ where
     }
 
     fn tick(&mut self, peers: Peers<'_, Intention<W, K>>, now: Instant) -> Status {
-        let mut leaves = NavigatorLeaves { blackboard: &mut self.blackboard, percept: &self.percept, peers };
-        let status = TREE.tick(&mut self.memory, &mut leaves, now).status;
+        let Self { memory, trace, blackboard, percept, .. } = self;
+        let mut leaves = NavigatorLeaves { blackboard, percept, trace, peers };
+        let status = TREE.tick(memory, &mut leaves, now).status;
+        self.trace.end_tick(now);
         let message = self.blackboard.navigation.intention(peers);
         self.repeated = if message == self.message { self.repeated.saturating_add(1) } else { 0 };
         self.message = message;
@@ -225,6 +240,7 @@ struct NavigatorLeaves<'t, 'm, const S: usize, const W: usize, const L: usize, c
 {
     blackboard: &'t mut Blackboard<'m, S, W, L, M, K>,
     percept: &'t GridPercept,
+    trace: &'t mut TreeTrace,
     peers: Peers<'t, Intention<W, K>>,
 }
 
@@ -273,5 +289,9 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             Skill::Recharge | Skill::BatteryEnough => {}
         }
         Halt::Done
+    }
+
+    fn transition(&mut self, change: StatusChange) {
+        self.trace.record(change);
     }
 }

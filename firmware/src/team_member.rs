@@ -226,6 +226,10 @@ fn tell(
     now: &(Report, LinkReport),
 ) {
     let ((before, heard_before), (now, heard)) = (before, now);
+    #[cfg(feature = "explain")]
+    if let Some(entry) = navigator.tree_entry() {
+        defmt::info!("tick {=u32}: {}", tick, entry);
+    }
     if heard.received.accepted > 0 && heard_before.received.accepted == 0 {
         defmt::info!("tick {=u32}: heard the team", tick);
     }
@@ -251,6 +255,10 @@ fn tell_decision(navigator: &Agent, mission: &OwnMission, tick: u32, now: &Repor
             p.to_bits(),
             cost.total()
         );
+    }
+    #[cfg(feature = "explain")]
+    if let Some(why) = weighed.explain() {
+        defmt::info!("tick {=u32}: why {}", tick, why);
     }
     let mut cells = Vec::<u16, { HORIZON + 1 }>::new();
     for cell in now.path.cells(&mission.map) {

@@ -4,7 +4,9 @@ mod campaign;
 mod frames;
 #[cfg(unix)]
 mod hil;
+mod kept;
 mod learn;
+mod log;
 mod manipulate;
 mod missions;
 mod notebook;
@@ -20,9 +22,7 @@ use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand};
 use host_sim::campaign::Disturbance;
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, series_lines, summary};
-use host_sim::{
-    Conditions, FrameRecording, Logbook, Observer, Pilot, Record, Scenario, fly, fly_series, library,
-};
+use host_sim::{Conditions, Observer, Pilot, Record, Scenario, fly, fly_series, library};
 use serde::Serialize;
 use std::error::Error;
 use std::fmt::Display;
@@ -66,6 +66,7 @@ Examples:
   host-sim run factory --tree conventional   the same with a tree written by hand
   host-sim run my-warehouse.toml    a scenario of your own
   host-sim run two-goals --json | jq '.robots[].path'
+  host-sim run two-goals --tree-log trees.txt && host-sim tree replay pilot trees.txt --robot R1
 From a checkout, `host-sim run ...` is `cargo run --release -- run ...`.
 
 A scenario of your own:
@@ -78,7 +79,8 @@ A scenario of your own:
 host-sim/scenarios/README.md tells what else a scenario can say.
 
 A task written as tables is flown in the same way: `host-sim run valves`, `host-sim run my-task.toml`.
-host-sim/tasks/README.md tells what such a file says. --tree, --disturbance and --log are for scenarios.
+host-sim/tasks/README.md tells what such a file says. --tree, --disturbance, --log and --tree-log are for
+scenarios.
 
 Exit status:
   0  the mission was accomplished, or there was nothing to do
@@ -131,6 +133,9 @@ enum Verb {
     /// Learn from a log how often each robot's moves succeed
     #[command(after_help = learn::EXAMPLES)]
     Learn(Learn),
+    /// Print the messages in the log of an image
+    #[command(after_help = log::EXAMPLES)]
+    Log(log::Log),
     /// Let two robots bring a bottle and a plate together
     #[command(after_help = manipulate::EXAMPLES)]
     Manipulate(Manipulate),
@@ -161,6 +166,9 @@ struct RunArgs {
     /// Keep a log of every move that a robot was told to make
     #[arg(long, value_name = "FILE.csv")]
     log: Option<PathBuf>,
+    /// Keep a log of what each robot's tree has done, for `tree replay pilot`
+    #[arg(long, value_name = "FILE")]
+    tree_log: Option<PathBuf>,
     /// Keep all frames that the robots send, for the verb `frames`
     #[arg(long, value_name = "FILE")]
     frames: Option<PathBuf>,
@@ -199,6 +207,7 @@ impl Cli {
             Some(Verb::Export(export)) => export.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Frames(frames)) => frames.run(),
             Some(Verb::Learn(learn)) => learn.run(),
+            Some(Verb::Log(log)) => log.run(),
             Some(Verb::Manipulate(manipulate)) => manipulate.run(),
             Some(Verb::Provision(provision)) => provision.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Tree(tree)) => tree.run(),
@@ -234,19 +243,19 @@ impl RunArgs {
                 format!("{}: the tree of figure 5 is for two goals, not {goals}", scenario.name).into()
             );
         }
+        if self.tree_log.is_some() && matches!(self.tree, Pilot::Conventional | Pilot::Figure5) {
+            return Err(
+                format!("{}: --tree-log is for the tree with the inference node", scenario.name).into()
+            );
+        }
         let conditions = Conditions { seed: self.seed, loss: self.loss, tree: self.tree };
         if scenario.missions > 1 {
             return self.run_series(&scenario, conditions);
         }
-        let mut observer = (self.observer(&scenario), self.logbook()?, self.recording()?);
-        let record = fly(&scenario, conditions, &mut observer)
-            .map_err(|error| format!("{}: {error}", scenario.name))?;
-        if let Some(logbook) = observer.1 {
-            logbook.finish()?;
-        }
-        if let Some(recording) = observer.2 {
-            recording.finish()?;
-        }
+        let mut kept = self.keep(self.observer(&scenario))?;
+        let record =
+            fly(&scenario, conditions, &mut kept).map_err(|error| format!("{}: {error}", scenario.name))?;
+        kept.finish()?;
         print(&self.report(&record)?)?;
         Ok(exit_status(record.outcome.is_success()))
     }
@@ -258,11 +267,9 @@ impl RunArgs {
                 format!("{}: --frames keeps those of one mission, not of a series", scenario.name).into()
             );
         }
-        let mut observer: (Box<dyn Observer>, _, _) = (Box::new(()), self.logbook()?, self.recording()?);
-        let series = fly_series(scenario, conditions, true, &mut observer).map_err(about(&scenario.name))?;
-        if let Some(logbook) = observer.1 {
-            logbook.finish()?;
-        }
+        let mut kept = self.keep(Box::new(()))?;
+        let series = fly_series(scenario, conditions, true, &mut kept).map_err(about(&scenario.name))?;
+        kept.finish()?;
         report(self.json, &series, || series_lines(&series, self.quiet) + "\n")?;
         Ok(exit_status(series.missions.iter().all(|mission| mission.record.outcome.is_success())))
     }
@@ -277,16 +284,6 @@ impl RunArgs {
             }
             _ => Box::new(Narrator::new(io::stdout())),
         }
-    }
-
-    fn logbook(&self) -> Result<Option<Logbook<BufWriter<File>>>, Failure> {
-        let Some(path) = &self.log else { return Ok(None) };
-        Ok(Some(Logbook::new(created(path)?)))
-    }
-
-    fn recording(&self) -> Result<Option<FrameRecording<BufWriter<File>>>, Failure> {
-        let Some(path) = &self.frames else { return Ok(None) };
-        Ok(Some(FrameRecording::new(created(path)?)))
     }
 
     fn report(&self, record: &Record) -> Result<String, Failure> {

@@ -16,6 +16,7 @@ use crate::verdict::{self, Evidence};
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::{MAX_GOALS, Report, Stage};
 use iibt_core::team::RobotId;
+use iibt_core::tree::TickEntry;
 
 /// The conditions of a flight besides its scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -51,6 +52,9 @@ pub struct Snapshot<'f> {
     pub commands: &'f [Option<Move>],
     /// The leaf of each robot's tree that is running.
     pub activities: &'f [Option<&'static str>],
+    /// The nodes of each robot's tree that its last tick has changed, unless they are those of the
+    /// tick before.
+    pub tree_entries: &'f [Option<TickEntry<'f>>],
     /// The frames that the robots sent in the last tick, one after the other.
     pub frames: &'f [u8],
     /// What has happened in the last tick.
@@ -66,15 +70,6 @@ pub trait Observer {
 /// No observer.
 impl Observer for () {
     fn observe(&mut self, _: &Snapshot<'_>) {}
-}
-
-/// Three observers; the second and the third may be absent.
-impl<A: Observer, B: Observer> Observer for (Box<dyn Observer + '_>, Option<A>, Option<B>) {
-    fn observe(&mut self, snapshot: &Snapshot<'_>) {
-        self.0.observe(snapshot);
-        self.1.iter_mut().for_each(|other| other.observe(snapshot));
-        self.2.iter_mut().for_each(|other| other.observe(snapshot));
-    }
 }
 
 /// Flies a scenario to its end.
@@ -214,6 +209,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
         let charges: Vec<_> = robots.clone().map(|robot| world.battery(robot).percent()).collect();
         let stopped: Vec<_> = robots.clone().map(|robot| world.is_stopped(robot)).collect();
         let moving: Vec<_> = robots.map(|robot| world.is_moving(robot)).collect();
+        let tree_entries: Vec<_> = self.flight.robots().map(AnyRobot::tree_entry).collect();
         observer.observe(&Snapshot {
             scenario: self.scenario,
             tick: self.flight.ticks(),
@@ -225,6 +221,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
             moving: &moving,
             commands: self.flight.commands(),
             activities: &self.activities,
+            tree_entries: &tree_entries,
             frames: &self.frames,
             events: &self.events[told..],
         });

@@ -31,6 +31,7 @@ pub mod campaign;
 mod changes;
 mod conventional;
 mod faults;
+mod firmware_log;
 mod flight;
 mod flight_event;
 mod fly;
@@ -64,11 +65,13 @@ mod team;
 mod testbed;
 mod text;
 pub mod tree;
+mod tree_log;
 mod verdict;
 mod world;
 
 pub use awaited::Awaited;
 pub use faults::Faults;
+pub use firmware_log::{FirmwareLog, LogItem, LogLine, Unreadable};
 pub use flight::{Flight, NavigatorFlight, Reading};
 pub use flight_event::FlightEvent;
 pub use fly::{Conditions, Observer, Snapshot, fly};
@@ -93,6 +96,7 @@ pub use scenario::{
 pub use series::{Series, SeriesMission, fly_series};
 pub use team::{Navigating, Pilot, TeamError};
 pub use testbed::{Testbed, settings};
+pub use tree_log::TreeLog;
 pub use verdict::{Outcome, TOGETHER};
 
 /// The code in the README and in the documents is compiled and run with the tests.

@@ -5,7 +5,7 @@ use crate::scenario::Floor;
 use firmware::{Controller, LinkReport, Navigator};
 use iibt_core::grid::{Cell, Map};
 use iibt_core::navigation::{MAX_GOALS, Report};
-use iibt_core::tree::Status;
+use iibt_core::tree::{Status, TickEntry};
 
 /// A flying robot, whose controller may be compiled for any size of map.
 ///
@@ -22,6 +22,11 @@ pub trait AnyRobot {
     fn link_report(&self) -> LinkReport;
     /// The leaf of its tree that is running.
     fn activity(&self) -> Option<&'static str>;
+    /// The nodes of its tree that its last tick has changed, unless they are those of the tick
+    /// before; a conventional robot does not tell.
+    fn tree_entry(&self) -> Option<TickEntry<'_>> {
+        None
+    }
     /// Tells it to visit a cell; returns whether it will.
     fn visit(&mut self, cell: Cell) -> bool;
     /// Sets its preference for each goal; a conventional robot ignores it.
@@ -65,6 +70,10 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     fn activity(&self) -> Option<&'static str> {
         self.robot().activity()
+    }
+
+    fn tree_entry(&self) -> Option<TickEntry<'_>> {
+        self.robot().tree_entry()
     }
 
     fn visit(&mut self, cell: Cell) -> bool {

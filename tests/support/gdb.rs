@@ -109,6 +109,17 @@ impl Paused {
         assert_eq!(self.ask(&format!("G{registers}")), "OK");
     }
 
+    /// Bytes of the memory.
+    ///
+    /// # Panics
+    /// When QEMU does not answer, or there is no such memory.
+    pub fn memory(&mut self, at: u32, len: usize) -> Vec<u8> {
+        let digits = self.ask(&format!("m{at:x},{len:x}"));
+        let byte = |pair: &[u8]| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok();
+        let bytes: Option<Vec<u8>> = digits.as_bytes().chunks(2).map(byte).collect();
+        bytes.filter(|bytes| bytes.len() == len).unwrap_or_else(|| panic!("{len} bytes at {at:#x}: {digits}"))
+    }
+
     fn ask(&mut self, question: &str) -> String {
         let sum = question.bytes().fold(0_u8, u8::wrapping_add);
         write!(self.0, "${question}#{sum:02x}").expect("QEMU takes the question");

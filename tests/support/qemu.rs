@@ -4,15 +4,15 @@
 //! hangs.
 
 use crate::gdb::Paused;
-use defmt_decoder::{DecodeError, Table};
 use firmware::page::Slots;
+use host_sim::{FirmwareLog, LogItem};
 use std::io::{Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 /// QEMU's machine with an STM32F405.
@@ -62,12 +62,25 @@ pub fn image_for(name: &str, profile: &str, target: &str, board: &str) -> PathBu
     image_of("firmware", name, profile, target, Some(board))
 }
 
-/// Builds the image `name` of a package, with the feature of a board.
+/// Builds the image `name` of a package, with the feature of a board, and others after commas.
 ///
 /// # Panics
 /// As [`image`].
 #[must_use]
 pub fn image_of(package: &str, name: &str, profile: &str, target: &str, board: Option<&str>) -> PathBuf {
+    // Cargo puts an image with other features in the same place: each is kept where nothing else is.
+    static BUILD: Mutex<()> = Mutex::new(());
+    let _building = BUILD.lock().unwrap_or_else(PoisonError::into_inner);
+    let built = build(package, name, profile, target, board);
+    let folder = built.with_file_name("images").join(board.unwrap_or("all").replace(',', "-"));
+    std::fs::create_dir_all(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let (new, kept) = (folder.join(format!("{name}.new")), folder.join(name));
+    std::fs::copy(&built, &new).unwrap_or_else(|error| panic!("{}: {error}", new.display()));
+    std::fs::rename(&new, &kept).unwrap_or_else(|error| panic!("{}: {error}", kept.display()));
+    kept
+}
+
+fn build(package: &str, name: &str, profile: &str, target: &str, board: Option<&str>) -> PathBuf {
     let output = Command::new(env!("CARGO"))
         .args(["build", "-p", package, "--profile", profile, "--target", target])
         .args(board.map(|board| ["--features", board]).iter().flatten())
@@ -125,7 +138,8 @@ pub fn number(line: &str, before: &str) -> u32 {
 pub struct Robot {
     qemu: Child,
     link: UnixStream,
-    log: Receiver<Line>,
+    log: Receiver<Logged>,
+    bytes: Vec<u8>,
     seen: Vec<Line>,
     sockets: PathBuf,
 }
@@ -216,7 +230,7 @@ impl Robot {
         let log = accept(&log, &mut qemu);
         let link = accept(&link, &mut qemu);
         link.set_read_timeout(Some(PATIENCE)).expect("the time-out is not zero");
-        Self { qemu, link, log: decode(elf, log), seen: Vec::new(), sockets }
+        Self { qemu, link, log: decode(image, &elf, log), bytes: Vec::new(), seen: Vec::new(), sockets }
     }
 
     /// Waits for a log line that contains `part`, passing over others.
@@ -225,14 +239,25 @@ impl Robot {
     /// When QEMU ends or the robot is silent before there is one.
     pub fn wait_for(&mut self, part: &str) -> Line {
         loop {
-            let Ok(line) = self.log.recv_timeout(PATIENCE) else {
-                panic!("the robot logged no {part:?}; it logged {:#?}", self.seen)
+            let line = match self.log.recv_timeout(PATIENCE) {
+                Ok(Logged::Line(line)) => line,
+                Ok(Logged::Bytes(bytes)) => {
+                    self.bytes.extend(bytes);
+                    continue;
+                }
+                Err(_) => panic!("the robot logged no {part:?}; it logged {:#?}", self.seen),
             };
             self.seen.push(line.clone());
             if line.message.contains(part) {
                 return line;
             }
         }
+    }
+
+    /// The bytes of the log so far.
+    #[must_use]
+    pub fn log_bytes(&self) -> &[u8] {
+        &self.bytes
     }
 
     /// The log lines so far, those passed over included.
@@ -358,32 +383,60 @@ fn accept(listener: &UnixListener, qemu: &mut Child) -> UnixStream {
     }
 }
 
+/// What comes from a log: its bytes, and then the lines that end in them.
+#[derive(Debug)]
+enum Logged {
+    Bytes(Vec<u8>),
+    Line(Line),
+}
+
+/// The decoder for the log of an image.
+///
+/// # Panics
+/// When the file is no image that logs with defmt.
+#[must_use]
+pub fn log_of(image: &Path, elf: &[u8]) -> FirmwareLog {
+    FirmwareLog::of_image(&image.display().to_string(), elf).unwrap_or_else(|error| panic!("{error}"))
+}
+
 /// Decodes the log on a thread of its own, so that the robot never waits for the test.
-fn decode(elf: Vec<u8>, log: UnixStream) -> Receiver<Line> {
+fn decode(image: &Path, elf: &[u8], log: UnixStream) -> Receiver<Logged> {
     let (sender, receiver) = channel();
-    let table = Table::parse(&elf).expect("a defmt table").expect("an image that logs with defmt");
-    std::thread::spawn(move || pass_on(&table, log, &sender));
+    let decoder = log_of(image, elf);
+    std::thread::spawn(move || pass_on(decoder, log, &sender));
     receiver
 }
 
 /// Runs until the robot or the test is gone.
-fn pass_on(table: &Table, mut log: UnixStream, lines: &Sender<Line>) {
-    let mut decoder = table.new_stream_decoder();
+fn pass_on(mut decoder: FirmwareLog, mut log: UnixStream, logged: &Sender<Logged>) {
     let mut bytes = [0; 4096];
     while let Ok(count @ 1..) = log.read(&mut bytes) {
-        decoder.received(&bytes[..count]);
-        loop {
-            let line = match decoder.decode() {
-                Ok(frame) => Line {
-                    level: frame.level().map_or("print", |level| level.as_str()),
-                    message: frame.display_message().to_string(),
-                },
-                Err(DecodeError::UnexpectedEof) => break,
-                Err(DecodeError::Malformed) => Line { level: "error", message: "malformed log frame".into() },
-            };
-            if lines.send(line).is_err() {
-                return;
-            }
+        let bytes = &bytes[..count];
+        let lines = decoder.receive(bytes).into_iter().map(|item| match item {
+            LogItem::Line(line) => Line { level: line.level.unwrap_or("print"), message: line.message },
+            LogItem::Unreadable(frame) => Line { level: "error", message: frame.to_string() },
+        });
+        let items = std::iter::once(Logged::Bytes(bytes.to_vec())).chain(lines.map(Logged::Line));
+        if items.into_iter().any(|item| logged.send(item).is_err()) {
+            return;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn log_frames_without_room_are_dropped_whole_counted_and_told() {
+        let mut robot = Robot::boot(&image("fault"));
+        robot.wait_for("boot");
+        robot.send(b"o");
+        let told = number(&robot.wait_for("log frames were dropped").message, "");
+        let counted = number(&robot.wait_for("dropped ").message, "dropped ");
+        let kept = robot.seen().iter().filter(|line| line.message.starts_with("line ")).count();
+        assert!(kept > 100 && told > 1000, "{kept} kept, {told} dropped");
+        assert_eq!((kept as u32 + told, told), (2000, counted));
+        assert!(robot.seen().iter().all(|line| line.level != "error"), "every frame is whole");
     }
 }

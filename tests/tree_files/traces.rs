@@ -4,14 +4,15 @@ use super::*;
 
 const RECORDED: &str = include_str!("traces.txt");
 
-struct Trace<'t> {
-    title: &'t str,
-    instance: Instance,
-    settings: DryRun<'t>,
+pub(super) struct Trace<'t> {
+    pub(super) title: &'t str,
+    pub(super) text: &'t str,
+    pub(super) instance: Instance,
+    pub(super) settings: DryRun<'t>,
     lines: Vec<&'t str>,
 }
 
-fn recorded() -> Vec<Trace<'static>> {
+pub(super) fn recorded() -> Vec<Trace<'static>> {
     let blocks = RECORDED.split("## ").skip(1);
     blocks.map(|block| trace(block).unwrap_or_else(|| panic!("no trace: {block}"))).collect()
 }
@@ -25,7 +26,7 @@ fn trace(block: &'static str) -> Option<Trace<'static>> {
     let (ticks, tick_ms, halt_after) = (number()?, number()?, number()?);
     let halt_after = Some(halt_after).filter(|tick| *tick > 0);
     let settings = DryRun { ticks, mode, tick_ms, leaves: &[], halt_after, compat: true };
-    Some(Trace { title, instance: instance(text), settings, lines: lines.collect() })
+    Some(Trace { title, text, instance: instance(text), settings, lines: lines.collect() })
 }
 
 #[test]

@@ -66,6 +66,12 @@ impl<const N: usize> FrameQueue<N> {
         if self.bytes.len() > self.open { self.bytes.pop_front() } else { None }
     }
 
+    /// Returns how many more bytes fit.
+    #[must_use]
+    pub fn room(&self) -> usize {
+        N.saturating_sub(self.bytes.len())
+    }
+
     /// Returns the number of refused frames since the start.
     #[must_use]
     pub const fn refused(&self) -> u32 {
@@ -101,7 +107,7 @@ mod tests {
         let mut queue = FrameQueue::<4>::new();
         assert!(queue.push(&[1, 2, 3]));
         assert!(!queue.push(&[4, 5]));
-        assert_eq!(queue.refused(), 1);
+        assert_eq!((queue.refused(), queue.room()), (1, 1));
         assert!(queue.push(&[6]));
         assert_eq!(drain(&mut queue), [1, 2, 3, 6]);
     }

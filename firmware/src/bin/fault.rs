@@ -1,6 +1,6 @@
 //! An image that drives and fails as it is told over the link, to test what a robot does then: `p`
 //! panics, `f` faults, `s` overflows the stack, `l` does not come round to its main loop any more,
-//! `d` does so without interrupts.
+//! `d` does so without interrupts, and `o` logs more than the queue of the log holds.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -34,6 +34,7 @@ mod image {
                 Some(b's') => defmt::info!("{=u32}", deeper(1)),
                 Some(b'l') => drive_on(&mut board.drive),
                 Some(b'd') => cortex_m::interrupt::free(|_| drive_on(&mut board.drive)),
+                Some(b'o') => log_too_much(),
                 _ => board::sleep(),
             }
         }
@@ -44,6 +45,13 @@ mod image {
         loop {
             drive.go(Move::Up);
         }
+    }
+
+    /// Logs 2,000 lines while no interrupt can send any.
+    fn log_too_much() {
+        critical_section::with(|_| (0..2000_u32).for_each(|line| defmt::info!("line {=u32}", line)));
+        #[cfg(not(feature = "rtt"))] // by RTT none is dropped: the oldest bytes are written over
+        defmt::info!("dropped {=u32}", board::dropped_log_frames());
     }
 
     /// Needs more stack with every call, and does not end for a positive `depth` before it wraps.

@@ -2,7 +2,7 @@
 //!
 //! Ready-made loggers write to the port with the interrupts off, which at 115200 baud would lose
 //! bytes on the link. This one never waits: a frame for which there is no room is dropped as a
-//! whole.
+//! whole. How many were is logged with the next frame that leaves room for it.
 
 use super::port::{Port, drain, feed};
 use super::shared::{Shared, Slot};
@@ -13,10 +13,15 @@ use defmt::Encoder;
 /// Bytes that may wait to be sent: a few hundred log lines.
 const BYTES: usize = 4096;
 
+/// Bytes for the frame that tells how many were dropped.
+const ROOM_TO_TELL: usize = 32;
+
 // Apart from the rest, so that it is all zeros and takes no flash.
 static QUEUE: Shared<FrameQueue<BYTES>> = Shared::new(FrameQueue::new());
 static OUTPUT: Shared<Option<&'static dyn Output>> = Shared::new(None);
 static FRAME: Shared<Frame> = Shared::new(Frame::NONE);
+/// How many of the dropped frames were told.
+static TOLD: Shared<u32> = Shared::new(0);
 
 /// The port of the log, whatever it is.
 trait Output: Sync {
@@ -84,6 +89,17 @@ pub(super) fn flush() {
 #[must_use]
 pub fn dropped() -> u32 {
     QUEUE.with(|queue| queue.refused()).unwrap_or(0)
+}
+
+/// Logs how many frames were dropped since that was last told, once there is room.
+fn tell_dropped() {
+    let has_room = QUEUE.with(|queue| queue.room() >= ROOM_TO_TELL).unwrap_or(false);
+    let dropped = dropped();
+    let untold = TOLD.with(|told| dropped.saturating_sub(*told)).unwrap_or(0);
+    if has_room && untold > 0 {
+        TOLD.with(|told| *told = dropped);
+        defmt::warn!("{=u32} log frames were dropped", untold);
+    }
 }
 
 fn with_output(act: impl FnOnce(&'static dyn Output)) {
@@ -156,6 +172,7 @@ unsafe impl defmt::Logger for QueuedLog {
             with_output(|output| output.pend());
             // SAFETY: the state is the one that the matching `acquire` got.
             unsafe { critical_section::release(interrupts) };
+            tell_dropped();
         }
     }
 

@@ -46,6 +46,7 @@ pub(super) fn feed<const N: usize>(port: &mut impl Port, queue: &mut FrameQueue<
 }
 
 /// Sends all that is queued, waiting for the port.
+#[cfg(not(feature = "rtt"))]
 pub(super) fn drain<const N: usize>(port: &mut impl Port, queue: &mut FrameQueue<N>) {
     while let Some(byte) = queue.pop() {
         while !port.has_room() {}

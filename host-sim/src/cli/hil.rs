@@ -55,7 +55,7 @@ pub(super) struct Hil {
     /// The ELF file of the image, in place of building it
     #[arg(long, value_name = "ELF")]
     image: Option<PathBuf>,
-    /// Keep the log of each robot in a folder, for `defmt-print -e ELF < FILE`
+    /// Keep the log of each robot in a folder, for `log ELF FILE`
     #[arg(long, value_name = "FOLDER")]
     logs: Option<PathBuf>,
 }
@@ -118,16 +118,11 @@ impl Hil {
 
     fn fly(&self, scenario: &Scenario, bench: &Bench) -> Result<ExitCode, Failure> {
         let conditions = Conditions { seed: self.run.seed, loss: self.run.loss, tree: Pilot::Image };
-        let mut observer = (self.run.observer(scenario), self.run.logbook()?, self.run.recording()?);
+        let mut kept = self.run.keep(self.run.observer(scenario))?;
         let since = Instant::now();
-        let flown = fly_emulated(scenario, conditions, bench, &mut observer)?;
+        let flown = fly_emulated(scenario, conditions, bench, &mut kept)?;
         let took = since.elapsed();
-        if let Some(logbook) = observer.1 {
-            logbook.finish()?;
-        }
-        if let Some(recording) = observer.2 {
-            recording.finish()?;
-        }
+        kept.finish()?;
         print(&self.report(&flown, took)?)?;
         Ok(exit_status(flown.difference.is_none() && flown.record.outcome.is_success()))
     }

@@ -30,7 +30,9 @@ pub(super) fn title(name: &str) -> Result<String, Failure> {
 pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
     let name = &of.scenario;
     if of.is_more_than_a_task() {
-        return Err(format!("{name}: a task is flown without --tree, --disturbance and --log").into());
+        return Err(
+            format!("{name}: a task is flown without --tree, --disturbance, --log and --tree-log").into()
+        );
     }
     let arena = Bump::new();
     let mission = TableMission::parse(&arena, name, text)?;
@@ -54,7 +56,8 @@ pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
 impl RunArgs {
     /// Whether there are arguments that are for scenarios only.
     pub(super) fn is_more_than_a_task(&self) -> bool {
-        self.tree != Pilot::default() || self.log.is_some() || self.disturbance != Disturbance::None
+        let keeps_a_log = self.log.is_some() || self.tree_log.is_some();
+        self.tree != Pilot::default() || keeps_a_log || self.disturbance != Disturbance::None
     }
 }
 

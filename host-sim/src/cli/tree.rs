@@ -7,6 +7,7 @@ use host_sim::tree::{
 };
 use iibt_core::tree::StatusChange;
 use std::fs;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -107,16 +108,27 @@ Exit status:
   2  the tree cannot be run, or wrong usage";
 
 const REPLAY_HELP: &str = "\
-RECORDS are the transitions that a robot has logged, nine bytes each, of the table that `tree codegen` writes for this
-tree.
+LOG is what a robot or a run has recorded of this tree, or of the table that `tree codegen` writes for it:
+  - what `log` prints of the log of an image with the feature explain, as text or with --json
+  - what `run --tree-log` has written; --robot chooses one of the robots
+  - a file of Groot2, as `tree run --log` writes it
+  - records of nine bytes, as StatusChange::btlog makes them
+
+Every tick that changed other nodes than the one before is drawn, with the status of each node; one that was halted
+or not ticked has none. The engine ticks the tree with what its leaves returned, and must change the same nodes: a
+log of another tree, or with a change left out, is refused with the place where it differs. Entries that are missing
+are reported; after them, and for a tree with conditions before nodes, the engine cannot tell.
 
 Examples:
+  host-sim log team_member robot-1.bin > robot-1.txt && host-sim tree replay pilot robot-1.txt
+  host-sim run factory --quiet --tree-log trees.txt && host-sim tree replay pilot trees.txt --robot R2 --tick 30
   host-sim tree replay patrol.xml robot-1.bin --timeline robot-1.html
   host-sim tree replay patrol.xml robot-1.bin --log robot-1.btlog    for Groot2
 
 Exit status:
-  0  written
-  2  the tree or the records cannot be used, or wrong usage";
+  0  replayed
+  1  entries are missing
+  2  the tree or the log cannot be used, the log is not of this tree, or wrong usage";
 
 /// The verbs for behavior trees.
 #[derive(Args, Debug, PartialEq)]
@@ -143,9 +155,9 @@ enum TreeVerb {
     /// Tick a tree whose leaves play scripts
     #[command(after_help = RUN_HELP)]
     Run(TreeRunArgs),
-    /// Turn what a robot has logged into a log for Groot2 or a page
+    /// Step through what a robot or a run has recorded, and draw the tree as it ticked
     #[command(after_help = REPLAY_HELP)]
-    Replay(Replay),
+    Replay(TreeReplayArgs),
 }
 
 #[derive(Args, Debug, PartialEq)]
@@ -194,12 +206,18 @@ struct TreeRunArgs {
 }
 
 #[derive(Args, Debug, PartialEq)]
-struct Replay {
+struct TreeReplayArgs {
     #[command(flatten)]
     source: TreeSource,
-    /// The records of a robot
-    #[arg(value_name = "RECORDS")]
-    records: String,
+    /// What a robot or a run has recorded; - is the standard input
+    #[arg(value_name = "LOG")]
+    recorded: String,
+    /// The robot, in a log of several
+    #[arg(long, value_name = "NAME")]
+    robot: Option<String>,
+    /// Draw the tree as it was in this tick only
+    #[arg(long, value_name = "N")]
+    tick: Option<u32>,
     #[command(flatten)]
     logs: Logs,
 }
@@ -335,17 +353,50 @@ impl TreeRunArgs {
     }
 }
 
-impl Replay {
+impl TreeReplayArgs {
     fn run(&self) -> Result<ExitCode, Failure> {
         let instance = match self.source.instance(&[])? {
             Ok(instance) => instance,
             Err(remarks) => return Ok(refuse(&remarks)),
         };
-        let records = read(&self.records, MAX_BYTES)?;
-        let transitions = instance.records(&records).map_err(about(&self.records))?;
-        self.logs.write(&instance, &transitions)?;
-        print(&format!("{}\n", counted(transitions.len(), "transition")))?;
-        Ok(ExitCode::SUCCESS)
+        let bytes = self.read()?;
+        let ticks = instance.recorded(&self.recorded, &bytes, self.robot.as_deref())?;
+        let replay = match instance.replay(&ticks) {
+            Ok(replay) => replay,
+            Err(error) => return Ok(refuse(&[error])),
+        };
+        print(&self.drawn(&replay)?)?;
+        replay.gaps.iter().for_each(|gap| eprintln!("{}: {gap}", self.recorded));
+        if let Some(fault) = replay.fault {
+            return Err(format!("{}: {fault}", self.recorded).into());
+        }
+        self.logs.write(&instance, &replay.transitions)?;
+        Ok(if replay.gaps.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(ERRORS) })
+    }
+
+    fn read(&self) -> Result<Vec<u8>, Failure> {
+        if self.recorded != "-" {
+            return Ok(read(&self.recorded, MAX_BYTES)?);
+        }
+        let mut bytes = Vec::new();
+        io::stdin().take(MAX_BYTES).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// The tree in the tick that is asked for; else in every tick, unless that is written to a file.
+    fn drawn(&self, replay: &tree::Replay) -> Result<String, Failure> {
+        let (ticks, changes) = (replay.ticks.len(), replay.transitions.len());
+        let count = format!("{}, recorded for {}\n", counted(changes, "change"), counted(ticks, "tick"));
+        if let Some(tick) = self.tick {
+            let is_in = |drawn: &&tree::DrawnTick| (drawn.ticks.0..=drawn.ticks.1).contains(&tick);
+            let drawn = replay.ticks.iter().find(is_in);
+            let none = || format!("{}: tick {tick} is not in the log", self.recorded);
+            return Ok(drawn.ok_or_else(none)?.text.clone());
+        }
+        if self.logs.log.is_some() || self.logs.timeline.is_some() {
+            return Ok(count);
+        }
+        Ok(replay.ticks.iter().map(|drawn| drawn.text.clone() + "\n").collect::<String>() + &count)
     }
 }
 

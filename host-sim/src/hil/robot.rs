@@ -11,7 +11,7 @@ use firmware::hardware::Scanner as _;
 use firmware::{LinkReport, missions};
 use iibt_core::grid::{Cell, words};
 use iibt_core::navigation::{MAX_GOALS, Report};
-use iibt_core::tree::Status;
+use iibt_core::tree::{Status, TickEntry};
 use std::io;
 use std::rc::Rc;
 
@@ -140,6 +140,10 @@ impl AnyRobot for Emulated<'_> {
 
     fn activity(&self) -> Option<&'static str> {
         self.in_process.activity()
+    }
+
+    fn tree_entry(&self) -> Option<TickEntry<'_>> {
+        self.in_process.tree_entry()
     }
 
     fn visit(&mut self, cell: Cell) -> bool {

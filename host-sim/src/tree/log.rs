@@ -3,12 +3,10 @@
 use super::export::{push_attribute, push_entry};
 use super::instance::{Instance, Node};
 use super::model::{Class, NodeModel};
+use super::recorded::MAGIC;
 use iibt_core::time::Instant;
 use iibt_core::tree::{Status, StatusChange};
 use std::collections::BTreeMap;
-
-/// The first bytes of such a file.
-const MAGIC: &[u8] = b"BTCPP4-FileLogger2";
 
 /// The version of the format.
 const PROTOCOL: u8 = 1;

@@ -19,7 +19,8 @@ impl Instance {
     }
 }
 
-fn records(bytes: &[u8], nodes: usize) -> Result<Vec<StatusChange>, String> {
+/// The transitions of a tree with so many nodes.
+pub(super) fn records(bytes: &[u8], nodes: usize) -> Result<Vec<StatusChange>, String> {
     if !bytes.len().is_multiple_of(SIZE) {
         return Err(format!("{} bytes are not whole records of {SIZE} bytes", bytes.len()));
     }

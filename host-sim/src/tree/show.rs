@@ -26,9 +26,7 @@ impl Instance {
             counted(counts.nodes(), "node"),
             counted(counts.depth(), "level")
         );
-        if let Some(root) = self.nodes.first() {
-            self.branch(root, "", "", &mut text);
-        }
+        self.branches().iter().for_each(|line| _ = writeln!(text, "{line}"));
         text.push('\n');
         let width = counts.kinds.keys().map(|kind| kind.chars().count()).max().unwrap_or(0);
         for (kind, count) in &counts.kinds {
@@ -41,12 +39,21 @@ impl Instance {
         text
     }
 
-    fn branch(&self, node: &Node, before: &str, below: &str, text: &mut String) {
-        _ = writeln!(text, "{before}{}", label(node));
+    /// The tree as indented lines, one for each node, in their order.
+    pub(super) fn branches(&self) -> Vec<String> {
+        let mut lines = Vec::with_capacity(self.nodes.len());
+        if let Some(root) = self.nodes.first() {
+            self.branch(root, "", "", &mut lines);
+        }
+        lines
+    }
+
+    fn branch(&self, node: &Node, before: &str, below: &str, lines: &mut Vec<String>) {
+        lines.push(format!("{before}{}", label(node)));
         let last = node.children.len().saturating_sub(1);
         for (place, child) in self.children_of(node).enumerate() {
             let (corner, bar) = if place == last { ("└─ ", "   ") } else { ("├─ ", "│  ") };
-            self.branch(child, &format!("{below}{corner}"), &format!("{below}{bar}"), text);
+            self.branch(child, &format!("{below}{corner}"), &format!("{below}{bar}"), lines);
         }
     }
 
