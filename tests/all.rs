@@ -21,6 +21,7 @@ mod hil;
 mod inference;
 mod joint_plans;
 mod learning;
+mod links;
 mod lockstep;
 mod logs;
 mod manipulation;

@@ -9,6 +9,8 @@
 
 #[cfg(target_arch = "arm")]
 mod arm;
+#[cfg(feature = "async")]
+mod async_line;
 mod clock;
 mod fail_safe;
 #[cfg(target_arch = "arm")]

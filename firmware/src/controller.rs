@@ -14,11 +14,14 @@ use zeroize::Zeroize;
 /// flood of bytes delays frames, but no tick.
 const READS_PER_TICK: usize = 2 * MAX_TEAM;
 
+/// How many packets one tick takes from the link: as many frames.
+const PACKETS_PER_TICK: usize = 2 * MAX_TEAM;
+
 /// The one loop that runs every robot: any [`Robot`] on any hardware with a [`Link`] and a
 /// [`Clock`].
 ///
 /// Call [`tick`](Self::tick) at the period of its [`Settings`], on the real time of the robot's
-/// clock. The work of a tick is that of the robot's own methods, at most 2,032 bytes
+/// clock. The work of a tick is that of the robot's own methods, at most 2,032 bytes or 16 packets
 /// received, and one frame sent. [`Robot`] has an example.
 #[doc(alias = "control loop")]
 #[doc(alias = "executor")]
@@ -212,6 +215,19 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
                 // The roster counts what it refuses.
                 let _ = self.roster.receive(frame, auth, self.context, now, accepts);
             }
+        }
+        self.listen_to_packets(now);
+    }
+
+    fn listen_to_packets(&mut self, now: Instant) {
+        let mut room = [0; MAX_FRAME];
+        for _ in 0..PACKETS_PER_TICK {
+            let Some(length) = self.hardware.receive_packet(&mut room) else { break };
+            let Some(auth) = self.auth.as_ref().filter(|_| length > 0) else { continue };
+            let packet = room.get(..length).unwrap_or(&room);
+            let accepts = |message: &R::Message| self.robot.accepts(message);
+            // The roster counts what it refuses.
+            let _ = self.roster.receive(packet, auth, self.context, now, accepts);
         }
     }
 

@@ -9,7 +9,11 @@ use iibt_core::grid::{Cell, Move};
 use iibt_core::iibt::table::Command;
 use iibt_core::time::Instant;
 
-/// A broadcast link of bytes to and from all teammates; the controller does the framing.
+/// A broadcast link to and from all teammates, of bytes or of packets.
+///
+/// On a link of bytes the controller does the framing. On a link of packets, each packet is one
+/// frame without its delimiters, and [`receive`](Self::receive) has no bytes:
+/// [`PacketLink`](crate::adapters::PacketLink) makes such a link of a radio.
 ///
 /// An echo of the robot's own frames is allowed: the controller recognises them. On a shared wire
 /// or channel the link waits for its turn, and it may drop frames. Every frame is complete, so a
@@ -30,6 +34,16 @@ pub trait Link {
             Some(())
         });
         received.count()
+    }
+
+    /// Moves the next received packet to the front of `packet`, and returns its length; `None` if
+    /// there is none, as on a link of bytes.
+    ///
+    /// A packet that is longer than `packet` counts as one that fills it, which is too long for a
+    /// frame. One that the link has refused itself has no bytes: the controller goes on to the next.
+    fn receive_packet(&mut self, packet: &mut [u8]) -> Option<usize> {
+        let _ = packet;
+        None
     }
 
     /// Takes one whole encoded frame, delimiters included, of at most

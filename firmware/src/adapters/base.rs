@@ -220,6 +220,10 @@ impl<L: Link, P> Link for Base<L, P> {
         self.link.receive_into(bytes)
     }
 
+    fn receive_packet(&mut self, packet: &mut [u8]) -> Option<usize> {
+        self.link.receive_packet(packet)
+    }
+
     fn send(&mut self, frame: &[u8]) -> bool {
         self.link.send(frame)
     }

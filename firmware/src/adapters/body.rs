@@ -80,6 +80,9 @@ impl<L: Link, C, D, P, S, B> Link for Body<L, C, D, P, S, B> {
     fn receive_into(&mut self, bytes: &mut [u8]) -> usize {
         self.link.receive_into(bytes)
     }
+    fn receive_packet(&mut self, packet: &mut [u8]) -> Option<usize> {
+        self.link.receive_packet(packet)
+    }
     fn send(&mut self, frame: &[u8]) -> bool {
         self.link.send(frame)
     }

@@ -72,6 +72,22 @@ impl<const N: usize> FrameQueue<N> {
         N.saturating_sub(self.bytes.len())
     }
 
+    /// Returns bytes of the finished frames from the oldest on, all that lie in one piece; none if
+    /// there are none.
+    #[must_use]
+    pub fn front(&self) -> &[u8] {
+        let finished = self.bytes.len() - self.open;
+        let (front, _) = self.bytes.as_slices();
+        front.get(..finished).unwrap_or(front)
+    }
+
+    /// Drops the oldest `count` bytes of the finished frames, which have been sent.
+    pub fn consume(&mut self, count: usize) {
+        (0..count).for_each(|_| {
+            self.pop();
+        });
+    }
+
     /// Returns the number of refused frames since the start.
     #[must_use]
     pub const fn refused(&self) -> u32 {
@@ -124,10 +140,24 @@ mod tests {
     }
 
     #[test]
+    fn gives_what_lies_in_one_piece_around_the_wrap() {
+        let (mut queue, mut sent) = (FrameQueue::<7>::new(), Vec::<u8>::new());
+        for frame in 0..50 {
+            assert!(queue.push(&[frame; 4]));
+            while !queue.front().is_empty() {
+                let count = queue.front().len().min(3);
+                sent.extend(&queue.front()[..count]);
+                queue.consume(count);
+            }
+        }
+        assert!(sent.iter().copied().eq((0..50).flat_map(|frame| [frame; 4])));
+    }
+
+    #[test]
     fn an_open_frame_cannot_be_read() {
         let mut queue = FrameQueue::<4>::new();
         queue.extend(&[1]);
-        assert_eq!(queue.pop(), None);
+        assert_eq!((queue.pop(), queue.front()), (None, &[][..]));
         assert!(queue.finish());
         assert_eq!(queue.pop(), Some(1));
     }

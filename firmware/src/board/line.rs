@@ -1,5 +1,7 @@
 //! The link to the teammates: a serial port, emptied and filled by its interrupt.
 
+#[cfg(feature = "async")]
+use super::async_line::Waiting;
 use super::port::{Disturbed, Port, feed};
 use super::shared::{Shared, Slot};
 use crate::adapters::base::{Base, BaseAnswer};
@@ -15,7 +17,7 @@ const OUTBOX: usize = 512;
 /// A serial line to the teammates or to a base, for a `static`: a reference to it is the [`Link`].
 ///
 /// It never waits: a frame for which there is no room is refused. `IN` and `OUT` are the bytes that
-/// may wait.
+/// may wait. With the feature `async`, a reference is a port of `embedded-io-async` as well.
 #[derive(Debug)]
 pub struct Line<P, const IN: usize = INBOX, const OUT: usize = OUTBOX> {
     port: Shared<Slot<P>>,
@@ -27,13 +29,21 @@ struct Queues<const IN: usize, const OUT: usize> {
     inbox: ByteQueue<IN>,
     outbox: FrameQueue<OUT>,
     lost: u32,
+    #[cfg(feature = "async")]
+    waiting: Waiting,
 }
 
 impl<P: Port, const IN: usize, const OUT: usize> Line<P, IN, OUT> {
     /// A line without a port.
     #[must_use]
     pub const fn new() -> Self {
-        let queues = Queues { inbox: ByteQueue::new(), outbox: FrameQueue::new(), lost: 0 };
+        let queues = Queues {
+            inbox: ByteQueue::new(),
+            outbox: FrameQueue::new(),
+            lost: 0,
+            #[cfg(feature = "async")]
+            waiting: Waiting::NOBODY,
+        };
         Self { port: Shared::new(Slot::Empty), queues: Shared::new(queues) }
     }
 
@@ -46,6 +56,33 @@ impl<P: Port, const IN: usize, const OUT: usize> Line<P, IN, OUT> {
     /// Serves the port. Its interrupt calls this.
     pub fn serve(&self) {
         self.port.with(|port| port.as_mut().map(|port| self.queues.with(|queues| queues.serve(port))));
+    }
+
+    /// Moves received bytes to `bytes`; if there are none, notes who waits for them.
+    #[cfg(feature = "async")]
+    pub(super) fn take(&self, bytes: &mut [u8], note: impl FnOnce(&mut Waiting)) -> usize {
+        let taken = self.queues.with(|queues| {
+            let count = queues.inbox.read(bytes);
+            if count == 0 {
+                note(&mut queues.waiting);
+            }
+            count
+        });
+        taken.unwrap_or(0)
+    }
+
+    /// Queues bytes that are to be sent; if they do not fit, notes who waits for room.
+    #[cfg(feature = "async")]
+    pub(super) fn queue(&self, bytes: &[u8], note: impl FnOnce(&mut Waiting)) -> bool {
+        let queued = self.queues.with(|queues| {
+            let fits = queues.outbox.push(bytes);
+            if !fits {
+                note(&mut queues.waiting);
+            }
+            fits
+        });
+        self.port.with(|port| port.as_mut().map(P::pend));
+        queued.unwrap_or(false)
     }
 
     /// The number of received bytes that wait to be read.
@@ -103,5 +140,7 @@ impl<const IN: usize, const OUT: usize> Queues<IN, OUT> {
             self.receive(byte);
         }
         feed(port, &mut self.outbox);
+        #[cfg(feature = "async")]
+        self.waiting.wake();
     }
 }
