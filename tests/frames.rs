@@ -2,6 +2,7 @@
 
 mod although_authentic;
 mod arrives;
+mod fits_small_packets;
 mod in_a_stream;
 mod is_refused;
 

@@ -21,6 +21,61 @@ pub const POLICIES: usize = 16;
 /// The paths that a page may give all robots together in images.
 pub const ALL_PATHS: usize = 8;
 
+/// A configuration for links whose packets have 64 bytes, as those of CAN-FD: eight joint policies,
+/// two unknown cells.
+///
+/// Frames of a whole team fit whatever happens, and those of a team that goes on without one robot:
+/// it then weighs as many policies as its claim leaves room for, at least two. Without two robots,
+/// frames fit while no robot has started 2^14 times, sent 2^21 frames since, or seen 2^14 rounds.
+/// Without three or four of them, a frame may be up to 19 bytes too long, and the link refuses it:
+/// teams of up to five robots never come to that.
+///
+/// ```
+/// use firmware::missions::compact;
+/// use firmware::Settings;
+/// use iibt_core::grid::{Cell, Map};
+/// use iibt_core::navigation::Mission;
+/// use iibt_core::team::{Key, Member, RobotId};
+/// use core::num::NonZero;
+///
+/// let map = Map::<{ compact::WORDS }>::drawn("....\n....\n....")?;
+/// let (starts, goals) = ([Cell(0), Cell(8)], [Cell(3), Cell(11)]);
+/// let mission = Mission { policies: 8, ..Mission::new(map, &starts, &goals) };
+/// let member = Member::new(RobotId(0), 2)?;
+/// let settings = Settings::new(member, Key::new(*b"sixteen bytes..."), 1, NonZero::<u16>::MIN);
+/// let robot = compact::Robot::new(&mission, &settings)?;
+/// # let _ = robot;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub mod compact {
+    use crate::Navigator;
+    use iibt_core::grid::words;
+    use iibt_core::navigation::{SMALL_FRAME_POLICIES, longest_packet};
+
+    pub use super::{LAYERS, NODES};
+
+    /// The most cells of a map, such as eight rows of eight.
+    pub const CELLS: usize = 64;
+
+    /// The words of such a map.
+    pub const WORDS: usize = words(8, 8);
+
+    /// The joint policies that are weighed.
+    pub const POLICIES: usize = SMALL_FRAME_POLICIES;
+
+    /// The longest frame in bytes, without delimiters.
+    pub const LONGEST_PACKET: usize = 64;
+
+    const _: () = assert!(
+        longest_packet::<WORDS, POLICIES>(0) <= LONGEST_PACKET
+            && longest_packet::<WORDS, POLICIES>(1) <= LONGEST_PACKET,
+        "the frames of a team of which one robot at most is left out fit a packet"
+    );
+
+    /// A robot of a team with such frames.
+    pub type Robot<'m> = Navigator<'m, CELLS, WORDS, LAYERS, NODES, POLICIES>;
+}
+
 /// The paths of each robot in [`SECTION_5_1`].
 const PATHS: usize = 4;
 

@@ -59,6 +59,8 @@ pub enum Pilot {
     Inference,
     /// The same with the sizes of plans and searches in images, for maps of at most 64 cells.
     Image,
+    /// The same with frames of at most 64 bytes, for maps of at most 64 cells.
+    Compact,
     /// The conventional tree of figure 8.
     Conventional,
     /// The conventional tree of figure 5(a), for missions with two goals.
@@ -74,6 +76,7 @@ impl Pilot {
         match self {
             Self::Inference => "inference",
             Self::Image => "image",
+            Self::Compact => "compact",
             Self::Conventional => "conventional",
             Self::Figure5 => "figure-5",
         }
@@ -82,13 +85,13 @@ impl Pilot {
     /// Returns the most cells of a map that it flies on.
     #[must_use]
     pub const fn most_cells(self) -> usize {
-        if matches!(self, Self::Image) { SMALL } else { MAX_CELLS }
+        if matches!(self, Self::Image | Self::Compact) { SMALL } else { MAX_CELLS }
     }
 
     /// The conventional tree, if it is one.
     const fn figure(self) -> Option<ConventionalTree> {
         match self {
-            Self::Inference | Self::Image => None,
+            Self::Inference | Self::Image | Self::Compact => None,
             Self::Conventional => Some(ConventionalTree::Eight),
             Self::Figure5 => Some(ConventionalTree::Five),
         }
@@ -106,6 +109,8 @@ pub(crate) fn with_team<T>(
         Err(MissionError::MapTooLarge.into())
     } else if pilot == Pilot::Image {
         as_in_images(scenario, fly)
+    } else if pilot == Pilot::Compact {
+        with_small_frames(scenario, fly)
     } else if cells <= SMALL {
         sized::<SMALL, { words(SMALL, 1) }, T>(scenario, pilot, fly)
     } else if cells <= MEDIUM {
@@ -139,6 +144,17 @@ fn as_in_images<T>(
     use missions::{LAYERS, NODES, POLICIES};
     const W: usize = words(SMALL, 1);
     on_mission::<W, T>(scenario, |mission| fly(boot::<SMALL, W, LAYERS, NODES, POLICIES>(scenario, mission)))
+}
+
+/// Robots whose frames fit 64 bytes.
+fn with_small_frames<T>(
+    scenario: &Scenario,
+    fly: impl for<'m> FnOnce(Boot<'m, dyn AnyRobot + 'm>) -> Result<T, TeamError>,
+) -> Result<T, TeamError> {
+    use missions::compact::{CELLS, LAYERS, NODES, POLICIES, WORDS};
+    on_mission::<WORDS, T>(scenario, |mission| {
+        fly(boot::<CELLS, WORDS, LAYERS, NODES, POLICIES>(scenario, mission))
+    })
 }
 
 /// Starts the navigating robots of a scenario.

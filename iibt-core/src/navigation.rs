@@ -8,6 +8,7 @@
 //! | `obstacles`, `errands` | what it has seen; what it is to do before it goes to a goal |
 //! | `handover` | the way-points of lost teammates |
 //! | `fact`, `claim`, `intention` | what it announces |
+//! | `frame_size` | how much of it fits small frames |
 //! | `policies` | the joint policies that all robots make from the same facts |
 //! | `team_robot` | a tick: rounds, the list, the choice, the next move |
 //! | `task` | the lines of Algorithm 1 |
@@ -20,6 +21,7 @@ mod combinations;
 mod errands;
 mod experience;
 mod fact;
+mod frame_size;
 mod handover;
 mod intention;
 mod localisation;
@@ -36,6 +38,7 @@ pub use claim::{Blocks, Cells};
 pub use errands::{MAX_WAYPOINTS, VisitError};
 pub use experience::Experience;
 pub use fact::{Fact, Purpose};
+pub use frame_size::{SMALL_FRAME_POLICIES, longest_packet};
 pub use handover::PendingWaypoints;
 pub use intention::Intention;
 pub use localisation::{Localisation, MOVES};

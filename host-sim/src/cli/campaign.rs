@@ -76,6 +76,8 @@ enum CampaignTrees {
     Inference,
     /// The same with the sizes of plans that images have; maps of at most 64 cells
     Image,
+    /// The same with frames of at most 64 bytes
+    Compact,
     /// The conventional tree of figure 8
     Conventional,
     /// The conventional tree of figure 5(a), for two goals
@@ -89,6 +91,7 @@ impl CampaignTrees {
             Self::Both => vec![Pilot::Inference, Pilot::Conventional],
             Self::Inference => vec![Pilot::Inference],
             Self::Image => vec![Pilot::Image],
+            Self::Compact => vec![Pilot::Compact],
             Self::Conventional => vec![Pilot::Conventional],
             Self::Figure5 => vec![Pilot::Figure5],
         }
@@ -153,7 +156,8 @@ impl FlyMany {
         let mut flown = flown.map_err(about(&self.scenario))?;
         flown.scenario.clone_from(&self.scenario);
         report(self.json, &flown, || flown.table())?;
-        Ok(exit_status(flown.collided(Pilot::Inference) + flown.collided(Pilot::Image) == 0))
+        let safe = [Pilot::Inference, Pilot::Image, Pilot::Compact];
+        Ok(exit_status(safe.into_iter().all(|pilot| flown.collided(pilot) == 0)))
     }
 
     /// A task file at several levels of wrong readings and failed actions.

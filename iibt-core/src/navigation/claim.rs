@@ -39,6 +39,11 @@ impl Blocks {
         drawn.unwrap_or_default()
     }
 
+    /// The bytes that they take in a frame.
+    pub(super) fn bytes(&self) -> usize {
+        HEAD + self.bits.len()
+    }
+
     fn drawn<const W: usize>(cells: &CellSet<W>, scale: u8, most: usize) -> Option<Self> {
         let byte = |cell: Cell| (u32::from(cell.0) >> scale) / 8;
         let (Some(first), Some(last)) = (cells.iter().next(), cells.iter().last()) else {

@@ -1,6 +1,7 @@
 //! What a navigating robot announces: its fact, its scores, and the plan that it follows.
 
 use super::fact::Fact;
+use super::frame_size::places;
 use super::handover::PendingWaypoints;
 use super::obstacles::MAX_EVIDENCE;
 use crate::team::rounds::{Answer, Proposal, RoundMessage};
@@ -36,7 +37,7 @@ impl<const W: usize, const K: usize> Message for Intention<W, K> {
         digest 4 u8 option scores option policy u8 probability u8 step u16; waypoints sequence cell u16";
 
     // A cell takes no more bytes than the evidence in whose place it is.
-    const MAX_BYTES: usize = RoundMessage::<Fact<W>, K>::MAX_BYTES + 1;
+    const MAX_BYTES: usize = RoundMessage::<Fact<W>, K>::MAX_BYTES + 1 - 3 * (MAX_EVIDENCE - Self::PLACES);
 
     fn read(bytes: &[u8]) -> Option<(Self, &[u8])> {
         let rounds =
@@ -54,18 +55,22 @@ impl<const W: usize, const K: usize> Message for Intention<W, K> {
     }
 
     fn validate(&self) -> Result<(), Invalid> {
-        if self.waypoints.len() <= room(&self.rounds.fact) { Ok(()) } else { Err(Self::TOO_MANY) }
+        let announced = self.rounds.fact.evidence.len() + self.waypoints.len();
+        if announced <= Self::PLACES { Ok(()) } else { Err(Self::TOO_MANY) }
     }
 }
 
-/// The number of way-points for which a frame has room beside the evidence.
-pub(super) fn room<const W: usize>(fact: &Fact<W>) -> usize {
-    MAX_EVIDENCE.saturating_sub(fact.evidence.len())
-}
-
 impl<const W: usize, const K: usize> Intention<W, K> {
+    /// The most cells that the message names as evidence and as way-points together.
+    pub const PLACES: usize = places(K);
+
     /// A cell is outside the map.
     pub const OUTSIDE: Invalid = Invalid("a cell is outside this robot's map");
+
+    /// The number of way-points for which the message has room beside the evidence.
+    pub(super) fn room(fact: &Fact<W>) -> usize {
+        Self::PLACES.saturating_sub(fact.evidence.len())
+    }
 
     /// There are more way-points than the evidence leaves room for.
     pub const TOO_MANY: Invalid = Invalid("there are more way-points than the frame has room for");

@@ -108,8 +108,9 @@ pub enum MissionError {
     /// A charger is outside the map, blocked, or given twice.
     #[error("the charger p{} is outside the map, blocked or given twice", .0.0)]
     Charger(Cell),
-    /// More than [`MAX_UNKNOWNS`] unknown cells.
-    #[error("a mission has at most {MAX_UNKNOWNS} unknown cells")]
+    /// More than [`MAX_UNKNOWNS`] unknown cells, or more than two for robots with
+    /// [small frames](super::SMALL_FRAME_POLICIES).
+    #[error("a mission has at most {MAX_UNKNOWNS} unknown cells, and two where frames are small")]
     UnknownCount,
     /// An unknown cell or its look-out is outside the map or blocked.
     #[error("the unknown cell or look-out p{} is outside the map or blocked", .0.0)]

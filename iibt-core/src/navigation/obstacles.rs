@@ -115,10 +115,16 @@ impl Obstacles {
         self.drop_empty();
     }
 
-    /// Returns the evidence to announce: the strongest, in the order of the cells; the newest of
-    /// equals.
+    /// Returns the evidence to announce where there is room for all that a message can have.
+    #[cfg(test)]
+    fn announced(&self) -> Announced {
+        self.strongest(MAX_EVIDENCE)
+    }
+
+    /// Returns the evidence to announce about at most `most` cells: the strongest, in the order of
+    /// the cells; the newest of equals.
     #[must_use]
-    pub(super) fn announced(&self) -> Announced {
+    pub(super) fn strongest(&self, most: usize) -> Announced {
         let strength = |known: &Known| known.weight.unsigned_abs();
         let is_stronger = |at: usize, known: &Known, rival: (usize, &Known)| {
             (strength(rival.1), rival.0) > (strength(known), at)
@@ -126,11 +132,11 @@ impl Obstacles {
         let rank = |at: usize, known: &Known| {
             self.seen.iter().enumerate().filter(|&rival| is_stronger(at, known, rival)).count()
         };
-        let chosen = || self.seen.iter().enumerate().filter(|&(at, known)| rank(at, known) < MAX_EVIDENCE);
+        let chosen = || self.seen.iter().enumerate().filter(|&(at, known)| rank(at, known) < most);
         let mut announced = Announced::new();
         let mut next = chosen().map(|(_, known)| *known).min_by_key(|known| known.cell);
         while let Some(known) = next {
-            // There is room: no more are chosen.
+            // There is room: no more are asked for.
             let _ = announced.push(CellEvidence { cell: known.cell, weight: known.weight });
             let rest = chosen().map(|(_, other)| *other).filter(|other| other.cell > known.cell);
             next = rest.min_by_key(|other| other.cell);
@@ -227,6 +233,7 @@ mod tests {
         }
         let announced = obstacles.announced();
         assert!(announced.iter().map(|known| known.cell.0).eq([2, 4, 9, 12]));
+        assert!(obstacles.strongest(2).iter().map(|known| known.cell.0).eq([9, 12]));
         obstacles.look(Cell(90), true);
         let blocked = blocked(&obstacles);
         assert!(!blocked.contains(&0) && blocked.contains(&90));

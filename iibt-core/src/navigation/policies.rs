@@ -1,8 +1,9 @@
 //! The list of joint policies of a round: made from its facts, alike in every robot.
 
-use super::claim::Cells;
+use super::claim::{Blocks, Cells};
 use super::combinations::Combinations;
 use super::fact::{Fact, Purpose, blocked};
+use super::frame_size::listed;
 use super::mission::{MAX_GOALS, Mission};
 use super::unknown::{MAX_UNKNOWNS, Open, Unknown, nearest};
 use crate::bounded::up_to;
@@ -100,7 +101,8 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
         let members = Members::new(proposal.view, fact);
         let walls = proposal.left_out(mission.starts.len());
         let walls = walls.fold(CellSet::EMPTY, |all, (_, Cells(wall))| all.union(&wall));
-        self.work(mission, &members, &walls, budget);
+        let most = listed(K, proposal.walls.iter().map(Blocks::bytes).sum());
+        self.work(mission, &members, &walls, most, budget);
     }
 
     /// Stands for all that the list depends on beside the facts: the generator and its sizes.
@@ -144,12 +146,13 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
         self.list.failure()
     }
 
-    /// Works on the list until it is done or the budget is used up.
+    /// Works on the list until it has `most` policies, is done, or the budget is used up.
     fn work(
         &mut self,
         mission: &Mission<'_, W>,
         members: &Members<'_, W>,
         walls: &CellSet<W>,
+        most: usize,
         budget: &mut u32,
     ) {
         if self.is_done {
@@ -158,14 +161,14 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
         let closed = blocked::<W>(members.facts()).union(walls);
         self.open = Open::of(mission, members);
         if self.combinations.is_some() {
-            if self.combine(mission, members, &closed, budget).is_none() {
+            if self.combine(mission, members, &closed, most, budget).is_none() {
                 return;
             }
             self.is_done = !self.plans().is_empty();
         }
         if !self.is_done {
             let targets = Targets::of(mission, members, &closed, self.open);
-            let count = usize::from(mission.policies).min(K);
+            let count = usize::from(mission.policies).min(most);
             self.is_done = self.list.work(&targets.problem(mission, closed), count, budget);
         }
     }
@@ -178,13 +181,15 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
         mission: &Mission<'_, W>,
         members: &Members<'_, W>,
         closed: &CellSet<W>,
+        most: usize,
         budget: &mut u32,
     ) -> Option<()> {
         let is_for_goals = members.facts().all(|fact| fact.purpose == Purpose::Goal);
         while let Some(combinations) = self.combinations.as_mut().filter(|_| is_for_goals) {
             *budget = budget.checked_sub(1)?;
             let Some(plan) = combinations.next(mission, members, closed) else { break };
-            if plan.is_some_and(|plan| !self.list.offer(plan, by_the_clock(&plan))) {
+            let has_room = self.plans().len() < most;
+            if plan.is_some_and(|plan| !has_room || !self.list.offer(plan, by_the_clock(&plan))) {
                 break;
             }
         }

@@ -10,7 +10,9 @@ use super::fact::Fact;
 use super::handover::Handover;
 use super::obstacles::Obstacles;
 use super::policies::{OnMap, Policies, TeamPlan};
-use super::{Cause, Intention, Localisation, MAX_GOALS, MAX_OBSTACLES, Mission, MissionError, Purpose};
+use super::{
+    Announced, Cause, Intention, Localisation, MAX_GOALS, MAX_OBSTACLES, Mission, MissionError, Purpose,
+};
 use crate::grid::{Cell, CellSet, Move};
 use crate::inference::WeighedPolicies;
 use crate::team::rounds::{Digest, Rounds, Waiting};
@@ -144,6 +146,9 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         epoch: u32,
     ) -> Result<(), MissionError> {
         mission.check::<S>()?;
+        if mission.unknowns.len() > Intention::<W, K>::PLACES {
+            return Err(MissionError::UnknownCount);
+        }
         if member.team() != mission.starts.len() {
             return Err(MissionError::TeamSize);
         }
@@ -292,6 +297,11 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     }
 
     fn fact(&self, anchor: Cell, purpose: Purpose) -> Fact<W> {
-        Fact { anchor, purpose, evidence: self.obstacles.announced() }
+        Fact { anchor, purpose, evidence: self.evidence() }
+    }
+
+    /// The evidence about obstacles that the robot announces now.
+    fn evidence(&self) -> Announced {
+        self.obstacles.strongest(Intention::<W, K>::PLACES)
     }
 }

@@ -176,7 +176,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     /// Whether more is known about obstacles than this round was decided from.
     pub(in crate::navigation) fn has_news(&self) -> bool {
-        self.announced().is_some_and(|fact| fact.evidence != self.obstacles.announced())
+        self.announced().is_some_and(|fact| fact.evidence != self.evidence())
     }
 
     /// Returns what to announce after a tick of the node; `None` until the robot knows where it

@@ -1,7 +1,6 @@
 //! What a robot is to visit: what it was told, and what it takes over from lost teammates.
 
 use super::super::handover::{Handover, PendingWaypoints, Takers};
-use super::super::intention::room;
 use super::super::{Fact, Intention, Purpose, VisitError};
 use super::Navigation;
 use crate::bounded::up_to;
@@ -107,7 +106,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// room.
     pub(super) fn pending(&self, fact: &Fact<W>) -> PendingWaypoints {
         let others = self.waypoints.all().iter().copied().filter(|&cell| fact.purpose.cell() != Some(cell));
-        up_to(others.take(room(fact)))
+        up_to(others.take(Intention::<W, K>::room(fact)))
     }
 }
 
