@@ -13,7 +13,8 @@ const CORTEX_M4F: &str = "thumbv7em-none-eabihf";
 
 #[test]
 fn the_image_is_within_budget_on_each_board() {
-    for (board, target) in [("nrf52840", CORTEX_M4F), ("rp2040", "thumbv6m-none-eabi")] {
+    let others = [("nrf52840", CORTEX_M4F), ("nrf52840-radio", CORTEX_M4F), ("rp2040", "thumbv6m-none-eabi")];
+    for (board, target) in others {
         let elf = Elf::read(&image_for("team_member", "firmware", target, board));
         assert_within(board, "flash", elf.flash);
         assert_within(board, "ram", elf.ram);

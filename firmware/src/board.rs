@@ -39,6 +39,10 @@ mod rp2040;
 pub use rp2040::*;
 #[cfg(feature = "nrf52840")]
 mod nrf52840;
+#[cfg(feature = "nrf52840-radio")]
+mod nrf52840_radio;
+#[cfg(all(feature = "nrf52840", not(feature = "nrf52840-radio")))]
+mod nrf52840_uart;
 #[cfg(feature = "nrf52840")]
 pub use nrf52840::*;
 #[cfg(feature = "riscv-virt")]

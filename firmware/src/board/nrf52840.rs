@@ -3,15 +3,19 @@
 //! | pins | what |
 //! |---|---|
 //! | P0.06 | UARTE1, 115200 baud: the log, as defmt frames |
-//! | P1.02, P1.01 | UART0, 115200 baud, out and in: the link to the teammates |
+//! | P1.02, P1.01 | UART0, 115200 baud, out and in: the link to the teammates, unless that is the radio |
 //! | P1.03, P1.04 | left motor: speed at 20 kHz, direction |
 //! | P1.05, P1.06 | right motor: speed at 20 kHz, direction |
 //! | P0.02 | half of the battery's voltage; without a battery, tie it to ground |
 //! | P0.13 | status LED, which the kit wires to the supply |
 
 use super::clock::{count_millisecond, now};
+#[cfg(feature = "nrf52840-radio")]
+use super::nrf52840_radio as link;
+#[cfg(not(feature = "nrf52840-radio"))]
+use super::nrf52840_uart as link;
 use super::shared::{Shared, Slot};
-use super::{Board, Disturbed, Line, LogPort, MappedFlash, Port, begin, enable, mapped};
+use super::{Board, Disturbed, LogPort, MappedFlash, Port, begin, enable, mapped};
 use crate::adapters::{Chassis, DifferentialDrive, Samples, VoltageGauge, VoltageRange, Wheel};
 use crate::fail_safe;
 use crate::hardware;
@@ -21,7 +25,7 @@ use cortex_m::peripheral::{DWT, NVIC};
 use iibt_core::time::{Duration, Instant};
 use nrf52840_hal::clocks::Clocks;
 use nrf52840_hal::gpio::{Floating, Input, Level, Output, Pin, PushPull, p0, p1};
-use nrf52840_hal::pac::{Interrupt, PWM0, Peripherals, TIMER0, UART0, UARTE1, WDT, interrupt, uarte0};
+use nrf52840_hal::pac::{Interrupt, PWM0, Peripherals, TIMER0, UARTE1, WDT, interrupt, uarte0};
 use nrf52840_hal::pwm::{Channel, Pwm, PwmChannel};
 use nrf52840_hal::saadc::{Saadc, SaadcConfig};
 use nrf52840_hal::time::U32Ext;
@@ -36,8 +40,7 @@ const CELL: VoltageRange = VoltageRange { empty: 8192, full: 10_426 };
 
 type Motor = Wheel<PwmChannel<'static, PWM0>, Pin<Output<PushPull>>>;
 
-/// The link to the teammates.
-pub type TeamLink = &'static Line<LinkPort>;
+pub use link::TeamLink;
 
 /// The drive of the two motors.
 pub type Motors = DifferentialDrive<Motor, Motor, Milliseconds>;
@@ -130,10 +133,14 @@ impl Board {
         chip.POWER.resetreas.write(|w| w.dog().set_bit()); // which clears it
         begin(cut_motors, by_watchdog);
 
-        let txd = port1.p1_02.into_push_pull_output(Level::High).degrade();
-        let rxd = port1.p1_01.into_floating_input().degrade();
-        let link = LINK.start(LinkPort::start(chip.UART0, &txd, &rxd));
-        enable(Interrupt::UARTE0_UART0);
+        #[cfg(not(feature = "nrf52840-radio"))]
+        let link = {
+            let txd = port1.p1_02.into_push_pull_output(Level::High).degrade();
+            let rxd = port1.p1_01.into_floating_input().degrade();
+            link::start(chip.UART0, &txd, &rxd)
+        };
+        #[cfg(feature = "nrf52840-radio")]
+        let link = link::start(chip.RADIO);
 
         static PWM: StaticCell<Pwm<PWM0>> = StaticCell::new();
         let pwm = &*PWM.try_init(Pwm::new(chip.PWM0))?;
@@ -159,7 +166,6 @@ impl Board {
 }
 
 static LOG: LogPort<LogUart> = LogPort::new();
-static LINK: Line<LinkPort> = Line::new();
 static TIMER: Shared<Slot<Timer<TIMER0, Periodic>>> = Shared::new(Slot::Empty);
 
 #[interrupt]
@@ -168,14 +174,11 @@ fn UARTE1() {
 }
 
 #[interrupt]
-fn UARTE0_UART0() {
-    LINK.serve();
-}
-
-#[interrupt]
 fn TIMER0() {
     TIMER.with(|timer| timer.as_mut().map(|timer| timer.reset_event()));
     count_millisecond();
+    #[cfg(feature = "nrf52840-radio")]
+    link::try_again();
 }
 
 /// A clock of one tick per millisecond, of a timer that goes on while the core sleeps.
@@ -193,71 +196,6 @@ impl Milliseconds {
 impl hardware::Clock for Milliseconds {
     fn now(&mut self) -> Instant {
         now()
-    }
-}
-
-/// The port of the link, which receives and sends byte by byte.
-pub struct LinkPort {
-    uart: UART0,
-    is_sending: bool,
-}
-
-impl LinkPort {
-    fn start(uart: UART0, txd: &Pin<Output<PushPull>>, rxd: &Pin<Input<Floating>>) -> Self {
-        // SAFETY: the numbers are those of pins.
-        #[expect(unsafe_code, reason = "the HAL has no driver for this UART")]
-        unsafe {
-            uart.psel.txd.write(|w| w.bits(txd.psel_bits()));
-            uart.psel.rxd.write(|w| w.bits(rxd.psel_bits()));
-        }
-        uart.baudrate.write(|w| w.baudrate().baud115200());
-        uart.intenset.write(|w| w.rxdrdy().set());
-        uart.enable.write(|w| w.enable().enabled());
-        uart.tasks_starttx.write(|w| w.tasks_starttx().set_bit());
-        uart.tasks_startrx.write(|w| w.tasks_startrx().set_bit());
-        Self { uart, is_sending: false }
-    }
-}
-
-impl Port for LinkPort {
-    fn read(&mut self) -> Option<Result<u8, Disturbed>> {
-        let uart = &self.uart;
-        if uart.events_rxdrdy.read().bits() == 0 {
-            return None;
-        }
-        uart.events_rxdrdy.reset();
-        let byte = uart.rxd.read().bits() as u8;
-        let errors = uart.errorsrc.read();
-        let is_disturbed = errors.bits() != 0;
-        uart.errorsrc.write(|w| {
-            w.overrun().clear_bit_by_one().framing().clear_bit_by_one().break_().clear_bit_by_one()
-        });
-        Some(if is_disturbed { Err(Disturbed) } else { Ok(byte) })
-    }
-
-    fn has_room(&mut self) -> bool {
-        self.is_sending &= self.uart.events_txdrdy.read().bits() == 0;
-        !self.is_sending
-    }
-
-    fn write(&mut self, byte: u8) {
-        self.uart.events_txdrdy.reset();
-        // SAFETY: the register takes any byte.
-        #[expect(unsafe_code, reason = "the register has no safe way to write a byte")]
-        self.uart.txd.write(|w| unsafe { w.txd().bits(byte) });
-        self.is_sending = true;
-    }
-
-    fn ask_for_room(&mut self, asks: bool) {
-        if asks {
-            self.uart.intenset.write(|w| w.txdrdy().set());
-        } else {
-            self.uart.intenclr.write(|w| w.txdrdy().clear());
-        }
-    }
-
-    fn pend(&mut self) {
-        NVIC::pend(Interrupt::UARTE0_UART0);
     }
 }
 
