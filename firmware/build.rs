@@ -26,9 +26,19 @@ fn main() {
 /// The folders of `boards`, which the features of the package have the names of, and the arguments
 /// of the linker.
 const BOARDS: [(&str, &[&str]); 4] =
-    [("stm32f405", CORTEX_M), ("nrf52840", CORTEX_M), ("rp2040", CORTEX_M), ("riscv-virt", RISC_V)];
+    [("stm32f405", CORTEX_M), ("nrf52840", NRF52840), ("rp2040", CORTEX_M), ("riscv-virt", RISC_V)];
 
 const CORTEX_M: &[&str] = &["--nmagic", "-Tlink.x", "-Tdefmt.x"];
+
+/// The HAL of the nRF52840 has a memory map as well, and the linker finds that one first: the stack
+/// begins at the end of the RAM, below the record of a failure.
+const NRF52840: &[&str] = &[
+    "--nmagic",
+    "-Tlink.x",
+    "-Tdefmt.x",
+    "--defsym=_stack_start=0x2003fff0",
+    "--defsym=_failure_record=0x2003fff0",
+];
 
 const RISC_V: &[&str] = &["-Tmemory.x", "-Tlink.x", "-Tdefmt.x"];
 
