@@ -1,6 +1,6 @@
 //! The two copies of a page: which of them counts, and how a new one is written.
 
-use super::source::Source;
+use super::source::{Source, Windows};
 use super::{CHECKSUM, Fault, HEADER, MAGIC, MAX_PAGE, PageError, Refused, StoreError, VERSION};
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
@@ -65,7 +65,7 @@ impl Slots {
     pub const RP2040: Self = Self { first: 0x1f_c000, second: 0x1f_e000 };
 
     /// Returns the copy that counts: the newer of those that are whole.
-    pub(super) fn choose(self, flash: &mut impl ReadNorFlash) -> Result<(Origin, u32, Whole), Refused> {
+    pub(super) fn choose(self, flash: &mut dyn Windows) -> Result<(Origin, u32, Whole), Refused> {
         let first = examine(flash, self.first);
         let second = examine(flash, self.second);
         let (which, whole, other) = match (first, second) {
@@ -83,37 +83,35 @@ impl Slots {
 }
 
 /// Reads a copy as a whole: whether it is one, and its checksum.
-fn examine(flash: &mut impl ReadNorFlash, start: u32) -> Result<Whole, PageError> {
+fn examine(flash: &mut dyn Windows, start: u32) -> Result<Whole, PageError> {
     let mut source = Source::new(flash, start);
-    let magic: [u8; 4] = source.bytes()?;
-    if magic != MAGIC {
+    let magic = source.u32();
+    if magic != u32::from_le_bytes(MAGIC) {
         // Erased cells read as ones, on some chips and in QEMU as zeros.
-        let is_blank = magic == [u8::MAX; 4] || magic == [0; 4];
-        let fault = if is_blank { Fault::Blank } else { Fault::Magic };
-        return Err(PageError { at: 0, fault });
+        let is_blank = magic == u32::MAX || magic == 0;
+        source.refuse(0, if is_blank { Fault::Blank } else { Fault::Magic });
     }
-    let version = source.u8()?;
+    let version = source.u8();
     if version != VERSION {
-        return Err(PageError { at: 4, fault: Fault::Version(version) });
+        source.refuse(4, Fault::Version(version));
     }
     source.read_from(HEADER - 8, HEADER);
-    let (generation, length) = (source.u32()?, source.u32()?);
+    let (generation, length) = (source.u32(), source.u32());
     if !(HEADER + 4..=MAX_PAGE).contains(&length) {
-        return Err(PageError { at: HEADER - 4, fault: Fault::Length(length) });
+        source.refuse(HEADER - 4, Fault::Length(length));
     }
-    let length = length - 4;
+    let length = length.saturating_sub(4);
     source.read_from(0, length);
     let mut digest = CHECKSUM.digest();
     while !source.is_at_end() {
-        digest.update(&[source.u8()?]);
+        digest.update(&[source.u8()]);
     }
-    source.read_from(length, length + 4);
-    let checksum = source.u32()?;
-    if digest.finalize() == checksum {
-        Ok(Whole { generation, length, checksum })
-    } else {
-        Err(PageError { at: length, fault: Fault::Checksum })
+    source.read_from(length, length.saturating_add(4));
+    let checksum = source.u32();
+    if digest.finalize() != checksum {
+        source.refuse(length, Fault::Checksum);
     }
+    source.outcome().map(|()| Whole { generation, length, checksum })
 }
 
 /// Stores a page that is newer than what the flash has: first in the place of the copy that does
