@@ -64,7 +64,7 @@ pub struct Navigation<'m, const S: usize, const W: usize, const L: usize, const 
     /// What is in view and may be teammates.
     mates_in_view: CellSet<W>,
     waypoints: Waypoints,
-    handover: Handover,
+    handover: Handover<S, W>,
     charges: bool,
     goal_values: [f32; MAX_GOALS],
     /// `None` until the robot first knows where it stands: it has nothing true to say before.

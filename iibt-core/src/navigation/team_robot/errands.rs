@@ -76,7 +76,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let (own, view) = (self.robot(), rounds.proposal().view);
         for peer in peers.iter() {
             let (sender, said) = (peer.sender(), peer.message());
-            self.handover.hear(view.contains(sender), sender, peer.envelope().stamp.epoch, pending(said));
+            self.handover.hear(view.contains(sender), sender, peer.envelope().stamp.epoch, named(said));
         }
         if !view.contains(own) {
             let handover = &self.handover;
@@ -111,12 +111,10 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 }
 
 /// The way-points that a robot has yet to visit, by what it announces.
-fn pending<const W: usize, const K: usize>(said: &Intention<W, K>) -> PendingWaypoints {
-    let named = match said.rounds.fact.purpose {
+fn named<const W: usize, const K: usize>(said: &Intention<W, K>) -> impl Iterator<Item = Cell> + Clone {
+    let visit = match said.rounds.fact.purpose {
         Purpose::Visit(cell) => Some(cell),
         Purpose::Goal | Purpose::Charge(_) | Purpose::Stand => None,
     };
-    let mut pending: PendingWaypoints = up_to(named);
-    let _ = said.waypoints.iter().try_for_each(|&cell| pending.push(cell));
-    pending
+    visit.into_iter().chain(said.waypoints.iter().copied())
 }
