@@ -309,6 +309,29 @@ fn a_robot_that_dies_while_it_charges_is_left_out_and_its_way_point_visited() {
     assert!(is_visited);
 }
 
+/// The robot whose turn it is first is shut in, and cannot get there.
+#[test]
+fn no_robot_says_that_it_has_arrived_while_it_may_still_take_over_a_way_point() {
+    static CHARGERS: [Option<Cell>; 3] = [None, None, Some(Cell(34))];
+    let mut map = open_floor();
+    assert!((0..7).all(|row| map.block(Cell(7 * row + 2))), "a wall from top to bottom");
+    let (starts, goals) = ([0, 6, 48].map(Cell), [14, 20, 41].map(Cell));
+    let mission = Mission { chargers: &CHARGERS, ..Mission::new(map, &starts, &goals) };
+    let mut team = agreed(&mission);
+    visit(&mut team, 2, 24);
+    team.set_charge(2, 10);
+    fly_until(&mut team, "it is on its charger", |team| team.cells()[2] == Cell(34));
+    fly_until(&mut team, "the others arrive", |team| stages(team)[..2] == [Stage::Arrived; 2]);
+    team.cause(EventEffect::Stop(2, None));
+    let is_without = |team: &Team<'_>| !report(team, 0).members.contains(RobotId(2));
+    let mut is_visited = false;
+    let note = |team: &Team<'_>| is_visited |= team.cells()[1] == Cell(24);
+    fly_watching(&mut team, "the others say that they have arrived without it", note, |team| {
+        is_without(team) && stages(team)[..2] == [Stage::Arrived; 2]
+    });
+    assert!(is_visited, "{:?}", report(&team, 1).left_behind);
+}
+
 #[test]
 fn a_robot_that_is_back_leaves_to_the_others_what_they_have_taken_over() {
     for loss in [0.0, 0.3] {
