@@ -107,6 +107,18 @@ fn a_change_that_is_left_out_or_another_one_is_found() {
     }
 }
 
+/// The basic set, which images tick, halts an action before another one starts.
+#[test]
+fn the_log_of_a_robot_that_charges_replays_in_the_order_of_its_set_of_nodes() {
+    let log = "tick 1: tree 1 at 0 ms: 2:S 1:S 4:R 0:R\n\
+               tick 2: tree 2 at 1 ms: 2:S 1:S\n\
+               tick 21: tree 3 at 20 ms: 2:F 4:I 3:R 1:R\n\
+               tick 22: tree 4 at 21 ms:\n\
+               tick 35: tree 5 at 34 ms: 3:S 1:S 4:R\n";
+    let replay = replay(&instance(&file(PATROL)), log, None).unwrap();
+    assert_eq!((replay.fault, replay.gaps.len(), replay.ticks.len()), (None, 0, 5));
+}
+
 #[test]
 fn entries_that_are_missing_are_reported_and_the_rest_is_drawn() {
     let instance = instance(&file(PATROL));

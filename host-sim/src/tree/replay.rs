@@ -6,7 +6,9 @@ use super::lower::{Lowered, Rules};
 use super::recorded::{Before, RecordedTick};
 use super::statuses::name;
 use iibt_core::time::{Duration, Instant};
-use iibt_core::tree::{Full, Halt, Leaves, NodeChange, NodeMemory, Status, StatusChange, TreeRef};
+use iibt_core::tree::{
+    Basic, Full, Halt, Kinds, Leaves, NodeChange, NodeMemory, Status, StatusChange, TreeRef,
+};
 use std::fmt::Write;
 
 /// The most ticks between two that are recorded that are replayed.
@@ -44,16 +46,27 @@ impl Instance {
     /// The reason why the engine does not have the tree.
     pub fn replay(&self, ticks: &[RecordedTick]) -> Result<Replay, super::Diagnostic> {
         let lowered = self.lower(Rules::Ours)?;
+        let full = self.replay_in::<Full>(&lowered, ticks);
+        if full.fault.is_none() || !lowered.rows.iter().all(iibt_core::tree::Node::is_basic) {
+            return Ok(full);
+        }
+        // The basic set of nodes halts an action before another one starts; images tick that.
+        let basic = self.replay_in::<Basic>(&lowered, ticks);
+        let is_further = basic.fault.is_none() || basic.ticks.len() >= full.ticks.len();
+        Ok(if is_further { basic } else { full })
+    }
+
+    fn replay_in<K: Kinds>(&self, lowered: &Lowered, ticks: &[RecordedTick]) -> Replay {
         let is_plain = lowered.rows.len() == self.nodes.len();
         let mut replay = Replay { ticks: Vec::new(), transitions: Vec::new(), gaps: Vec::new(), fault: None };
-        let Ok(tree) = lowered.tree::<Full>() else { return Ok(replay) };
-        let mut player = is_plain.then(|| LogPlayer::new(self, &lowered, tree.by_ref()));
+        let Ok(tree) = lowered.tree::<K>() else { return replay };
+        let mut player = is_plain.then(|| LogPlayer::new(self, lowered, tree.by_ref()));
         let mut statuses = vec![None; self.nodes.len()];
         for (index, tick) in ticks.iter().enumerate() {
             match &tick.before {
                 Before::Tick => {}
                 Before::Start => {
-                    player = is_plain.then(|| LogPlayer::new(self, &lowered, tree.by_ref()));
+                    player = is_plain.then(|| LogPlayer::new(self, lowered, tree.by_ref()));
                     statuses.fill(None);
                 }
                 Before::Gap(missing) => {
@@ -66,11 +79,11 @@ impl Instance {
                 && let Err(reason) = player.play(tick, next)
             {
                 replay.fault = Some(format!("{}: tick {}: {reason}", tick.place, tick.tick));
-                return Ok(replay);
+                return replay;
             }
             replay.note(self, tick, next, &mut statuses);
         }
-        Ok(replay)
+        replay
     }
 
     /// The tree with a status before each node.
@@ -110,14 +123,14 @@ impl Replay {
 }
 
 /// The engine, and leaves that return what is recorded.
-struct LogPlayer<'l> {
-    tree: TreeRef<'l, u16, Full>,
-    memory: Vec<NodeMemory<Full>>,
+struct LogPlayer<'l, K: Kinds> {
+    tree: TreeRef<'l, u16, K>,
+    memory: Vec<NodeMemory<K>>,
     leaves: RecordedLeaves<'l>,
 }
 
-impl<'l> LogPlayer<'l> {
-    fn new(instance: &'l Instance, lowered: &'l Lowered, tree: TreeRef<'l, u16, Full>) -> Self {
+impl<'l, K: Kinds> LogPlayer<'l, K> {
+    fn new(instance: &'l Instance, lowered: &'l Lowered, tree: TreeRef<'l, u16, K>) -> Self {
         let running = vec![false; lowered.rows.len()];
         let leaves = RecordedLeaves { instance, lowered, running, changes: Vec::new(), next: 0, fault: None };
         Self { memory: vec![NodeMemory::NEW; lowered.rows.len()], tree, leaves }
@@ -197,10 +210,12 @@ impl RecordedLeaves<'_> {
     /// What a leaf returned: its next change, or that it is still running.
     fn answer(&mut self, hook: u16) -> Status {
         let row = self.row(hook);
-        if let Some(NodeChange { node, to: Some(status) }) = self.change()
-            && node == row
+        // Halts of others may be reported before it.
+        let mut rest = self.changes.get(self.next..).unwrap_or_default().iter();
+        if let Some(NodeChange { node, to: Some(status) }) = rest.find(|change| change.to.is_some())
+            && *node == row
         {
-            return status;
+            return *status;
         }
         if !self.running.get(usize::from(row)).copied().unwrap_or(false) {
             let label = self.instance.nodes.get(usize::from(row)).map_or("", |node| &node.name);
