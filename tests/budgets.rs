@@ -106,9 +106,11 @@ fn the_image_has_no_allocator() {
 }
 
 #[test]
-fn the_image_has_no_panicking_branch() {
-    let elf = Elf::read(team_member());
-    assert_eq!(elf.symbols_with(&["panick"]).collect::<Vec<_>>(), Vec::<&str>::new());
+fn the_images_of_robots_have_no_panicking_branch() {
+    for image in ["team_member", "based_member", "based_table_robot"] {
+        let elf = Elf::read(&tests::qemu::image(image));
+        assert_eq!(elf.symbols_with(&["panick"]).collect::<Vec<_>>(), Vec::<&str>::new(), "{image}");
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@ use super::definition::{Postcondition, Role, Wish};
 use super::joint::{List, MAX_POLICIES};
 use super::model::{Question, Rows, believed};
 use super::task::{JointDecision, Offered, TableTask, Wanted, row};
+use crate::bounded::up_to;
 use crate::inference::{Preference, Scoring, policy};
 use crate::math;
 use crate::team::{Message, Peers};
@@ -120,7 +121,7 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
         let (target, preferences) = (settled.target, [settled.preference; N]);
         let mut values = Vec::<f32, MAX_POLICIES>::new();
         let question = self.question(&beliefs, &preferences, target);
-        question.own_values(todo.into_iter(), &mut |value| {
+        question.own_values(todo.iter().copied(), &mut |value| {
             // There is room for the whole list.
             let _ = values.push(value);
         });
@@ -128,8 +129,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
         let is_unsure = !self.is_settled();
         let is_possible =
             |policy| is_unsure || self.rounds.stays(policy) || self.unmet_in(policy, target).is_none();
-        let possible: List =
-            self.rounds.listed().iter().copied().filter(|&policy| is_possible(policy)).collect();
+        let listed = self.rounds.listed().iter().copied();
+        let possible: List = up_to(listed.filter(|&policy| is_possible(policy)));
         self.rounds.value(&values, &possible, settled.operator, peers);
     }
 }

@@ -4,6 +4,7 @@ use super::announcement::{Announcement, TableMessage};
 use super::error::TablesError;
 use super::joint::{Known, List, Listing, MAX_POLICIES, OnTables, holds_of_teammate, prices};
 use super::tables::Tables;
+use crate::bounded::up_to;
 use crate::inference::WeighedPolicies;
 use crate::team::rounds::{
     Digest, Event, Own, RoundMessage, Rounds, Score, Scores, Teammates, Timing, View, Waiting, Want,
@@ -277,7 +278,7 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
         self.is_cut = is_listed == Some(false);
         is_listed.filter(|&is_listed| is_listed)?;
         let next = self.listed().iter().copied().skip(self.values.len());
-        let next: List = next.take(usize::try_from(*budget).unwrap_or(usize::MAX)).collect();
+        let next: List = up_to(next.take(usize::try_from(*budget).unwrap_or(usize::MAX)));
         *budget = budget.saturating_sub(next.len() as u32);
         Some(next)
     }
@@ -334,7 +335,7 @@ impl<'a, const N: usize> TeamRounds<'a, N> {
     pub(super) fn stay<X: Message>(&mut self, peers: Peers<'_, TableMessage<X>>, budget: &mut u32) {
         if self.prepare(peers, budget) == Some(true) {
             let score = |&policy: &u16| if self.stays(policy) { Score::default() } else { Score::CANNOT };
-            let scores = self.listed().iter().map(score).collect();
+            let scores = up_to(self.listed().iter().map(score));
             self.scored_for = self.fact().operator();
             self.give(scores, peers);
         }
