@@ -18,10 +18,7 @@ fn the_image_is_within_budget_on_each_board() {
         let elf = Elf::read(&image_for("team_member", "firmware", target, board));
         assert_within(board, "flash", elf.flash);
         assert_within(board, "ram", elf.ram);
-        // The HAL of the RP2040 divides by frequencies that it reads from its clocks.
-        if board != "rp2040" {
-            assert_eq!(elf.symbols_with(&["panick"]).collect::<Vec<_>>(), Vec::<&str>::new(), "{board}");
-        }
+        assert_eq!(elf.symbols_with(&["panick"]).collect::<Vec<_>>(), Vec::<&str>::new(), "{board}");
     }
 }
 

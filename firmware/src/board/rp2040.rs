@@ -15,8 +15,8 @@ use crate::fail_safe;
 use crate::page::Slots;
 use iibt_core::time::Duration;
 use rp2040_hal::adc::{Adc, AdcPin};
-use rp2040_hal::clocks::{Clock, init_clocks_and_plls};
-use rp2040_hal::fugit::{ExtU32, RateExtU32};
+use rp2040_hal::clocks::init_clocks_and_plls;
+use rp2040_hal::fugit::{ExtU32, HertzU32, RateExtU32};
 use rp2040_hal::gpio::bank0::{Gpio0, Gpio1, Gpio4, Gpio5, Gpio6, Gpio7, Gpio25};
 use rp2040_hal::gpio::{FunctionSioOutput, FunctionUart, Pin, PinState, Pins, PullDown};
 use rp2040_hal::pac::{IO_BANK0, Interrupt, Peripherals, UART0, UART1, interrupt};
@@ -28,6 +28,11 @@ pub use super::systick::Milliseconds;
 
 /// The crystal of the board, in Hz.
 const CRYSTAL: u32 = 12_000_000;
+
+/// The frequency of the core and of its peripherals, as the HAL sets it up.
+///
+/// A constant and not what the HAL's clocks say: nothing is divided by what might be zero.
+const FREQUENCY: HertzU32 = HertzU32::MHz(125);
 
 const BAUD: u32 = 115_200;
 
@@ -107,22 +112,20 @@ impl Board {
         let mut watchdog = Watchdog::new(chip.WATCHDOG);
         let resets = &mut chip.RESETS;
         let (plls, clocks) = ((chip.PLL_SYS, chip.PLL_USB), chip.CLOCKS);
-        let clocks =
-            init_clocks_and_plls(CRYSTAL, chip.XOSC, clocks, plls.0, plls.1, resets, &mut watchdog).ok()?;
+        init_clocks_and_plls(CRYSTAL, chip.XOSC, clocks, plls.0, plls.1, resets, &mut watchdog).ok()?;
         let sio = Sio::new(chip.SIO);
         let pins = Pins::new(chip.IO_BANK0, chip.PADS_BANK0, sio.gpio_bank0, resets);
-        let clock = Milliseconds::start(core.SYST, clocks.system_clock.freq().to_kHz());
+        let clock = Milliseconds::start(core.SYST, FREQUENCY.to_kHz());
 
         let config = || UartConfig::new(BAUD.Hz(), DataBits::Eight, None, StopBits::One);
-        let frequency = clocks.peripheral_clock.freq();
         let log = (pins.gpio0.into_function(), pins.gpio1.into_function());
-        let log = UartPeripheral::new(chip.UART0, log, resets).enable(config(), frequency).ok()?;
+        let log = UartPeripheral::new(chip.UART0, log, resets).enable(config(), FREQUENCY).ok()?;
         let (rx, tx) = log.split();
         LOG.start(IoPort::new(rx, tx, Interrupt::UART0_IRQ, ask));
         enable(Interrupt::UART0_IRQ);
         begin(cut_motors, by_watchdog);
         let link = (pins.gpio4.into_function(), pins.gpio5.into_function());
-        let link = UartPeripheral::new(chip.UART1, link, resets).enable(config(), frequency).ok()?;
+        let link = UartPeripheral::new(chip.UART1, link, resets).enable(config(), FREQUENCY).ok()?;
         let (mut rx, tx) = link.split();
         rx.enable_rx_interrupt();
         let link = LINK.start(IoPort::new(rx, tx, Interrupt::UART1_IRQ, ask));
