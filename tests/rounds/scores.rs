@@ -128,6 +128,24 @@ fn rule_4_scores_of_other_facts_make_the_round_void() {
 }
 
 #[test]
+fn rule_4c_scores_under_an_epoch_that_is_over_are_taken_back() {
+    let mut stage = Stage::corridor(2);
+    stage.hear(0, 1);
+    stage.act(Action::Give(0, 1));
+    let old = stage.of(0).digest().expect("it has given");
+    stage.act(Action::Restart(1));
+    stage.hear(0, 1);
+    assert!(stage.of(0).digest().is_none() && stage.wants_list(0));
+    stage.act(Action::Give(0, 0));
+    assert_ne!(stage.of(0).digest(), Some(old));
+    stage.hear(1, 0);
+    stage.act(Action::Give(1, 0));
+    stage.hear_all();
+    assert_eq!([0, 1].map(|robot| stage.of(robot).policy()), [Some(0); 2], "in the same round");
+    assert_eq!(stage.of(0).proposal().round, 0);
+}
+
+#[test]
 fn rule_4_a_robot_that_has_started_again_leaves_nobody_out() {
     let mut stage = Stage::corridor(3);
     stage.decide(0);

@@ -22,7 +22,8 @@ const LEAST_SLIP: f32 = 0.05;
 /// The chance that the robot is anywhere at all, so that no reading is impossible for long.
 const DOUBT: f32 = 1e-6;
 
-/// The prior probability of a robot that was switched on of standing at its start.
+/// The prior probability of a robot that was switched on for the first time of standing at its
+/// start.
 const AT_START: f32 = 0.9;
 
 /// The modality of the robot's own position.
@@ -52,10 +53,10 @@ impl<const S: usize> Localisation<S> {
     /// leaves a doubt of 3e-5 to 1e-4 on maps of 64 to 200 cells: then a second reading is wanted.
     pub const CONFIDENCE: f32 = 0.99998;
 
-    /// Creates the belief of a robot that is most likely at its start. `sensor` is the
-    /// probability that a reading is right.
+    /// Creates the belief of a robot that is most likely at its start; without one it may be
+    /// anywhere, and only readings tell. `sensor` is the probability that a reading is right.
     #[must_use]
-    pub fn new<const W: usize>(map: &Map<W>, start: Cell, sensor: f32, rates: Rates) -> Self {
+    pub fn new<const W: usize>(map: &Map<W>, start: Option<Cell>, sensor: f32, rates: Rates) -> Self {
         let mut new = Self::idle();
         new.start(map, start, sensor, rates);
         new
@@ -78,14 +79,21 @@ impl<const S: usize> Localisation<S> {
     }
 
     /// Starts in place; the arguments are those of [`new`](Self::new).
-    pub(super) fn start<const W: usize>(&mut self, map: &Map<W>, start: Cell, sensor: f32, rates: Rates) {
+    pub(super) fn start<const W: usize>(
+        &mut self,
+        map: &Map<W>,
+        start: Option<Cell>,
+        sensor: f32,
+        rates: Rates,
+    ) {
         let cells = map.len().clamp(1, S);
         let is_free = |state: usize| state < cells && map.is_free(Cell(state as u16));
-        let share = (1.0 - AT_START) / (0..cells).filter(|&state| is_free(state)).count().max(1) as f32;
+        let elsewhere = if start.is_some() { 1.0 - AT_START } else { 1.0 };
+        let share = elsewhere / (0..cells).filter(|&state| is_free(state)).count().max(1) as f32;
         for (state, prior) in self.prior.as_flat_mut().iter_mut().enumerate() {
             *prior = if is_free(state) { share } else { 0.0 };
         }
-        if let Some(start) = self.prior.as_flat_mut().get_mut(start.index()) {
+        if let Some(start) = start.and_then(|start| self.prior.as_flat_mut().get_mut(start.index())) {
             *start += AT_START;
         }
         math::assign(self.belief.as_flat_mut(), self.prior.as_flat());
@@ -252,7 +260,7 @@ mod tests {
 
     fn robot(sensor: f32) -> (Map<2>, Localisation<49>) {
         let map = Map::new(7, 7).unwrap();
-        (map, Localisation::new(&map, Cell(0), sensor, Rates::new(1.0, 0.02)))
+        (map, Localisation::new(&map, Some(Cell(0)), sensor, Rates::new(1.0, 0.02)))
     }
 
     #[test]
@@ -271,6 +279,20 @@ mod tests {
         robot.update(&map, Some(Cell(0)));
         robot.update(&map, Some(Cell(0)));
         assert_eq!(robot.here(), Some(Cell(0)), "it has slipped");
+    }
+
+    #[test]
+    fn without_a_start_one_reading_is_not_enough_anywhere() {
+        let map = Map::<2>::new(7, 7).unwrap();
+        for cell in [0, 9] {
+            let mut robot = Localisation::<49>::new(&map, None, 0.9952, Rates::new(1.0, 0.02));
+            let sum: f32 = (0..49).map(|cell| robot.probability_of(Cell(cell))).sum();
+            assert!((sum - 1.0).abs() < 1e-5);
+            robot.update(&map, Some(Cell(cell)));
+            assert_eq!(robot.here(), None, "on {cell}");
+            robot.update(&map, Some(Cell(cell)));
+            assert_eq!(robot.here(), Some(Cell(cell)));
+        }
     }
 
     #[test]

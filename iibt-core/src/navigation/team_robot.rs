@@ -134,7 +134,8 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         }
     }
 
-    /// Starts a robot that has no mission yet, switched on for the `epoch`-th time.
+    /// Starts a robot that has no mission yet, switched on for the `epoch`-th time. The first time
+    /// it takes its start in the mission for likely; later only its localiser tells where it is.
     ///
     /// # Errors
     /// [`MissionError`] when the mission does not fit the sizes, the robot is not in its team, or it
@@ -157,6 +158,9 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         }
         let robot = member.robot();
         let start = mission.starts.get(robot.index()).copied().ok_or(MissionError::NoSuchRobot)?;
+        // A robot that has started before was wherever it was: its localiser knows, the mission does
+        // not.
+        let start = Some(start).filter(|_| epoch <= 1);
         self.localisation.start(&mission.map, start, mission.sensor_of(robot), mission.learning);
         (self.mission, self.member, self.epoch) = (mission, member, epoch);
         Ok(())
@@ -281,6 +285,11 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
 
     pub(super) fn is_blocked(&self, cell: Cell) -> bool {
         self.obstacles.is_blocked(cell)
+    }
+
+    /// Whether a teammate has answered this start; one that has not may be a recording.
+    fn has_answered(&self, robot: RobotId) -> bool {
+        self.rounds.as_ref().is_some_and(|rounds| rounds.protocol().has_answered(robot))
     }
 
     /// The cell that the robot stands on, between no two others.

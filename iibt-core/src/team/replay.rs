@@ -7,7 +7,9 @@
 //! that cannot be got wrong.
 //!
 //! What this does not cover: a receiver that restarts has forgotten the stamps, and takes a
-//! recorded frame of a peer until it has heard a newer one from the peer itself.
+//! recorded frame of a peer until it has heard a newer one from the peer itself. The
+//! [rounds](super::rounds) rely on none: a teammate must first
+//! [answer](super::rounds::Protocol::has_answered) the new start.
 
 /// The place of a frame in the sender's order: first by epoch, then by sequence. Never wraps.
 #[doc(alias = "replay protection")]
@@ -74,6 +76,18 @@ impl Numbering {
         self.next.is_none()
     }
 
+    /// Uses up all stamps of the epoch but the last `left`; there are never more than before.
+    pub const fn use_up(&mut self, left: u32) {
+        let Some(next) = self.next else { return };
+        self.next = match u32::MAX.checked_sub(left) {
+            Some(u32::MAX) => None,
+            Some(last) if last.saturating_add(1) > next.sequence => {
+                Some(Stamp { sequence: last.saturating_add(1), ..next })
+            }
+            _ => self.next,
+        };
+    }
+
     /// The stamp for the next frame, or `None` when all are used: the sender must fall silent.
     pub fn next_stamp(&mut self) -> Option<Stamp> {
         let stamp = self.next?;
@@ -106,10 +120,17 @@ mod tests {
 
     #[test]
     fn is_silent_after_the_last_number_of_its_epoch() {
-        let mut numbering = Numbering { next: Some(stamp(7, u32::MAX)) };
+        let mut numbering = Numbering::new(7);
+        numbering.use_up(1);
+        numbering.use_up(2);
         assert!(!numbering.is_exhausted());
         assert_eq!(numbering.next_stamp(), Some(stamp(7, u32::MAX)));
         assert!(numbering.is_exhausted());
         assert_eq!([numbering.next_stamp(), numbering.next_stamp()], [None; 2], "epoch 8 is another start");
+        numbering.use_up(9);
+        assert!(numbering.is_exhausted());
+        let mut other = Numbering::new(7);
+        other.use_up(0);
+        assert!(other.is_exhausted());
     }
 }

@@ -59,7 +59,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let team = View::full(self.member.team()).without(self.robot());
         let view = self.rounds.as_ref().map_or(team, |rounds| rounds.proposal().view);
         let is_busy = |robot: &RobotId| {
-            let purpose = teammates.get(*robot).map(|heard| heard.message.fact.purpose);
+            let heard = teammates.get(*robot).filter(|_| self.has_answered(*robot));
+            let purpose = heard.map(|heard| heard.message.fact.purpose);
             !view.contains(*robot) || matches!(purpose, Some(Purpose::Visit(_) | Purpose::Charge(_)))
         };
         team.iter().filter(is_busy).collect()
@@ -74,7 +75,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     ) {
         let Some(rounds) = &self.rounds else { return };
         let (own, view) = (self.robot(), rounds.proposal().view);
-        for peer in peers.iter() {
+        // A recording of a teammate leaves nothing behind.
+        for peer in peers.iter().filter(|peer| rounds.protocol().has_answered(peer.sender())) {
             let (sender, said) = (peer.sender(), peer.message());
             self.handover.hear(view.contains(sender), sender, peer.envelope().stamp.epoch, named(said));
         }

@@ -4,8 +4,8 @@ use super::super::claim::Cells;
 use super::super::{Fact, GridPercept, Intention};
 use super::Navigation;
 use crate::grid::{Cell, CellSet};
-use crate::team::rounds::{Answer, RoundMessage, Rounds, Teammates, Timing, View};
-use crate::team::{MAX_TEAM, Peers, RobotId};
+use crate::team::rounds::{Answer, RoundMessage, Rounds, Teammates, Timing};
+use crate::team::{Peers, RobotId};
 
 /// The ticks of silence after which a member may be anywhere.
 const LONGEST_SILENCE: u16 = 8;
@@ -72,11 +72,13 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             self.obstacles.look(cell, false);
         }
         self.obstacles.forget(self.mission.forgets);
-        let view = self.rounds.as_ref().map_or(View::full(MAX_TEAM), |rounds| rounds.proposal().view);
-        let members = peers.iter().filter(|peer| view.contains(peer.envelope().sender));
+        let protocol = self.rounds.as_ref().map(|rounds| rounds.protocol());
+        let is_believed =
+            |robot| protocol.is_some_and(|it| it.proposal().view.contains(robot) && it.has_answered(robot));
+        let members = peers.iter().filter(|peer| is_believed(peer.sender()));
         let told = members.flat_map(|peer| peer.message().rounds.fact.evidence.iter());
         let of = |cell| told.clone().filter(move |known| known.cell == cell).map(|known| known.weight);
-        let is_vetoed = self.rounds.as_ref().is_some_and(|rounds| rounds.protocol().is_vetoed());
+        let is_vetoed = protocol.is_some_and(|protocol| protocol.is_vetoed());
         self.obstacles.yield_to(of, is_vetoed);
         let told = peers.iter().flat_map(|peer| peer.message().rounds.fact.evidence.iter());
         let told = told.filter(|known| known.weight > 0).map(|known| known.cell);

@@ -114,20 +114,20 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         is_earlier.then_some((heard.stamp.epoch, &heard.message.fact))
     }
 
-    /// Takes back scores that no robot can decide by, because a member has declared another fact
-    /// than it was taken to bring.
+    /// Takes back scores that no member gives anymore: a member has started again, or has declared
+    /// another fact than it was [taken](Fact::LASTS) to bring.
     ///
-    /// A member decides by a digest only with the scores of all, and none scores under a fact of
-    /// its own that it has not.
+    /// A member decides by a digest only with the scores of all. None scores under a fact of its
+    /// own that it has not, or under an epoch that is over: scores that it gave in that epoch stay
+    /// with those who heard them, and the list for them stays within the reach of each.
     pub(super) fn take_back(&mut self, teammates: &Teammates<'_, F, K>) {
-        let Some(given) = self.given.as_ref().filter(|given| F::LASTS && given.plan.is_none()) else {
-            return;
-        };
-        let is_declared = |robot| {
-            let is_known = |heard| !self.has_restarted(robot, heard);
-            self.is_in_round(robot, teammates).is_ok() && self.newest(robot, teammates).is_some_and(is_known)
-        };
-        if self.others().all(is_declared) && self.sum(teammates) != given.digest {
+        let Some(given) = self.given.as_ref().filter(|given| given.plan.is_none()) else { return };
+        let is_in_round = |robot| self.is_in_round(robot, teammates).is_ok();
+        let has_restarted =
+            |robot| self.newest(robot, teammates).is_some_and(|heard| self.has_restarted(robot, heard));
+        let is_over = self.others().any(|robot| is_in_round(robot) && has_restarted(robot));
+        let is_declared = || self.others().all(|robot| is_in_round(robot) && !has_restarted(robot));
+        if is_over || (F::LASTS && is_declared() && self.sum(teammates) != given.digest) {
             self.given = None;
         }
     }

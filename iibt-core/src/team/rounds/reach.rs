@@ -20,6 +20,15 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         self.located.get(robot.index())?.reach.as_ref()
     }
 
+    /// Whether a teammate has answered this start: it has scored a list whose digest holds this
+    /// robot's epoch, so it is alive, and no recording. Until then its round and its fact count only
+    /// to make the question that it answers.
+    #[doc(alias = "challenge")]
+    #[must_use]
+    pub fn has_answered(&self, robot: RobotId) -> bool {
+        self.reach(robot).is_some()
+    }
+
     /// Takes in where the teammates may be by what they say. The list is the one that was scored in
     /// this round.
     pub(super) fn hear<L>(&mut self, teammates: &Teammates<'_, F, K>, list: &L)
