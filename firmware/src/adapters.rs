@@ -34,7 +34,7 @@ pub use async_link::AsyncLink;
 pub use base::Base;
 pub use body::Body;
 pub use byte_queue::ByteQueue;
-pub use dead_reckoning::{Counted, DeadReckoning};
+pub use dead_reckoning::{Counted, DeadReckoning, OutsideMap};
 pub use differential_drive::{Chassis, DifferentialDrive, Motor, Wheel};
 pub use frame_queue::FrameQueue;
 pub use io_link::IoLink;

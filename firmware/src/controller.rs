@@ -192,6 +192,11 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
         self.numbering.is_exhausted()
     }
 
+    /// Uses up the numbers of frames of this epoch but the last `left`, to see what follows.
+    pub const fn use_up_numbers(&mut self, left: u32) {
+        self.numbering.use_up(left);
+    }
+
     /// Overwrites the keys with zeros. From now on the robot neither sends nor hears its team, and
     /// goes on only as far as what it has heard lets it. Those in the flash stay; see
     /// [`page::erase`](crate::page::erase).

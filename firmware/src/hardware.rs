@@ -64,6 +64,10 @@ pub trait Drive {
     /// Returns whether the last move is still going on: true from [`go`](Self::go) until the robot
     /// stands in the next cell. Asked once a tick; readings of the sensors during a move are not
     /// used.
+    ///
+    /// A robot that has restarted between two cells still moves, until its drive has brought it to
+    /// the middle of one of them: meanwhile it is silent, and its teammates keep out of both. A drive
+    /// that cannot tell needs a [`Localiser`] that can.
     fn is_moving(&mut self) -> bool;
 
     /// Stops where it is, for an emergency stop from outside: the controller itself finishes its
@@ -77,6 +81,9 @@ pub trait Drive {
 #[doc(alias = "localizer")]
 pub trait Localiser {
     /// Returns a reading of the robot's own cell, which may be missing or wrong; asked once a tick.
+    ///
+    /// `None` where it does not know: after a restart if it only counts moves, and between two cells
+    /// while the drive says that it stands.
     fn locate(&mut self) -> Option<Cell>;
 }
 

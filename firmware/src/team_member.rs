@@ -2,9 +2,10 @@
 //!
 //! Which robot of which team it is, and the mission, the page in its flash says. It decides with
 //! its teammates, whose intentions arrive as frames, goes where they decided that it goes, and logs
-//! what it does. Without a positioning system it reckons its place from its own moves.
+//! what it does. Without a positioning system it reckons its place from its own moves, and after a
+//! restart stands until it is placed again.
 
-use crate::adapters::{Absent, Body, Chassis, Counted, DeadReckoning};
+use crate::adapters::{Absent, Body, Chassis, Counted, DeadReckoning, OutsideMap};
 use crate::hardware::{Battery, Clock, Drive, Link};
 use crate::missions::{ALL_PATHS, CELLS, LAYERS, NODES, POLICIES, WORDS};
 use crate::page::{Page, Refused};
@@ -12,7 +13,7 @@ use crate::{Controller, EpochError, LinkReport, Navigator, Storage};
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use iibt_core::actions::HORIZON;
-use iibt_core::grid::Path;
+use iibt_core::grid::{Cell, Path};
 use iibt_core::navigation::{Mission, MissionError, Report, Stage};
 use iibt_core::team::MAX_TEAM;
 use iibt_core::time::{Duration, Instant};
@@ -40,6 +41,7 @@ type PathLists = Vec<&'static [Path], MAX_TEAM>;
 /// A robot that has started.
 pub struct Started<L: Link + 'static, C: Clock + 'static, D: Drive + 'static, B: Battery + 'static> {
     robot: &'static mut TeamMember<L, C, D, B>,
+    position: &'static DeadReckoning<WORDS>,
     mission: &'static OwnMission,
     period: Duration,
 }
@@ -124,7 +126,8 @@ impl<L: Link, C: Clock, D: Drive, B: Battery> Memory<L, C, D, B> {
         let settings = page.settings(epoch).map_err(|_| no_robot)?;
         let number = settings.member().robot();
         let start = *mission.starts.get(number.index()).ok_or(no_robot)?;
-        let position = self.position.try_init(DeadReckoning::new(mission.map, start));
+        let is_first = page.is_first_start(epoch);
+        let position = self.position.try_init(DeadReckoning::at_boot(mission.map, start, is_first));
         let position = &*position.ok_or(Standing::Started)?;
         let drive = position.count(drive(page.chassis().unwrap_or(CHASSIS)));
         let body = Body::new(link, clock).driving(drive, position).powered(battery);
@@ -133,9 +136,14 @@ impl<L: Link, C: Clock, D: Drive, B: Battery> Memory<L, C, D, B> {
         robot.start(|agent| agent.start(mission, &settings)).map_err(Standing::NoMission)?;
         page.tune(robot.robot_mut());
         let team = mission.starts.len();
-        defmt::info!("boot: robot {=u8} of {=usize} on p{=u16}", number.0.saturating_add(1), team, start.0);
+        let named = number.0.saturating_add(1);
+        if is_first {
+            defmt::info!("boot: robot {=u8} of {=usize} on p{=u16}", named, team, start.0);
+        } else {
+            defmt::warn!("boot: robot {=u8} of {=usize}, place unknown: waiting to be placed", named, team);
+        }
         defmt::info!("boot: epoch {=u32}", epoch);
-        Ok(Started { robot, mission, period: settings.tick() })
+        Ok(Started { robot, position, mission, period: settings.tick() })
     }
 
     fn mission_of(&'static self, page: &'static OwnPage) -> Option<&'static OwnMission> {
@@ -188,10 +196,19 @@ impl<L: Link, C: Clock, D: Drive, B: Battery> Program<L, C, D, B> {
         robot.needs_new_epoch() && !robot.hardware_mut().is_moving()
     }
 
+    /// Places the robot, which stands, on the cell where an operator sees it: a robot that has
+    /// restarted does not know, and stands until then.
+    ///
+    /// # Errors
+    /// [`OutsideMap`]; the robot is as it was.
+    pub fn place(&self, cell: Cell) -> Result<(), OutsideMap> {
+        self.started.position.place(cell)
+    }
+
     /// Ticks the robot if it is time. Call it every millisecond: asking the drive is what ends a
     /// turn or a move. `cycles` counts those of the core.
     pub fn poll(&mut self, cycles: impl Fn() -> u32) {
-        let Self { started: Started { robot, mission, period }, due, ticks, longest, before } = self;
+        let Self { started: Started { robot, mission, period, .. }, due, ticks, longest, before } = self;
         robot.hardware_mut().is_moving();
         let now = robot.hardware_mut().now();
         if !now.has_reached(*due) {

@@ -4,13 +4,17 @@ use crate::hardware::{Drive, Localiser};
 use core::sync::atomic::{AtomicU16, Ordering};
 use iibt_core::grid::{Cell, Map, Move};
 
-/// The position of a robot from its start and its finished moves.
+/// The position of a robot from a cell in which it was placed and its finished moves.
 ///
 /// It has no sensor, so its error never shrinks: for short missions, simulation, and robots whose
 /// drive corrects itself (a line follower). It hears of moves by lending itself to the drive:
 /// [`DeadReckoning::count`] wraps the drive, and a shared reference is the [`Localiser`]. A move
-/// counts once the drive has been asked and says it no longer moves; a move that was stopped does
-/// not count.
+/// counts once the drive has been asked and says it no longer moves.
+///
+/// It knows nothing but what it was told and has counted. So it reads `None` from a restart on, in
+/// which the count was lost, and from a move on that was stopped halfway, until somebody who sees
+/// the robot [places](Self::place) it. A robot without a reading stands, and says nothing to its
+/// team.
 ///
 /// ```
 /// use firmware::adapters::DeadReckoning;
@@ -28,19 +32,39 @@ use iibt_core::grid::{Cell, Map, Move};
 /// }
 ///
 /// let map = Map::<{ words(3, 3) }>::new(3, 3)?;
-/// let position = DeadReckoning::new(map, Cell(4));
+/// let position = DeadReckoning::placed(map, Cell(4));
 /// let mut drive = position.count(Prompt);
 /// drive.go(Move::Right);
 /// assert!(!drive.is_moving());
 /// assert_eq!((&position).locate(), Some(Cell(5)));
-/// # Ok::<(), iibt_core::grid::MapError>(())
+///
+/// let position = DeadReckoning::unknown(map); // the robot has restarted
+/// assert_eq!((&position).locate(), None);
+/// position.place(Cell(5))?; // somebody sees it there
+/// assert_eq!((&position).locate(), Some(Cell(5)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[doc(alias = "odometry")]
 #[derive(Debug)]
 pub struct DeadReckoning<const W: usize> {
     map: Map<W>,
-    /// The number of the cell: atomic, so that drive and localiser may go to a task together.
+    /// The number of the cell, or [`UNKNOWN`]: atomic, so that drive and localiser may go to a task
+    /// together.
     here: AtomicU16,
+}
+
+/// The number of no cell: maps have fewer cells.
+const UNKNOWN: u16 = u16::MAX;
+
+/// The cell in which a robot is to be placed is not one of its map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[error("cell {} is not one of the map, which has {cells}", .cell.0)]
+pub struct OutsideMap {
+    /// The cell.
+    pub cell: Cell,
+    /// The cells of the map.
+    pub cells: usize,
 }
 
 /// A drive whose finished moves a [`DeadReckoning`] counts.
@@ -52,15 +76,54 @@ pub struct Counted<'a, D, const W: usize> {
 }
 
 impl<const W: usize> DeadReckoning<W> {
-    /// Creates the localiser of a robot at `start`. Only the map's border is used, not its
-    /// obstacles.
+    /// Creates the localiser of a robot that stands on `cell`, by what an operator says. Only the
+    /// map's border is used, not its obstacles.
     #[must_use]
-    pub const fn new(map: Map<W>, start: Cell) -> Self {
-        Self { map, here: AtomicU16::new(start.0) }
+    pub const fn placed(map: Map<W>, cell: Cell) -> Self {
+        Self { map, here: AtomicU16::new(cell.0) }
     }
 
-    fn here(&self) -> Cell {
-        Cell(self.here.load(Ordering::Relaxed))
+    /// Creates the localiser of a robot that may be anywhere, as after a restart.
+    #[must_use]
+    pub const fn unknown(map: Map<W>) -> Self {
+        Self { map, here: AtomicU16::new(UNKNOWN) }
+    }
+
+    /// Creates the localiser of a robot that starts: [placed](Self::placed) on its mission's start
+    /// if this is the [first start](crate::page::Page::is_first_start) of its mission, and
+    /// [unknown](Self::unknown) at every other.
+    #[must_use]
+    pub const fn at_boot(map: Map<W>, start: Cell, is_first_start: bool) -> Self {
+        if is_first_start { Self::placed(map, start) } else { Self::unknown(map) }
+    }
+
+    /// Places the robot, which stands, on the cell where somebody sees it.
+    ///
+    /// # Errors
+    /// [`OutsideMap`]; the position is as it was.
+    pub fn place(&self, cell: Cell) -> Result<(), OutsideMap> {
+        let cells = self.map.len();
+        if cell.index() >= cells {
+            return Err(OutsideMap { cell, cells });
+        }
+        self.here.store(cell.0, Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn here(&self) -> Option<Cell> {
+        Some(Cell(self.here.load(Ordering::Relaxed))).filter(|here| here.0 != UNKNOWN)
+    }
+
+    /// Counts a finished move.
+    fn advance(&self, step: Move) {
+        if let Some(here) = self.here() {
+            self.here.store(self.map.neighbour(here, step).0, Ordering::Relaxed);
+        }
+    }
+
+    /// Notes that the robot stands between two cells, nobody knows how far.
+    fn lose(&self) {
+        self.here.store(UNKNOWN, Ordering::Relaxed);
     }
 
     /// Wraps a drive so that its finished moves are counted here.
@@ -71,7 +134,7 @@ impl<const W: usize> DeadReckoning<W> {
 
 impl<const W: usize> Localiser for &DeadReckoning<W> {
     fn locate(&mut self) -> Option<Cell> {
-        Some(self.here())
+        self.here()
     }
 }
 
@@ -84,15 +147,17 @@ impl<D: Drive, const W: usize> Drive for Counted<'_, D, W> {
     fn is_moving(&mut self) -> bool {
         let moving = self.drive.is_moving();
         if !moving && let Some(step) = self.pending.take() {
-            let DeadReckoning { map, here } = self.reckoning;
-            here.store(map.neighbour(self.reckoning.here(), step).0, Ordering::Relaxed);
+            self.reckoning.advance(step);
         }
         moving
     }
 
     fn stop(&mut self) {
+        let was_moving = self.is_moving();
         self.drive.stop();
-        self.pending = None;
+        if was_moving && self.pending.take().is_some_and(|step| step != Move::Wait) {
+            self.reckoning.lose();
+        }
     }
 }
 
@@ -118,7 +183,7 @@ mod tests {
     }
 
     fn reckoning() -> DeadReckoning<1> {
-        DeadReckoning::new(Map::new(3, 3).unwrap(), Cell(4))
+        DeadReckoning::placed(Map::new(3, 3).unwrap(), Cell(4))
     }
 
     #[test]
@@ -134,13 +199,42 @@ mod tests {
     }
 
     #[test]
-    fn forgets_a_move_that_was_stopped() {
+    fn a_move_that_was_stopped_halfway_leaves_it_unknown_until_it_is_placed() {
         let reckoning = reckoning();
         let mut drive = reckoning.count(Slow(1, 0));
         drive.go(Move::Up);
         drive.stop();
         assert!(!drive.is_moving());
+        assert_eq!((&reckoning).locate(), None);
+        drive.go(Move::Up);
+        assert!(drive.is_moving() && !drive.is_moving());
+        assert_eq!((&reckoning).locate(), None, "a move from nowhere leads nowhere");
+        assert_eq!(reckoning.place(Cell(9)), Err(OutsideMap { cell: Cell(9), cells: 9 }));
+        assert_eq!((&reckoning).locate(), None);
+        reckoning.place(Cell(1)).expect("the map has it");
+        assert_eq!((&reckoning).locate(), Some(Cell(1)));
+    }
+
+    #[test]
+    fn stopping_a_robot_that_stands_or_waits_loses_nothing() {
+        let reckoning = reckoning();
+        let mut drive = reckoning.count(Slow(1, 0));
+        drive.stop();
         assert_eq!((&reckoning).locate(), Some(Cell(4)));
+        drive.go(Move::Right);
+        assert!(drive.is_moving());
+        drive.stop();
+        assert_eq!((&reckoning).locate(), Some(Cell(5)), "the move had just been finished");
+        drive.go(Move::Wait);
+        drive.stop();
+        assert_eq!((&reckoning).locate(), Some(Cell(5)));
+    }
+
+    #[test]
+    fn only_the_first_start_is_at_the_start_of_the_mission() {
+        let map = Map::<1>::new(3, 3).unwrap();
+        assert_eq!((&DeadReckoning::at_boot(map, Cell(4), true)).locate(), Some(Cell(4)));
+        assert_eq!((&DeadReckoning::at_boot(map, Cell(4), false)).locate(), None);
     }
 
     #[test]

@@ -129,6 +129,14 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
         self.epoch
     }
 
+    /// Returns whether the start of this epoch is the first with this page, to which the robot was
+    /// put on its mission's start: its epoch is the least that the page allows, or 1 where the page
+    /// says nothing of it. At every other start the robot is wherever it was.
+    #[must_use]
+    pub const fn is_first_start(&self, epoch: u32) -> bool {
+        epoch == if self.epoch == 0 { 1 } else { self.epoch }
+    }
+
     /// Returns the most work units of a tick, if the page says so; see
     /// [`Navigator::with_budget`](crate::Navigator::with_budget).
     #[must_use]
