@@ -31,7 +31,9 @@ mod navigation;
 mod notebook;
 mod owned_goals;
 mod paper;
+mod recordings;
 mod rejected_models;
+mod restarts;
 // The path makes the modules in it lie in the folder.
 #[path = "rounds/main.rs"]
 mod rounds;

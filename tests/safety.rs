@@ -7,7 +7,7 @@
 
 use firmware::missions::{LAYERS, NODES, POLICIES};
 use host_sim::{EventEffect, Faults, NavigatorFlight, Radio, Random, reproduce};
-use iibt_core::grid::{Cell, CellSet, Map, Planner};
+use iibt_core::grid::{Cell, CellSet};
 use iibt_core::navigation::{
     CellEvidence, Cells, Fact, Intention, MAX_EVIDENCE, Mission, Purpose, Report, Stage,
 };
@@ -15,6 +15,7 @@ use iibt_core::team::rounds::{Answer, Choice, Claim, Digest, Proposal, RoundMess
 use iibt_core::team::{Envelope, RobotId, Stamp};
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
+use tests::ground::ground;
 use tests::judge::{self, Outcome};
 use tests::rig::{context, overhear};
 
@@ -192,26 +193,6 @@ fn state(team: &Team<'_>) -> String {
     };
     let robots: Vec<String> = team.reports().iter().zip(team.cells()).map(robot).collect();
     robots.join("; ")
-}
-
-/// A map with walls in about a tenth of its cells, and at least so many free cells within reach of
-/// each other.
-fn ground(random: &mut Random, least: usize) -> (Map<2>, Vec<Cell>) {
-    let mut planner = Planner::<49>::new();
-    loop {
-        let mut map = Map::new(7, 7).expect("49 cells fit two words");
-        for cell in 0..49 {
-            if random.bernoulli(0.1) {
-                map.block(Cell(cell));
-            }
-        }
-        let mut free: Vec<Cell> = (0..49).map(Cell).filter(|&cell| map.is_free(cell)).collect();
-        let anchor = free[0];
-        free.retain(|&cell| planner.shortest(&map, anchor, cell).is_ok());
-        if free.len() >= least {
-            return (map, free);
-        }
-    }
 }
 
 /// Flies many missions.

@@ -79,6 +79,8 @@ pub struct Flight<'m, R: AnyRobot + ?Sized> {
     drive_faults: Random,
     slips: Random,
     readings: Vec<Reading>,
+    /// How far each robot's clock has been turned.
+    turned: Vec<u32>,
     began: u32,
     tick: u32,
     statuses: Vec<Status>,
@@ -140,6 +142,7 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
             drive_faults: Random::of(seed, Stream::DriveFault),
             slips: Random::of(seed, Stream::Slip),
             readings: vec![Reading::Drawn; size],
+            turned: vec![0; size],
             began: 0,
             tick: 0,
             statuses: vec![Status::Running; size],
@@ -180,11 +183,20 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         events.extend(self.drive());
         self.reports = self.robots.iter().map(|robot| robot.report()).collect();
         self.progress.note(&self.reports);
-        for robot in self.trouble.strike(&mut self.world, &self.scenario) {
+        let mut restarting = self.trouble.strike(&mut self.world, &self.scenario);
+        restarting.extend(self.exhausted());
+        for robot in restarting {
             self.restart(robot).unwrap_or_else(|_| unreachable!("it has been built before"));
         }
         self.tick += 1;
         events
+    }
+
+    /// The robots that stand and have used up the numbers of their frames: as on a robot that is
+    /// flashed, each takes the next epoch by starting again.
+    fn exhausted(&self) -> Vec<usize> {
+        let is_due = |&robot: &usize| self.robots[robot].needs_new_epoch() && !self.world.is_moving(robot);
+        (0..self.robots.len()).filter(is_due).collect()
     }
 
     /// The cell two moves ahead on a robot's path by the newest plan, or one move ahead where two
@@ -239,7 +251,7 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
             }
             let clear = self.world.clear_in_view(index, self.scenario.robots[index].view).collect();
             let body = self.robots[index].body();
-            body.clock.now = self.began.wrapping_add(self.tick);
+            body.clock.now = self.began.wrapping_add(self.tick).wrapping_add(self.turned[index]);
             body.battery.charge = self.world.battery(index).percent();
             body.localiser.reading = reading;
             body.drive.moving = self.world.is_moving(index);
@@ -317,9 +329,33 @@ impl<R: AnyRobot + ?Sized> Flight<'_, R> {
     /// # Errors
     /// [`TeamError`], as the robot was built with before.
     pub fn restart(&mut self, robot: usize) -> Result<(), TeamError> {
-        self.epochs[robot] += 1;
-        self.robots[robot] = (self.boot)(robot as u8, self.epochs[robot])?;
+        self.restart_in(robot, self.epochs[robot] + 1)
+    }
+
+    /// Restarts a robot as [`restart`](Self::restart) does, in an epoch that somebody else counts.
+    ///
+    /// # Errors
+    /// As [`restart`](Self::restart).
+    pub fn restart_in(&mut self, robot: usize, epoch: u32) -> Result<(), TeamError> {
+        self.robots[robot] = (self.boot)(robot as u8, epoch)?;
+        self.epochs[robot] = epoch;
         Ok(())
+    }
+
+    /// Restarts a robot whose power fails: a move that is under way breaks off, and its drive, once
+    /// it has power again, centres it on the cell where that began or on the one where it was to
+    /// end.
+    ///
+    /// # Errors
+    /// As [`restart`](Self::restart).
+    pub fn brown_out(&mut self, robot: usize, goes_back: bool) -> Result<(), TeamError> {
+        self.world.break_off(robot, goes_back);
+        self.restart(robot)
+    }
+
+    /// Turns a robot's clock forward by so many ticks, or back by 2^32 less as many.
+    pub fn turn_clock(&mut self, robot: usize, ticks: u32) {
+        self.turned[robot] = self.turned[robot].wrapping_add(ticks);
     }
 
     /// Turns a robot's transmitter off or on.
@@ -407,6 +443,12 @@ impl<R: AnyRobot + ?Sized> Flight<'_, R> {
     #[must_use]
     pub fn cells(&self) -> &[Cell] {
         self.world.cells()
+    }
+
+    /// The number of the present start of a robot.
+    #[must_use]
+    pub fn epoch(&self, robot: usize) -> u32 {
+        self.epochs[robot]
     }
 
     /// The cell that each robot is moving to; during the move it occupies both.

@@ -20,6 +20,10 @@ pub trait AnyRobot {
     fn report(&self) -> Report;
     /// The traffic of its frames.
     fn link_report(&self) -> LinkReport;
+    /// Whether the numbers of this epoch's frames are used up, so that it must start again.
+    fn needs_new_epoch(&self) -> bool {
+        false
+    }
     /// The leaf of its tree that is running.
     fn activity(&self) -> Option<&'static str>;
     /// The nodes of its tree that its last tick has changed, unless they are those of the tick
@@ -66,6 +70,10 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     fn link_report(&self) -> LinkReport {
         Controller::link_report(self)
+    }
+
+    fn needs_new_epoch(&self) -> bool {
+        Controller::needs_new_epoch(self)
     }
 
     fn activity(&self) -> Option<&'static str> {

@@ -62,6 +62,16 @@ impl World {
         self.under_way[robot].is_some()
     }
 
+    /// Breaks off the move of a robot that is between two cells: its drive centres it on the one
+    /// where that began, or on the one where it was to end, in as many ticks as a move takes.
+    pub(crate) fn break_off(&mut self, robot: usize, goes_back: bool) {
+        let Some(passage) = &mut self.under_way[robot] else { return };
+        passage.ticks = self.paces[robot];
+        if goes_back {
+            std::mem::swap(&mut passage.to, &mut self.cells[robot]);
+        }
+    }
+
     /// Free and blocked cells as they are now.
     pub(crate) fn floor(&self) -> &Floor {
         &self.floor
@@ -262,6 +272,22 @@ mod tests {
         assert!(world.is_moving(0) && world.cells()[0] == Cell(0));
         world.carry_out(&[Move::Wait, Move::Wait]);
         assert_eq!((world.cells()[0], entering(&world)), (Cell(1), vec![None, None]));
+    }
+
+    #[test]
+    fn a_robot_whose_move_is_broken_off_is_in_both_cells_until_it_is_centred() {
+        for (goes_back, end) in [(false, 1), (true, 0)] {
+            let mut world = world("[[robot]]\npace = 3");
+            world.carry_out(&[Move::Right, Move::Wait]);
+            world.break_off(0, goes_back);
+            world.break_off(1, goes_back);
+            for _ in 0..3 {
+                let both = [world.cells()[0], world.entering().next().flatten().expect("it is moving")];
+                assert!(both.contains(&Cell(0)) && both.contains(&Cell(1)));
+                world.carry_out(&[Move::Wait; 2]);
+            }
+            assert!(!world.is_moving(0) && world.cells() == [Cell(end), Cell(5)]);
+        }
     }
 
     #[test]

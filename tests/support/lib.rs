@@ -5,6 +5,7 @@ pub mod chips;
 pub mod dense;
 pub mod elf;
 pub mod gdb;
+pub mod ground;
 pub mod handling;
 pub mod judge;
 pub mod nor_flash;
