@@ -6,6 +6,7 @@ mod lines;
 mod look_outs;
 mod members;
 mod obstacles;
+mod twins;
 
 use firmware::missions::{LAYERS, NODES, POLICIES};
 use host_sim::{EventEffect, Faults, NavigatorFlight, Radio, Reading, reproduce};

@@ -258,8 +258,12 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
             &own
         };
         let mut buffer = [0; MAX_FRAME];
-        let taken =
-            encode(envelope, auth, self.context, &mut buffer).is_ok_and(|frame| self.hardware.send(frame));
+        let frame = encode(envelope, auth, self.context, &mut buffer);
+        let noted = passed_on.is_none().then_some(envelope.stamp).zip(frame.ok());
+        let taken = frame.is_ok_and(|frame| self.hardware.send(frame));
+        if let Some((stamp, frame)) = noted {
+            self.roster.note_sent(stamp, frame);
+        }
         let counter = if taken { &mut self.sent } else { &mut self.unsent };
         *counter = counter.saturating_add(1);
         // A refused frame is not repeated: the next one is complete and newer.

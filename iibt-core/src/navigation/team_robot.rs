@@ -74,6 +74,8 @@ pub struct Navigation<'m, const S: usize, const W: usize, const L: usize, const 
     listing: Option<Digest>,
     weighed: WeighedPolicies<K>,
     moving: bool,
+    /// Whether another robot with the number of this one has been heard: it stands then.
+    has_twin: bool,
     /// The cells between which the robot is, from the command until it knows where that has led.
     under_way: Option<(Cell, Cell)>,
     command: Option<Move>,
@@ -126,6 +128,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             listing: None,
             weighed: WeighedPolicies::NONE,
             moving: false,
+            has_twin: false,
             under_way: None,
             command: None,
             waiting: None,

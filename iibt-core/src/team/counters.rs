@@ -25,6 +25,8 @@ pub struct Counters {
     pub invalid: u32,
     /// [`Refused::Own`].
     pub own: u32,
+    /// [`Refused::Twin`].
+    pub twin: u32,
     /// [`Refused::Unknown`].
     pub unknown: u32,
     /// [`Refused::Foreign`].
@@ -46,6 +48,7 @@ impl Counters {
         body: 0,
         invalid: 0,
         own: 0,
+        twin: 0,
         unknown: 0,
         foreign: 0,
         duplicate: 0,
@@ -57,7 +60,7 @@ impl Counters {
     pub fn refused(&self) -> u32 {
         let decoding =
             [self.too_long, self.cobs, self.too_short, self.version, self.tag, self.body, self.invalid];
-        let hearing = [self.own, self.unknown, self.foreign, self.duplicate, self.outdated];
+        let hearing = [self.own, self.twin, self.unknown, self.foreign, self.duplicate, self.outdated];
         decoding.into_iter().chain(hearing).fold(0, u32::saturating_add)
     }
 
@@ -71,6 +74,7 @@ impl Counters {
             Ok(_) => &mut self.accepted,
             Err(Refused::Frame(error)) => self.decoding(error),
             Err(Refused::Own) => &mut self.own,
+            Err(Refused::Twin) => &mut self.twin,
             Err(Refused::Unknown) => &mut self.unknown,
             Err(Refused::Foreign(_)) => &mut self.foreign,
             Err(Refused::Duplicate) => &mut self.duplicate,
@@ -107,6 +111,7 @@ mod tests {
             Refused::Frame(DecodeError::Body),
             Refused::Frame(DecodeError::Invalid(Invalid(""))),
             Refused::Own,
+            Refused::Twin,
             Refused::Unknown,
             Refused::Foreign(Invalid("")),
             Refused::Duplicate,
@@ -127,13 +132,14 @@ mod tests {
             body: 1,
             invalid: 1,
             own: 1,
+            twin: 1,
             unknown: 1,
             foreign: 1,
             duplicate: 1,
             outdated: 1,
         };
         assert_eq!(counters, expected);
-        assert_eq!(counters.refused(), 12);
+        assert_eq!(counters.refused(), 13);
     }
 
     #[test]

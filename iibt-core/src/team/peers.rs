@@ -67,6 +67,13 @@ impl<'a, M: Message> Peers<'a, M> {
         self.roster.own()
     }
 
+    /// Whether another robot with the number of this one has been heard; see
+    /// [`Roster::has_twin`].
+    #[must_use]
+    pub const fn has_twin(self) -> bool {
+        self.roster.has_twin()
+    }
+
     /// The number of robots in the team, this one included.
     #[must_use]
     pub const fn team(self) -> usize {

@@ -57,8 +57,13 @@ pub struct Roster<M> {
     places: [u8; MAX_TEAM],
     /// When the lost peers were marked the last time.
     expired: Option<Instant>,
+    /// The stamp and the end of the newest frame of this robot.
+    sent: Option<(Stamp, [u8; TAIL])>,
     counters: Counters,
 }
+
+/// The bytes at the end of a frame that tell it from others: those of its tag.
+const TAIL: usize = 8;
 
 /// A teammate that has been heard.
 #[derive(Clone, Debug)]
@@ -90,9 +95,12 @@ pub enum Refused {
     /// The bytes are not a frame.
     #[error("no frame: {0}")]
     Frame(DecodeError),
-    /// The sender is this robot itself: an echo, or two robots with the same number.
+    /// An echo: a frame that this robot has sent, or may have sent before it started.
     #[error("from this robot itself")]
     Own,
+    /// A frame with the number of this robot that it has not sent: another robot has its number.
+    #[error("from another robot with the number of this one")]
+    Twin,
     /// The team has no such robot.
     #[error("from a robot outside the team")]
     Unknown,
@@ -112,7 +120,7 @@ impl<M: Message> Roster<M> {
     #[must_use]
     pub const fn new(member: Member, limits: Limits) -> Self {
         let (peers, places) = ([const { None }; MAX_TEAM], [0, 1, 2, 3, 4, 5, 6, 7]);
-        Self { member, limits, peers, places, expired: None, counters: Counters::NONE }
+        Self { member, limits, peers, places, expired: None, sent: None, counters: Counters::NONE }
     }
 
     /// Receives a frame, without its delimiters, at an instant; the task may refuse its message.
@@ -131,11 +139,30 @@ impl<M: Message> Roster<M> {
     ) -> Result<Heard, Refused> {
         let mut room = [0; MAX_PLAIN + 1];
         let outcome = match unseal(frame, auth, context, &mut room) {
-            Ok((header, content)) => self.read(&header, content, now, accepts),
+            Ok((header, content)) => match self.read(&header, content, now, accepts) {
+                Err(Refused::Own) if !self.may_have_sent(header.stamp(), frame) => Err(Refused::Twin),
+                outcome => outcome,
+            },
             Err(error) => Err(Refused::Frame(error)),
         };
         self.counters.count(outcome);
         outcome
+    }
+
+    /// Notes a frame that this robot sends, with its delimiters or without: [`receive`](Self::receive)
+    /// tells an echo from the frame of another robot with the same number.
+    ///
+    /// Frames are noted in the order of their stamps.
+    pub fn note_sent(&mut self, stamp: Stamp, frame: &[u8]) {
+        self.sent = Some((stamp, tail(frame)));
+    }
+
+    /// Whether another robot with the number of this one has been heard since this one started.
+    ///
+    /// Neither can know which of them the teammates hear.
+    #[must_use]
+    pub const fn has_twin(&self) -> bool {
+        self.counters.twin > 0
     }
 
     /// Receives a message that needs no check of authenticity.
@@ -243,6 +270,12 @@ impl<M: Message> Roster<M> {
         Ok(heard)
     }
 
+    /// Whether this robot may have sent a frame with its number: not one that is newer than its
+    /// newest, nor another one with the same stamp. What it sent in a life before it does not know.
+    fn may_have_sent(&self, stamp: Stamp, frame: &[u8]) -> bool {
+        self.sent.is_none_or(|(newest, end)| stamp < newest || (stamp == newest && end == tail(frame)))
+    }
+
     /// What is in the place of a robot.
     fn stored(&self, robot: RobotId) -> Option<&Peer<M>> {
         let &place = self.places.get(robot.index())?;
@@ -265,6 +298,12 @@ impl<M: Message> Roster<M> {
         }
         judge(self.stored(sender).map(|peer| peer.envelope.stamp), stamp)
     }
+}
+
+/// The end of a frame, without a delimiter.
+fn tail(frame: &[u8]) -> [u8; TAIL] {
+    let frame = frame.strip_suffix(&[0]).unwrap_or(frame);
+    frame.last_chunk().copied().unwrap_or_default()
 }
 
 /// The place of a stamp for a receiver whose newest of the same sender is `newest`.
@@ -318,6 +357,7 @@ impl<M> Peer<M> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::team::{Key, MAX_FRAME, SipHash64, encode};
     use crate::time::Duration;
     use serde::{Deserialize, Serialize};
     use std::vec::Vec;
@@ -395,6 +435,27 @@ mod tests {
             assert_eq!(roster.hear(by(stranger, 1), Instant(0)), Err(Refused::Unknown), "robot {stranger}");
         }
         assert_eq!(roster.peers().count(), 0);
+    }
+
+    #[test]
+    fn tells_an_echo_from_another_robot_with_its_number() {
+        let (auth, context) = (SipHash64::new(Key::new([7; 16])), Context::of::<Here>(0, 0));
+        let mut roster = roster(3);
+        let mut room = [[0; MAX_FRAME]; 5];
+        let sent = [(2, 6, true), (2, 7, true), (2, 7, false), (2, 8, true), (3, 0, true)];
+        let frame = |(said, room)| encode(said, &auth, context, room).unwrap().to_vec();
+        let said = sent.map(|(epoch, sequence, takes_part)| said(0, epoch, sequence, takes_part));
+        let frames: Vec<Vec<u8>> = said.iter().zip(&mut room).map(frame).collect();
+        let mut heard = |roster: &mut Roster<Here>, frame: usize| {
+            let bytes = frames[frame].strip_prefix(&[0]).and_then(|frame| frame.strip_suffix(&[0])).unwrap();
+            roster.receive(bytes, &auth, context, Instant(0), |_| Ok(())).unwrap_err()
+        };
+        assert_eq!(heard(&mut roster, 4), Refused::Own, "from before it sends: it cannot tell");
+        (0..2).for_each(|frame| roster.note_sent(said[frame].stamp, &frames[frame]));
+        assert_eq!([0, 1].map(|frame| heard(&mut roster, frame)), [Refused::Own; 2]);
+        assert!(!roster.has_twin());
+        assert_eq!([2, 3, 4].map(|frame| heard(&mut roster, frame)), [Refused::Twin; 3]);
+        assert!(roster.has_twin() && roster.counters().twin == 3);
     }
 
     #[test]
@@ -487,11 +548,11 @@ mod tests {
 
     #[test]
     fn what_the_task_does_not_accept_changes_nothing() {
-        let auth = crate::team::SipHash64::new(crate::team::Key::new([7; 16]));
+        let auth = SipHash64::new(Key::new([7; 16]));
         let context = Context::of::<Here>(0, 0);
         let mut roster = roster(2);
-        let mut buffer = [0; crate::team::MAX_FRAME];
-        let frame = crate::team::encode(&by(1, 1), &auth, context, &mut buffer).unwrap();
+        let mut buffer = [0; MAX_FRAME];
+        let frame = encode(&by(1, 1), &auth, context, &mut buffer).unwrap();
         let frame = &frame[1..frame.len() - 1];
         let refusal = Invalid("of another kind");
         let refused = roster.receive(frame, &auth, context, Instant(0), |_| Err(refusal));

@@ -180,10 +180,11 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     }
 
     /// Returns what to announce after a tick of the node; `None` until the robot knows where it
-    /// stands.
+    /// stands, and once it has heard another robot with its number.
     #[must_use]
     pub fn intention(&self, peers: Peers<'_, Intention<W, K>>) -> Option<Intention<W, K>> {
-        let rounds = self.rounds.as_ref()?;
+        // Two robots with one number would each pass for the other.
+        let rounds = self.rounds.as_ref().filter(|_| !peers.has_twin())?;
         let policy = rounds.protocol().policy();
         let probability = policy.map_or(0.0, |policy| self.weighed.probability(policy));
         let listed = self.policies.plans().len() as u8;
@@ -198,7 +199,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     }
 
     fn wait_for(&mut self, waiting: Option<Waiting>) {
-        self.waiting = waiting.filter(|_| !self.has_arrived());
+        let waiting = waiting.filter(|_| !self.has_arrived());
+        self.waiting = if self.has_twin { Some(Waiting::Twin) } else { waiting };
     }
 
     /// Whether every other member of the round follows the same plan, by its newest message. How

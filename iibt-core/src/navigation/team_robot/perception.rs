@@ -20,7 +20,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         peers: Peers<'_, Intention<W, K>>,
     ) {
         (self.command, self.left, self.waiting) = (None, self.budget, None);
-        self.moving = percept.moving;
+        (self.moving, self.has_twin) = (percept.moving, peers.has_twin());
         let teammates = Teammates::from(peers);
         let busy = self.busy(&teammates);
         self.waypoints.pass(busy);

@@ -57,6 +57,9 @@ pub enum Waiting {
     /// The teammate is lost, and the others are no quorum without it.
     #[error("waiting for robot {}: it is lost, and the others are no quorum", .0.0)]
     Quorum(RobotId),
+    /// Another robot has the number of this one, so the teammates cannot tell the two apart.
+    #[error("another robot has the number of this one")]
+    Twin,
     /// The numbers of rounds are used up.
     #[error("no numbers of rounds are left")]
     Rounds,
@@ -84,7 +87,7 @@ impl Waiting {
             | Self::Barrier(robot)
             | Self::Arrival(robot)
             | Self::Quorum(robot) => Some(robot),
-            Self::List | Self::Policy | Self::Members | Self::Rounds => None,
+            Self::List | Self::Policy | Self::Members | Self::Twin | Self::Rounds => None,
         }
     }
 }
