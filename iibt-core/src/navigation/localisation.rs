@@ -119,7 +119,7 @@ impl<const S: usize> Localisation<S> {
         // one tells.
         let left = begun.filter(|&step| step != Move::Wait).map(|_| here);
         let reading = reading.filter(|&reading| left != Some(reading));
-        let slip = begun.map_or(0.0, |step| self.slip(step).max(LEAST_SLIP));
+        let slip = begun.map_or(0.0, |step| self.chance_of_slip(step));
         self.infer(map, begun.map(|step| (step, slip)), reading);
         self.position = likeliest(self.belief.as_flat());
     }
@@ -210,8 +210,9 @@ impl<const S: usize> Localisation<S> {
         self.slips.slips()
     }
 
-    fn slip(&self, step: Move) -> f32 {
-        self.slips().get(usize::from(step.code())).copied().unwrap_or(0.0)
+    /// The chance with which a move is taken to fail.
+    pub(super) fn chance_of_slip(&self, step: Move) -> f32 {
+        self.slips().get(usize::from(step.code())).copied().unwrap_or(0.0).max(LEAST_SLIP)
     }
 }
 
