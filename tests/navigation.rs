@@ -2,6 +2,7 @@
 //! obstacles that do.
 
 mod errands;
+mod fallbacks;
 mod lines;
 mod look_outs;
 mod members;
