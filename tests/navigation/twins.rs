@@ -8,7 +8,7 @@ use firmware::Navigator;
 /// times more.
 fn team_and_twin<'m>(mission: &'m Mission<'m, 2>, starts: u32) -> [Team<'m>; 2] {
     let (team, mut twin) = (agreed(mission), team(mission));
-    [0, 2].map(|other| twin.cause(EventEffect::Stop(other, None)));
+    [0, 2].into_iter().for_each(|other| twin.cause(EventEffect::Stop(other, None)));
     (0..starts).for_each(|_| twin.restart(1).expect("it was built before"));
     [team, twin]
 }

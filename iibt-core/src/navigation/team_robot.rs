@@ -63,7 +63,9 @@ pub struct Navigation<'m, const S: usize, const W: usize, const L: usize, const 
     localisation: Localisation<S>,
     obstacles: Obstacles,
     watched: CellSet<W>,
-    /// What is in view and may be teammates.
+    /// Where something is in view now.
+    seen: CellSet<W>,
+    /// What of it may be teammates.
     mates_in_view: CellSet<W>,
     waypoints: Waypoints,
     handover: Handover<S, W>,
@@ -123,6 +125,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             localisation: Localisation::idle(),
             obstacles: Obstacles::NONE,
             watched: CellSet::EMPTY,
+            seen: CellSet::EMPTY,
             mates_in_view: CellSet::EMPTY,
             waypoints: Waypoints::NONE,
             handover: Handover::NONE,

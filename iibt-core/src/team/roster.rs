@@ -443,10 +443,12 @@ mod tests {
         let mut roster = roster(3);
         let mut room = [[0; MAX_FRAME]; 5];
         let sent = [(2, 6, true), (2, 7, true), (2, 7, false), (2, 8, true), (3, 0, true)];
-        let frame = |(said, room)| encode(said, &auth, context, room).unwrap().to_vec();
+        let frame = |(said, room): (&Envelope<Here>, &mut [u8; MAX_FRAME])| {
+            encode(said, &auth, context, room).unwrap().to_vec()
+        };
         let said = sent.map(|(epoch, sequence, takes_part)| said(0, epoch, sequence, takes_part));
         let frames: Vec<Vec<u8>> = said.iter().zip(&mut room).map(frame).collect();
-        let mut heard = |roster: &mut Roster<Here>, frame: usize| {
+        let heard = |roster: &mut Roster<Here>, frame: usize| {
             let bytes = frames[frame].strip_prefix(&[0]).and_then(|frame| frame.strip_suffix(&[0])).unwrap();
             roster.receive(bytes, &auth, context, Instant(0), |_| Ok(())).unwrap_err()
         };

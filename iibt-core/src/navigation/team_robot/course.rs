@@ -27,7 +27,9 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         }
         let (map, obstacles) = (&self.mission.map, &self.obstacles);
         let limits = Limits { map, is_blocked: |cell| obstacles.is_blocked(cell), closed: &self.closed };
-        if !obstacles.is_blocked(to) && self.progress.allows(step, &limits) {
+        // Whatever the team says of a cell, its robot does not run into what it sees there.
+        let is_free = !self.seen.contains(to) && !obstacles.is_blocked(to);
+        if is_free && self.progress.allows(step, &limits) {
             self.begin(Passage { from: here, to, step, is_planned: true });
         }
     }

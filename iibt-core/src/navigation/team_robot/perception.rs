@@ -107,6 +107,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         peers: Peers<'_, Intention<W, K>>,
         teammates: &Teammates<'_, Fact<W>, K>,
     ) {
+        self.seen = percept.hazards.iter().copied().collect();
         self.mates_in_view = CellSet::EMPTY;
         if !percept.hazards.is_empty() {
             self.look_at_hazards(percept, teammates);
