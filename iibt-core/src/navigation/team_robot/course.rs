@@ -46,7 +46,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         }
     }
 
-    pub(super) fn has_decided(&self) -> bool {
+    fn has_decided(&self) -> bool {
         self.rounds.as_ref().is_some_and(|rounds| rounds.protocol().has_decided())
     }
 

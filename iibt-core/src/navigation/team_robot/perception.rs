@@ -42,17 +42,14 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     }
 
     /// Notes to which cells teammates may come, of those that a robot in doubt could enter from
-    /// where its localiser says that it is, and from where it reckons to be. Before the choice is known,
-    /// that is all of them: a choice that becomes known later in this tick counts from the next one on.
+    /// where its localiser says that it is, and from where it reckons to be.
     fn close(&mut self, teammates: &Teammates<'_, Fact<W>, K>) {
         self.closed = CellSet::EMPTY;
         let Some(reckoned) = self.progress.reckoned() else { return };
         for from in [reckoned, self.localisation.position().0] {
             for step in Move::ALL {
                 let cell = self.mission.map.neighbour(from, step);
-                let is_free = self.has_decided()
-                    && (!self.may_be_teammate(cell, teammates) || self.comes_first(cell, teammates));
-                if !is_free {
+                if self.may_be_teammate(cell, teammates) && !self.comes_first(cell, teammates) {
                     self.closed.insert(cell);
                 }
             }
