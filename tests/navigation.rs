@@ -7,7 +7,6 @@ mod lines;
 mod look_outs;
 mod members;
 mod obstacles;
-mod progress;
 mod twins;
 
 use firmware::missions::{LAYERS, NODES, POLICIES};

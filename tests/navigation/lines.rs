@@ -264,7 +264,7 @@ fn line_32_robots_keep_the_order_of_the_plan_however_late_one_is() {
     static GOALS: [Cell; 3] = [Cell(4), Cell(5), Cell(6)];
     let mission = Mission::new(map, &STARTS, &GOALS);
     let mut team = team(&mission);
-    team.set_slip(2, 0.5); // the first of the queue hardly moves
+    team.set_slip(2, 0.8); // the first of the queue hardly moves
     team.set_pace(1, 4);
     fly_watching(
         &mut team,
@@ -294,7 +294,7 @@ fn line_33_what_was_raised_is_gone_once_the_plan_has_served_it() {
 fn lines_34_to_36_a_robot_stands_while_the_next_cell_is_not_left_or_the_barrier_is_not_reached() {
     let mission = factory();
     let mut team = agreed(&mission);
-    team.set_pace(1, 40); // robot 2 does not get on
+    team.set_slip(1, 1.0); // robot 2 does not get on
     let rest: Vec<usize> = team.reports().iter().map(|report| report.path.len()).collect();
     tick(&mut team, 15);
     for robot in [0, 2] {
@@ -305,7 +305,7 @@ fn lines_34_to_36_a_robot_stands_while_the_next_cell_is_not_left_or_the_barrier_
             "{report:?}"
         );
     }
-    team.set_pace(1, 1);
+    team.set_slip(1, 0.0);
     fly_until(&mut team, "all stop", stopped);
 }
 

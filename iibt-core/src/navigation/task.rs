@@ -21,12 +21,10 @@ pub const VISITED: u8 = 3;
 pub const SERVED: u8 = 4;
 /// The logic variable that is false at the end of a plan that misses a goal.
 pub const REACHED: u8 = 5;
-/// The logic variable that is false while the robot's readings do not follow its moves.
-pub const PROGRESS: u8 = 6;
 
 /// What must hold for a joint policy to be followed.
 pub const PRECONDITION: Condition = Condition {
-    all: Logic::of(&[ON_COURSE, CHARGED, VISITED, SERVED, REACHED, PROGRESS]),
+    all: Logic::of(&[ON_COURSE, CHARGED, VISITED, SERVED, REACHED]),
     none: Logic::of(&[BLOCKED]),
 };
 
@@ -51,7 +49,6 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             .with(VISITED, serves(|purpose| matches!(purpose, Purpose::Visit(_))))
             .with(SERVED, serves(|purpose| *purpose == Purpose::Goal))
             .with(REACHED, !self.is_complete() || !self.misses_a_goal())
-            .with(PROGRESS, !self.is_stuck())
     }
 
     /// Whether the plan leaves a goal out that it should reach.
@@ -120,14 +117,12 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     fn raise(&mut self, missing: Literal, (): &(), purpose: &mut Purpose) {
         let cause = match missing.variable {
-            _ if self.is_stuck() && !self.stands() => Cause::NoProgress,
             BLOCKED => Cause::Obstacle,
             ON_COURSE => Cause::Position,
             CHARGED => Cause::Battery,
             VISITED => Cause::WayPoint,
             SERVED => Cause::Free,
             // Another round would come to the same as long as nothing new is known.
-            PROGRESS => return,
             _ if self.has_news() => Cause::Shortfall,
             _ => return,
         };
@@ -141,6 +136,5 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     fn wait(&mut self) {
         self.stand();
-        self.try_a_move();
     }
 }

@@ -10,11 +10,9 @@ use super::fact::Fact;
 use super::handover::Handover;
 use super::obstacles::Obstacles;
 use super::policies::{OnMap, Policies, TeamPlan};
-use super::progress::{Passage, Progress};
 use super::{
     Announced, Cause, Intention, Localisation, MAX_GOALS, MAX_OBSTACLES, Mission, MissionError, Purpose,
 };
-use crate::bounded::up_to;
 use crate::grid::{Cell, CellSet, Move};
 use crate::inference::WeighedPolicies;
 use crate::team::rounds::{Digest, Rounds, Waiting};
@@ -80,11 +78,8 @@ pub struct Navigation<'m, const S: usize, const W: usize, const L: usize, const 
     moving: bool,
     /// Whether another robot with the number of this one has been heard: it stands then.
     has_twin: bool,
-    /// The move that the robot makes, from the command until it knows where that has led.
-    under_way: Option<Passage>,
-    progress: Progress,
-    /// The cells to which teammates may come, of those that a robot in doubt may enter.
-    closed: CellSet<W>,
+    /// The cells between which the robot is, from the command until it knows where that has led.
+    under_way: Option<(Cell, Cell)>,
     command: Option<Move>,
     waiting: Option<Waiting>,
     /// Why another round is wanted.
@@ -138,8 +133,6 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             moving: false,
             has_twin: false,
             under_way: None,
-            progress: Progress::NONE,
-            closed: CellSet::EMPTY,
             command: None,
             waiting: None,
             wanted: None,
@@ -312,9 +305,6 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
 
     /// What the robot is for now.
     pub(super) fn purpose(&self) -> Purpose {
-        if self.is_stuck() {
-            return Purpose::Stand;
-        }
         if self.charges {
             return self.mission.charger(self.robot()).map_or(Purpose::Stand, Purpose::Charge);
         }
@@ -325,25 +315,8 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         Fact { anchor, purpose, evidence: self.evidence() }
     }
 
-    /// The evidence to announce as of now: first the cells on which a robot in doubt may be, which
-    /// nobody is to enter.
+    /// The evidence about obstacles that the robot announces now.
     fn evidence(&self) -> Announced {
-        let claims = self.progress.claims().filter(|_| self.member.team() > 1);
-        let is_claimed = |cell: Cell| claims.clone().any(|claim| claim.cell == cell);
-        let seen = self.obstacles.strongest(Intention::<W, K>::PLACES);
-        let seen = seen.iter().copied().filter(|known| !is_claimed(known.cell));
-        let mut evidence: Announced = up_to(claims.clone().chain(seen).take(Intention::<W, K>::PLACES));
-        evidence.sort_unstable_by_key(|known| known.cell);
-        evidence
-    }
-
-    /// Whether the readings of the robot do not follow its moves: it stands until they do.
-    pub(super) fn is_stuck(&self) -> bool {
-        self.progress.is_stuck()
-    }
-
-    /// Whether the robot has told its team that it stands.
-    pub(super) fn stands(&self) -> bool {
-        self.announced().is_some_and(|fact| fact.purpose == Purpose::Stand)
+        self.obstacles.strongest(Intention::<W, K>::PLACES)
     }
 }

@@ -1,7 +1,6 @@
 //! The path that a robot follows: its next move, and what lies on it.
 
 use super::super::policies::moves_of;
-use super::super::progress::{Limits, Passage};
 use super::super::report::steps_after;
 use super::{Fact, Navigation};
 use crate::grid::{Cell, Move, Path};
@@ -25,35 +24,12 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             // It is this robot's turn only since this tick, and so what is there is no teammate.
             self.obstacles.look(to, true);
         }
-        let (map, obstacles) = (&self.mission.map, &self.obstacles);
-        let limits = Limits { map, is_blocked: |cell| obstacles.is_blocked(cell), closed: &self.closed };
         // Whatever the team says of a cell, its robot does not run into what it sees there.
-        let is_free = !self.seen.contains(to) && !obstacles.is_blocked(to);
-        if is_free && self.progress.allows(step, &limits) {
-            self.begin(Passage { from: here, to, step, is_planned: true });
+        if !self.seen.contains(to) && !self.is_blocked(to) {
+            self.command = Some(step);
+            self.localisation.begin(step);
+            self.under_way = Some((here, to));
         }
-    }
-
-    /// Tries a move that is not part of the plan, where the robot is in doubt whether its readings
-    /// follow its moves, and has long made none.
-    pub(in crate::navigation) fn try_a_move(&mut self) {
-        let may_try = self.has_decided() && !self.has_twin;
-        let Some(from) = self.standing().filter(|_| may_try) else { return };
-        let (map, obstacles) = (&self.mission.map, &self.obstacles);
-        let limits = Limits { map, is_blocked: |cell| obstacles.is_blocked(cell), closed: &self.closed };
-        if let Some((step, to)) = self.progress.trial(&limits) {
-            self.begin(Passage { from, to, step, is_planned: false });
-        }
-    }
-
-    fn has_decided(&self) -> bool {
-        self.rounds.as_ref().is_some_and(|rounds| rounds.protocol().has_decided())
-    }
-
-    fn begin(&mut self, passage: Passage) {
-        self.command = Some(passage.step);
-        self.localisation.begin(passage.step);
-        self.under_way = Some(passage);
     }
 
     /// The next move and where it leads, if it is the robot's turn.
@@ -104,9 +80,6 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     /// Line 35: stands.
     pub(in crate::navigation) const fn stand(&mut self) {
-        // A move that was begun in this tick is made.
-        if self.under_way.is_none() {
-            self.command = None;
-        }
+        self.command = None;
     }
 }

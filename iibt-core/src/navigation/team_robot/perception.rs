@@ -1,11 +1,10 @@
 //! What a robot senses and hears: where it is, what is in its view, and what is left to visit.
 
 use super::super::claim::Cells;
-use super::super::policies::moves_of;
 use super::super::{Fact, GridPercept, Intention};
 use super::Navigation;
-use crate::grid::{Cell, CellSet, Move};
-use crate::team::rounds::{Answer, JointPolicies, RoundMessage, Rounds, Teammates, Timing};
+use crate::grid::{Cell, CellSet};
+use crate::team::rounds::{Answer, RoundMessage, Rounds, Teammates, Timing};
 use crate::team::{Peers, RobotId};
 
 /// The ticks of silence after which a member may be anywhere.
@@ -37,43 +36,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             }
         }
         self.attend(&teammates, busy);
-        self.close(&teammates);
         self.hand_over(peers, &teammates);
-    }
-
-    /// Notes to which cells teammates may come, of those that a robot in doubt could enter from
-    /// where its localiser says that it is, and from where it reckons to be.
-    fn close(&mut self, teammates: &Teammates<'_, Fact<W>, K>) {
-        self.closed = CellSet::EMPTY;
-        let Some(reckoned) = self.progress.reckoned() else { return };
-        for from in [reckoned, self.localisation.position().0] {
-            for step in Move::ALL {
-                let cell = self.mission.map.neighbour(from, step);
-                if self.may_be_teammate(cell, teammates) && !self.comes_first(cell, teammates) {
-                    self.closed.insert(cell);
-                }
-            }
-        }
-    }
-
-    /// Whether the robot is to come to a cell by its plan before all teammates that have not left it
-    /// yet: they wait for its report.
-    fn comes_first(&self, cell: Cell, teammates: &Teammates<'_, Fact<W>, K>) -> bool {
-        let (Some(rounds), Some(list)) = (&self.rounds, self.on_map()) else { return false };
-        let protocol = rounds.protocol();
-        let (Some(policy), Some(digest)) = (protocol.policy(), protocol.digest()) else { return false };
-        let Some((path, step)) = self.course() else { return false };
-        let map = &self.mission.map;
-        let own = self.robot();
-        let enters = |moves: &u16| {
-            list.next_move(policy, own, *moves).is_some_and(|(at, _)| path.cell_at(map, at + 1) == cell)
-        };
-        let Some(moves) = (step..moves_of(path)).find(enters) else { return false };
-        list.view.without(own).iter().all(|robot| {
-            let answer = teammates.get(robot).map(|heard| &heard.message.answer);
-            let answer = answer.filter(|answer| answer.digest() == Some(digest));
-            answer.is_some_and(|answer| list.is_clear(policy, own, moves, robot, answer.step()))
-        })
     }
 
     fn locate(&mut self, reading: Option<Cell>) {
@@ -82,15 +45,12 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         }
         let map = &self.mission.map;
         self.localisation.update(map, reading);
-        self.progress.pass();
         let Some(here) = self.localisation.here() else { return };
-        let passage = self.under_way.take();
         let obstacles = &self.obstacles;
-        let is_blocked = |cell| obstacles.is_blocked(cell);
-        let slip = passage.map_or(1.0, |passage| self.localisation.chance_of_slip(passage.step));
-        self.progress.settle(map, here, passage, slip, is_blocked);
-        self.localisation.learn(map, here, is_blocked);
-        if passage.is_some_and(|passage| passage.is_planned && here == passage.to)
+        self.localisation.learn(map, here, |cell| obstacles.is_blocked(cell));
+        if let Some((from, to)) = self.under_way.take()
+            && here == to
+            && from != to
             && let Some(rounds) = &mut self.rounds
         {
             rounds.protocol_mut().advance();
