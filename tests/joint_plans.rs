@@ -167,40 +167,26 @@ fn what_is_left_of_the_budget_changes_no_plan() {
 }
 
 #[test]
-fn a_plan_is_executed_as_it_was_simulated_and_listed() {
+fn a_plan_is_executed_as_it_was_simulated() {
     let (mut random, mut list) = (Random::new(14), List::new());
     let (mut together, mut barriers) = (0, 0);
-    for _ in 0..3_000 {
+    for number in 0..3_000 {
         let case = Case::random(&mut random, 8, 8);
-        assert_executed_as_listed(&mut list, &case);
+        let (policies, _, _) = listed(&mut list, &case, 4, u32::MAX);
+        for plan in policies {
+            let lasts =
+                executed(&case, &plan).unwrap_or_else(|| panic!("problem {number}: a standstill {plan:?}"));
+            let simulated = plan.execution(&case.map).expect("no standstill");
+            let (first, last) = (lasts.iter().min(), lasts.iter().max());
+            assert_eq!(simulated.ticks, last.map_or(0, |last| last + 1), "problem {number}: {plan:?}");
+            assert_eq!(simulated.spread, last.zip(first).map_or(0, |(last, first)| last - first));
+        }
         let run = list.policies()[0].execution(&case.map).expect("no standstill");
-        together += usize::from(list.policies()[0].is_together() && run.is_together());
-        barriers += usize::from(list.policies()[0].is_together() && !run.is_together());
+        together += usize::from(list.policies()[0].is_together() && run.spread <= 1);
+        barriers += usize::from(list.policies()[0].is_together() && run.spread > 1);
     }
     println!("{together} of 3000 plans arrive together, {barriers} more have a barrier");
     assert!(together > 2_500 && barriers > 0, "{together} arrive together, {barriers} more have a barrier");
-    for _ in 0..1_000 {
-        let case = Case::random(&mut random, 8, 8).with_everything(&mut random);
-        assert_executed_as_listed(&mut list, &case);
-    }
-}
-
-/// Executes the policies of a problem, and compares with what the planner and its list say.
-fn assert_executed_as_listed(list: &mut List, case: &Case) {
-    let (policies, _, _) = listed(list, case, 4, u32::MAX);
-    for (plan, listed) in policies.iter().zip(list.executions()) {
-        let ends = executed(case, plan).unwrap_or_else(|| panic!("a standstill: {case:?} {plan:?}"));
-        let simulated = plan.execution(&case.map).expect("no standstill");
-        let (first, last) = (ends.iter().min(), ends.iter().max());
-        let ticks = usize::from(simulated.ticks);
-        assert_eq!(ticks, last.map_or(0, |last| last + 1), "{case:?} {plan:?}");
-        let spread = usize::from(simulated.spread);
-        assert_eq!(spread, last.zip(first).map_or(0, |(last, first)| last - first), "{case:?} {plan:?}");
-        // One that sets out later is listed with its first waits.
-        let waits = usize::from(listed.ticks) - ticks;
-        assert!(waits == 0 || plan.steps() == policies[0].steps() + waits, "{listed:?}: {case:?} {plan:?}");
-        assert_eq!(listed.spread, simulated.spread, "{case:?} {plan:?}");
-    }
 }
 
 /// Robots `1` to `8` of a drawing, and its goals `G` or those given.

@@ -7,9 +7,7 @@ use super::frame_size::listed;
 use super::mission::{MAX_GOALS, Mission};
 use super::unknown::{MAX_UNKNOWNS, Open, Unknown, nearest};
 use crate::bounded::up_to;
-use crate::grid::joint::{
-    Errand, Execution, Failure, JointPlan, LATER_TOGETHER, LookOut, PolicyList, Problem, Target,
-};
+use crate::grid::joint::{Errand, Failure, JointPlan, LATER_TOGETHER, LookOut, PolicyList, Problem, Target};
 use crate::grid::{Cell, CellSet, Map, Move, Path};
 use crate::iibt::{cheapest_policy, weigh};
 use crate::inference::WeighedPolicies;
@@ -23,8 +21,8 @@ pub type TeamPlan = JointPlan<MAX_TEAM>;
 /// What it costs, in eighths of a tick, to end on a goal less than needed.
 const SHORT: usize = 8 * 32;
 
-/// What it costs, in eighths of a tick, to arrive more than a tick apart, and as much again to do so
-/// without waiting for each other: more than the ticks by which a plan may be longer for it.
+/// What it costs, in eighths of a tick, not to arrive together: more than the steps by which a plan
+/// may be longer for it, and an idle end.
 const APART: usize = 8 * (LATER_TOGETHER + 1);
 
 /// The members of a round with their facts, in the order of their numbers.
@@ -137,7 +135,7 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
 
     /// The policies as far as they are made, with what the rounds ask about them.
     pub(super) fn on_map<'a>(&'a self, mission: &'a Mission<'a, W>, view: View) -> OnMap<'a, W, K> {
-        OnMap { open: self.open, ..OnMap::new(mission, self.plans(), self.list.executions(), view) }
+        OnMap { open: self.open, ..OnMap::new(mission, self.plans(), view) }
     }
 
     /// Returns why the robots do not come to all their targets, if they do not.
@@ -189,20 +187,13 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
             *budget = budget.checked_sub(1)?;
             let Some(plan) = combinations.next(mission, members, closed) else { break };
             let has_room = self.plans().len() < most;
-            if plan.is_some_and(|plan| !has_room || !self.list.offer(plan, by_the_clock(&plan))) {
+            if plan.is_some_and(|plan| !has_room || !self.list.offer(plan)) {
                 break;
             }
         }
         self.combinations = None;
         Some(())
     }
-}
-
-/// The execution of paths given by hand, whose robots come when they say.
-fn by_the_clock(plan: &TeamPlan) -> Execution {
-    let arrivals = plan.paths().iter().filter_map(|path| Some(made(path).last()?.0 + 1));
-    let (ticks, first) = (plan.steps(), arrivals.min().unwrap_or(plan.steps()));
-    Execution { ticks: ticks as u16, spread: ticks.saturating_sub(first) as u16 }
 }
 
 /// What a planner is asked for.
@@ -320,8 +311,6 @@ struct Entry {
 pub(super) struct OnMap<'a, const W: usize, const K: usize> {
     pub mission: &'a Mission<'a, W>,
     pub plans: &'a [TeamPlan],
-    /// The execution of each.
-    executions: &'a [Execution],
     pub view: View,
     pub open: Open,
     /// The question and the answer of the last [`entry`](Self::entry): it is asked of each
@@ -331,13 +320,8 @@ pub(super) struct OnMap<'a, const W: usize, const K: usize> {
 
 impl<'a, const W: usize, const K: usize> OnMap<'a, W, K> {
     /// Policies of a round in which nothing is unknown.
-    pub(super) const fn new(
-        mission: &'a Mission<'a, W>,
-        plans: &'a [TeamPlan],
-        executions: &'a [Execution],
-        view: View,
-    ) -> Self {
-        Self { mission, plans, executions, view, open: Open::NONE, entry: core::cell::Cell::new(None) }
+    pub(super) const fn new(mission: &'a Mission<'a, W>, plans: &'a [TeamPlan], view: View) -> Self {
+        Self { mission, plans, view, open: Open::NONE, entry: core::cell::Cell::new(None) }
     }
 
     /// The path of a member in a policy.
@@ -407,21 +391,16 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
         self.plans.len()
     }
 
-    /// The ticks of the execution, an eighth of a tick for each tick that the first robot to arrive
-    /// waits for the last, five ticks or ten if they do not arrive together, the goals that are
-    /// missed, and what it is worth to have looked at cells at which none looks.
+    /// The steps of the plan, an eighth of a tick for each step that the first robot to arrive
+    /// waits for the last, five ticks if they do not arrive together, the goals that are missed,
+    /// and what it is worth to have looked at cells at which none looks.
     fn cost(&self, policy: usize) -> u16 {
-        let Some((plan, run)) = self.plans.get(policy).zip(self.executions.get(policy)) else {
-            return u16::MAX;
-        };
-        let apart = match (run.is_together(), plan.is_together()) {
-            (true, _) => 0,
-            (false, true) => APART,
-            (false, false) => 2 * APART,
-        };
+        let Some(plan) = self.plans.get(policy) else { return u16::MAX };
+        let arrivals = plan.paths().iter().filter_map(|path| Some(made(path).last()?.0 + 1));
+        let idle = plan.steps() - arrivals.min().unwrap_or(plan.steps()).min(plan.steps());
+        let apart = if plan.is_together() { 0 } else { APART };
         let unseen = self.open.cost(self.mission, plan.paths());
-        let time = 8 * usize::from(run.ticks) + usize::from(run.spread);
-        let cost = time + apart + SHORT * plan.short_by() + unseen;
+        let cost = 8 * plan.steps() + idle + apart + SHORT * plan.short_by() + unseen;
         u16::try_from(cost).unwrap_or(u16::MAX)
     }
 
@@ -487,17 +466,13 @@ mod tests {
         TeamPlan::new(&paths.iter().map(through).collect::<std::vec::Vec<_>>()).unwrap()
     }
 
-    fn executed(plans: &[TeamPlan]) -> std::vec::Vec<Execution> {
-        plans.iter().map(|plan| plan.execution(&mission().map).unwrap()).collect()
-    }
-
     #[test]
     fn a_cell_is_entered_once_those_before_have_left_it() {
         // Robot 0 waits on cell 1 and goes on to 2; robot 2 comes after it; robot 1 is left out.
         let plans = [plan(&[&[0, 1, 1, 2], &[8, 8, 8, 8, 1]])];
         let view = View::full(3).without(RobotId(1));
         let mission = mission();
-        let policies = OnMap::<2, 16>::new(&mission, &plans, &[], view);
+        let policies = OnMap::<2, 16>::new(&mission, &plans, view);
         let (first, second) = (RobotId(0), RobotId(2));
         assert_eq!([0, 1, 2].map(|done| policies.is_clear(0, second, 0, first, done)), [false, false, true]);
         assert!(policies.is_clear(0, first, 0, second, 0), "who comes later is not waited for");
@@ -526,7 +501,7 @@ mod tests {
         for _ in 0..500 {
             let (own, other) = (walk(8), walk(10));
             let plans = [TeamPlan::new(&[own, other]).unwrap()];
-            let policies = OnMap::<2, 16>::new(&mission, &plans, &[], view);
+            let policies = OnMap::<2, 16>::new(&mission, &plans, view);
             let at = |path: &Path, time: usize| path.cell_at(&mission.map, time);
             let made =
                 |path: &Path, time: usize| path.moves().take(time).filter(|&step| step != Move::Wait).count();
@@ -556,7 +531,7 @@ mod tests {
     fn a_claim_is_what_is_left_of_the_path() {
         let plans = [plan(&[&[0, 1, 1, 2], &[14]])];
         let mission = mission();
-        let policies = OnMap::<2, 16>::new(&mission, &plans, &[], View::full(2));
+        let policies = OnMap::<2, 16>::new(&mission, &plans, View::full(2));
         let left = |step| {
             policies.claim(0, RobotId(0), step).0.iter().map(|cell| cell.0).collect::<std::vec::Vec<_>>()
         };
@@ -568,23 +543,19 @@ mod tests {
     }
 
     #[test]
-    fn a_plan_costs_the_ticks_of_its_execution_its_spread_and_the_goals_it_misses() {
+    fn a_plan_costs_its_steps_its_idle_ends_and_the_goals_it_misses() {
         let even = plan(&[&[0, 1, 2], &[14, 15, 16], &[40]]);
-        let uneven = plan(&[&[0, 1], &[14, 15, 16, 17], &[40]]);
-        // The second robot enters the cell of the first one when it has heard that it is left.
-        let in_line = plan(&[&[1, 2, 3, 3], &[0, 0, 1, 2], &[40]]);
-        let plans = [even, uneven, even.with_short_by(1), in_line];
-        let (mission, executions) = (mission(), executed(&plans));
-        let policies = OnMap::<2, 16>::new(&mission, &plans, &executions, View::full(3));
-        let cost = |policy| policies.cost(policy);
-        assert_eq!([0, 1, 2, 3, 4].map(cost), [16, 24 + 2 + 80, 16 + 256, 32 + 2 + 80, u16::MAX]);
+        let uneven = plan(&[&[0, 1], &[14, 15, 16], &[40]]);
+        let plans = [even, uneven, even.with_short_by(1)];
+        let mission = mission();
+        let policies = OnMap::<2, 16>::new(&mission, &plans, View::full(3));
+        assert_eq!([0, 1, 2, 3].map(|policy| policies.cost(policy)), [56, 57, 56 + 256, u16::MAX]);
         assert!(policies.needs(0, RobotId(0)) && !policies.needs(0, RobotId(1)));
         assert!(!policies.is_together(0));
-        let joint = [uneven, in_line].map(|plan| plan.arriving(Arrival::Together));
-        let executions = executed(&joint);
-        let policies = OnMap::<2, 16>::new(&mission, &joint, &executions, policies.view);
+        let joint = [even.arriving(Arrival::Together)];
+        let policies = OnMap::<2, 16>::new(&mission, &joint, policies.view);
         assert!(policies.is_together(0));
-        assert_eq!([0, 1].map(|policy| policies.cost(policy)), [32 + 1, 56 + 2 + 40]);
+        assert_eq!(policies.cost(0), 16);
     }
 
     #[test]
@@ -596,8 +567,8 @@ mod tests {
             &[&[0], &[14], &[40]],
         ];
         let plans = paths.map(plan);
-        let (mission, executions) = (mission(), executed(&plans));
-        let policies = OnMap::<2, 16>::new(&mission, &plans, &executions, View::full(3));
+        let mission = mission();
+        let policies = OnMap::<2, 16>::new(&mission, &plans, View::full(3));
         let mut random = 1_u32;
         for _ in 0..2000 {
             let mut draw = || {

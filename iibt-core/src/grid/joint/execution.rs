@@ -19,25 +19,9 @@ use core::ops::Range;
 pub struct Execution {
     /// The ticks up to the end of the last move; without any wait for a message, the steps of the
     /// plan.
-    pub ticks: u16,
+    pub ticks: usize,
     /// How many ticks the last moves of the first and of the last robot that moves are apart.
-    pub spread: u16,
-}
-
-impl Execution {
-    /// That of a plan in which no robot moves.
-    pub(super) const NONE: Self = Self { ticks: 0, spread: 0 };
-
-    /// Whether the robots that move come to their last cells at most one tick apart.
-    #[must_use]
-    pub const fn is_together(&self) -> bool {
-        self.spread <= 1
-    }
-
-    /// The same after this many ticks in which all stand.
-    pub(super) const fn after(self, ticks: usize) -> Self {
-        Self { ticks: self.ticks.saturating_add(ticks as u16), ..self }
-    }
+    pub spread: usize,
 }
 
 /// What one robot has done of its path.
@@ -60,8 +44,7 @@ impl<const N: usize> JointPlan<N> {
     /// Executes the plan with every message heard at the next tick but one; `None` when it comes to
     /// a standstill before its end: robots wait at the barrier where another one has to pass.
     ///
-    /// Cost: quadratic in the robots, linear in the ticks. Takes 170 bytes of stack for each robot,
-    /// and 260 more.
+    /// Cost: quadratic in the robots, linear in the ticks. Takes 130 bytes of stack for each robot.
     ///
     /// ```
     /// use iibt_core::grid::joint::{Arrival, JointPlan};
@@ -79,41 +62,37 @@ impl<const N: usize> JointPlan<N> {
     #[must_use]
     pub fn execution<const W: usize>(&self, map: &Map<W>) -> Option<Execution> {
         let mut table = [[Cell(0); N]; HORIZON + 1];
-        self.executed(self.is_together(), map, &mut table)
+        run(self.timelines(map), self.is_together(), &mut table)
     }
 }
 
 impl<const N: usize> JointPlan<N> {
-    /// Puts a barrier before the last moves, if that brings them close together; returns the
-    /// execution of the plan.
+    /// Puts a barrier before the last moves, if that brings them close together.
     ///
     /// Takes as many cells of stack as the robots have in `L` steps.
     #[inline(never)]
-    pub(super) fn add_useful_barrier<const W: usize, const L: usize>(&mut self, map: &Map<W>) -> Execution {
+    pub(super) fn add_useful_barrier<const W: usize, const L: usize>(&mut self, map: &Map<W>) {
         let mut table: Table<L, N> = [[Cell(0); N]; L];
-        let together = self.executed(true, map, &mut table).filter(|run| self.is_close(*run));
-        if together.is_some() {
+        if self.spread(map, &mut table).is_some_and(|spread| self.is_close(spread)) {
             self.arrival = Arrival::Together;
         }
-        together.or_else(|| self.executed(false, map, &mut table)).unwrap_or_default()
     }
 
-    /// Executes the plan with or without a barrier before the last moves; `None` where that is a
-    /// standstill. The table is overwritten.
-    pub(super) fn executed<const W: usize, const L: usize>(
+    /// How many ticks the robots arrive apart with a barrier before their last moves; `None` where
+    /// that is a standstill. The table is overwritten.
+    pub(super) fn spread<const W: usize, const L: usize>(
         &self,
-        barrier: bool,
         map: &Map<W>,
         table: &mut Table<L, N>,
-    ) -> Option<Execution> {
-        run(self.timelines(map), barrier, table)
+    ) -> Option<usize> {
+        run(self.timelines(map), true, table).map(|run| run.spread)
     }
 
-    /// Whether robots arrive as close together as goals in series let them: a tick apart from one
-    /// robot to the next.
-    pub(super) fn is_close(&self, run: Execution) -> bool {
+    /// Whether robots that arrive this many ticks apart are as close together as goals in series
+    /// let them be: a tick apart from one robot to the next.
+    pub(super) fn is_close(&self, spread: usize) -> bool {
         let movers = self.paths().iter().filter(|path| !path.is_empty()).count();
-        usize::from(run.spread) <= movers.saturating_sub(1).max(1)
+        spread <= movers.saturating_sub(1).max(1)
     }
 
     fn timelines<'a, const W: usize>(
@@ -133,21 +112,22 @@ pub(super) fn run<const L: usize, const N: usize>(
     table: &mut Table<L, N>,
 ) -> Option<Execution> {
     let mut robots = [Progress::default(); N];
-    let mut timetable = Timetable { table, marks: [0; L], robots: 0 };
+    let mut count = 0;
     for (robot, cells) in robots.iter_mut().zip(plan) {
-        *robot = timetable.add(cells);
+        *robot = decode(table, count, cells);
+        count += 1;
     }
-    let robots = robots.get_mut(..timetable.robots)?;
+    let robots = robots.get_mut(..count)?;
     for (index, robot) in robots.iter_mut().enumerate() {
-        robot.behind = robot.next.and_then(|step| timetable.last_on_target(index, 0..step));
+        robot.behind = robot.next.and_then(|step| last_on_target(table, count, index, 0..step));
     }
     let mut first_end = None;
-    for tick in 0..u16::MAX {
+    for tick in 0.. {
         if robots.iter().all(|robot| robot.next.is_none()) {
-            let spread = (tick - first_end.unwrap_or(tick)).saturating_sub(1);
-            return Some(Execution { ticks: tick, spread });
+            let ends = tick - first_end.unwrap_or(tick);
+            return Some(Execution { ticks: tick, spread: ends.saturating_sub(1) });
         }
-        let (moved, ended) = timetable.advance(robots, barrier);
+        let (moved, ended) = advance(table, robots, barrier);
         if ended {
             first_end = first_end.or(Some(tick));
         }
@@ -158,80 +138,74 @@ pub(super) fn run<const L: usize, const N: usize>(
     None
 }
 
-/// The cells of all robots at every step.
-struct Timetable<'a, const L: usize, const N: usize> {
-    table: &'a mut Table<L, N>,
-    /// By steps, a bit for each robot: that of the number of its cell modulo 32. Where the bit of a
-    /// cell is not set, no robot is on it.
-    marks: [u32; L],
+/// Writes the cells of a path at every step, and finds its first and last moves.
+fn decode<const L: usize, const N: usize>(
+    table: &mut Table<L, N>,
+    index: usize,
+    cells: impl Iterator<Item = Cell>,
+) -> Progress {
+    let mut robot = Progress::default();
+    let mut before = None;
+    for (step, at) in cells.take(L).enumerate() {
+        set(table, step, index, at);
+        if before.replace(at).is_some_and(|before| before != at) {
+            (robot.last_but_one, robot.last) = (robot.last, step);
+            robot.next = robot.next.or(Some(step));
+        }
+    }
+    robot
+}
+
+/// The last of the others that is, in one of these steps, on the cell that a robot enters after
+/// them, and the step after which it is there no longer. Those that were there before that one had
+/// left when it came.
+fn last_on_target<const L: usize, const N: usize>(
+    table: &Table<L, N>,
     robots: usize,
+    index: usize,
+    steps: Range<usize>,
+) -> Option<(usize, usize)> {
+    let target = cell(table, steps.end, index);
+    let before = steps.clone().zip(table.get(steps)?).rev();
+    let mut visits = before.filter_map(|(step, cells)| {
+        let robot = cells.iter().take(robots).position(|&cell| cell == target)?;
+        Some((robot, step + 1))
+    });
+    visits.next().filter(|&(robot, _)| robot != index)
 }
 
-impl<const L: usize, const N: usize> Timetable<'_, L, N> {
-    /// Adds the cells of one more robot, and finds its first and last moves.
-    fn add(&mut self, cells: impl Iterator<Item = Cell>) -> Progress {
-        let mut robot = Progress::default();
-        let mut before = None;
-        for (step, (at, marks)) in cells.zip(&mut self.marks).enumerate() {
-            set(self.table, step, self.robots, at);
-            *marks |= mark(at);
-            if before.replace(at).is_some_and(|before| before != at) {
-                (robot.last_but_one, robot.last) = (robot.last, step);
-                robot.next = robot.next.or(Some(step));
-            }
-        }
-        self.robots += 1;
-        robot
+/// One tick; returns whether anything was done or heard, and whether a robot made its last move.
+fn advance<const L: usize, const N: usize>(
+    table: &Table<L, N>,
+    robots: &mut [Progress],
+    barrier: bool,
+) -> (bool, bool) {
+    let mut due = 0_u32; // one bit for each robot that moves
+    let early = robots.iter().filter(|robot| !robot.is_before_last()).count();
+    for (index, robot) in robots.iter().enumerate() {
+        let others_are_early = early > usize::from(!robot.is_before_last());
+        let must_wait = barrier && robot.next == Some(robot.last) && others_are_early;
+        let has_left = |(other, step)| robots.get(other).is_some_and(|other: &Progress| other.heard >= step);
+        let may_move = robot.next.is_some() && !must_wait && robot.behind.is_none_or(has_left);
+        due |= u32::from(may_move) << (index % 32);
     }
-
-    /// The last of the others that is, in one of these steps, on the cell that a robot enters after
-    /// them, and the step after which it is there no longer. Those that were there before that one
-    /// had left when it came.
-    fn last_on_target(&self, index: usize, steps: Range<usize>) -> Option<(usize, usize)> {
-        let target = cell(self.table, steps.end, index);
-        let before = self.marks.get(steps.clone())?.iter().zip(self.table.get(steps.clone())?);
-        let marked = steps.zip(before).rev().filter(|(_, (marks, _))| **marks & mark(target) != 0);
-        let mut visits = marked.filter_map(|(step, (_, cells))| {
-            let robot = cells.iter().take(self.robots).position(|&cell| cell == target)?;
-            Some((robot, step + 1))
-        });
-        visits.next().filter(|&(robot, _)| robot != index)
+    let (mut moved, mut ended) = (false, false);
+    let count = robots.len();
+    // What is before that, all have heard of.
+    let is_at_work = |robot: &&Progress| robot.next.is_some() || robot.heard != robot.done;
+    let heard = robots.iter().filter(is_at_work).map(|robot| robot.heard).min().unwrap_or(0);
+    for (index, robot) in robots.iter_mut().enumerate() {
+        moved |= robot.heard != robot.done;
+        robot.heard = robot.done;
+        let Some(step) = robot.next.filter(|_| due & (1 << (index % 32)) != 0) else { continue };
+        let at = cell(table, step, index);
+        robot.done = step;
+        robot.next = (step + 1..=robot.last).find(|&step| cell(table, step, index) != at);
+        robot.behind = robot.next.and_then(|step| last_on_target(table, count, index, heard..step));
+        moved = true;
+        ended |= robot.next.is_none();
     }
-
-    /// One tick; returns whether anything was done or heard, and whether a robot made its last
-    /// move.
-    fn advance(&self, robots: &mut [Progress], barrier: bool) -> (bool, bool) {
-        let mut due = 0_u32; // one bit for each robot that moves
-        let early = robots.iter().filter(|robot| !robot.is_before_last()).count();
-        for (index, robot) in robots.iter().enumerate() {
-            let others_are_early = early > usize::from(!robot.is_before_last());
-            let must_wait = barrier && robot.next == Some(robot.last) && others_are_early;
-            let has_left =
-                |(other, step)| robots.get(other).is_some_and(|other: &Progress| other.heard >= step);
-            let may_move = robot.next.is_some() && !must_wait && robot.behind.is_none_or(has_left);
-            due |= u32::from(may_move) << (index % 32);
-        }
-        let (mut moved, mut ended) = (false, false);
-        // What is before that, all have heard of.
-        let is_at_work = |robot: &&Progress| robot.next.is_some() || robot.heard != robot.done;
-        let heard = robots.iter().filter(is_at_work).map(|robot| robot.heard).min().unwrap_or(0);
-        for (index, robot) in robots.iter_mut().enumerate() {
-            moved |= robot.heard != robot.done;
-            robot.heard = robot.done;
-            let Some(step) = robot.next.filter(|_| due & (1 << (index % 32)) != 0) else { continue };
-            let at = cell(self.table, step, index);
-            robot.done = step;
-            robot.next = (step + 1..=robot.last).find(|&step| cell(self.table, step, index) != at);
-            robot.behind = robot.next.and_then(|step| self.last_on_target(index, heard..step));
-            moved = true;
-            ended |= robot.next.is_none();
-        }
-        (moved, ended)
-    }
-}
-
-const fn mark(cell: Cell) -> u32 {
-    1 << (cell.0 % 32)
+    (moved, ended)
 }
 
 impl Progress {
@@ -249,7 +223,7 @@ mod tests {
 
     /// Ticks and spread without and with the barrier.
     #[track_caller]
-    fn check(names: &str, frames: &[&str], without: (u16, u16), with: Option<(u16, u16)>) {
+    fn check(names: &str, frames: &[&str], without: (usize, usize), with: Option<(usize, usize)>) {
         let map = drawn(&frames[0].split(' ').collect::<Vec<_>>());
         let paths: Vec<_> = names.chars().map(|name| moving(frames, name)).collect();
         let plan = JointPlan::<4>::new(&paths).unwrap();

@@ -7,7 +7,7 @@ use super::fixed_paths::Precedence;
 use super::flow::{Flow, Query};
 use super::network::{Network, Turn};
 use super::survey::Survey;
-use super::{Arrival, Execution, Failure, JointPlan, Problem, Target};
+use super::{Arrival, Failure, JointPlan, Problem, Target};
 
 /// No plan whose robots arrive together is searched for any longer when the searches have taken so
 /// many work units.
@@ -56,9 +56,9 @@ pub(super) struct FlowPlanner<const W: usize, const L: usize, const N: usize> {
 pub(super) struct Found {
     pub(super) steps: usize,
     turn: Turn,
-    /// The execution with a barrier before the last moves; `None` where that is a standstill, or
-    /// not known yet.
-    execution: Option<Execution>,
+    /// How many ticks the robots arrive apart with a barrier before their last moves; `None` where
+    /// that is a standstill, or not known yet.
+    spread: Option<usize>,
     is_executed: bool,
 }
 
@@ -98,7 +98,7 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
             attempt: Attempt { kind: Kind::Plain, turn: Turn::BlackLast, is_second: false },
             precedence: Precedence { second_first: false, rest: 0, steps: 0 },
             plan: JointPlan::NOBODY,
-            found: Some(Found { steps: 0, turn: Turn::BlackLast, execution: None, is_executed: false }),
+            found: Some(Found { steps: 0, turn: Turn::BlackLast, spread: None, is_executed: false }),
             soonest: 0,
         }
     };
@@ -157,13 +157,6 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     /// The plan that was found.
     pub(super) fn plan(&self) -> &JointPlan<N> {
         &self.plan
-    }
-
-    /// The execution of the plan that was found.
-    pub(super) fn execution(&mut self, map: &Map<W>) -> Execution {
-        let together = self.found.and_then(|found| found.execution).filter(|_| self.plan.is_together());
-        let staggered = || self.plan.executed(false, map, &mut self.flow.walk.paths);
-        together.or_else(staggered).unwrap_or_default()
     }
 
     /// How many goals fewer than needed can be reached.
@@ -293,7 +286,8 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
         // If there is a shorter plan, it does not matter how the robots of this one arrive.
         let is_executed = kind != Kind::Plain || is_second || self.choice.turn.is_some();
         let execution = if is_executed { self.flow.execution() } else { None };
-        let mut found = Found { steps: 0, turn, execution, is_executed };
+        let spread = execution.map(|execution| execution.spread);
+        let mut found = Found { steps: 0, turn, spread, is_executed };
         if (self.attempt.kind != Kind::Together || found.arrives_together())
             && self.read_plan(problem).is_some()
         {
@@ -304,8 +298,8 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     }
 
     fn execute_first(&mut self, problem: &Problem<'_, W>) -> Stage {
-        let execution = self.plan.executed(true, problem.map, &mut self.flow.walk.paths);
-        self.found = self.found.map(|found| Found { execution, is_executed: true, ..found });
+        let spread = self.plan.spread(problem.map, &mut self.flow.walk.paths);
+        self.found = self.found.map(|found| Found { spread, is_executed: true, ..found });
         self.next_attempt(problem)
     }
 
@@ -357,8 +351,8 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     /// Has the robots of the plan wait for each other before their last moves, if that is of use.
     fn choose(&mut self) -> Stage {
         let Some(found) = self.found else { return Stage::Done(Outcome::None(Failure::NotFound)) };
-        self.plan.arrival = match found.execution {
-            Some(run) if !self.choice.staggered && self.plan.is_close(run) => Arrival::Together,
+        self.plan.arrival = match found.spread {
+            Some(spread) if !self.choice.staggered && self.plan.is_close(spread) => Arrival::Together,
             _ => Arrival::Staggered,
         };
         self.plan.short_by = self.short_by as u8;
@@ -399,7 +393,7 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
 
 impl Found {
     fn arrives_together(self) -> bool {
-        self.execution.is_some_and(|run| run.is_together())
+        self.spread.is_some_and(|spread| spread <= 1)
     }
 }
 

@@ -1,16 +1,16 @@
 //! The joint policies that a team chooses from: several plans for one problem.
 
-use super::super::{Cell, CellSet, Map, Path, WaitPlace};
+use super::super::{Cell, CellSet, Path, WaitPlace};
 use super::attempt::{Choice, LATER_TOGETHER};
 use super::network::Turn;
 use super::planner::JointPlanner;
 use super::walk::MOST_CHANGES;
-use super::{Errand, Execution, Failure, JointPlan, Prefix, Problem, Target, fixed_paths, flow_planner};
+use super::{Errand, Failure, JointPlan, Prefix, Problem, Target, fixed_paths, flow_planner};
 use crate::actions::HORIZON;
 
 /// The version of the generator. Robots that run different ones do not have equal plans, and must
 /// not agree on any.
-pub const VERSION: u16 = 4;
+pub const VERSION: u16 = 3;
 
 /// The goals of which other sets are tried.
 const MOST_GOALS: usize = 8;
@@ -61,7 +61,6 @@ const MOST_WAITS: usize = 5;
 pub struct PolicyList<const W: usize, const L: usize, const N: usize, const M: usize, const K: usize> {
     planner: JointPlanner<W, L, N, M>,
     policies: [JointPlan<N>; K],
-    executions: [Execution; K],
     len: usize,
     failure: Option<Failure>,
     source: Source,
@@ -106,7 +105,6 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
         Self {
             planner: JointPlanner::new(),
             policies: [JointPlan::NOBODY; K],
-            executions: [Execution::NONE; K],
             len: 0,
             failure: None,
             source: Source::Best,
@@ -162,12 +160,11 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
         true
     }
 
-    /// Adds a plan that was made elsewhere, with its [execution](JointPlan::execution); returns
-    /// whether there was room. Only a list that has just begun takes plans, and it is worked on no
-    /// further.
-    pub fn offer(&mut self, plan: JointPlan<N>, execution: Execution) -> bool {
-        let slots = self.policies.get_mut(self.len).zip(self.executions.get_mut(self.len));
-        let is_taken = slots.map(|slots| (*slots.0, *slots.1) = (plan, execution)).is_some();
+    /// Adds a plan that was made elsewhere; returns whether there was room. Only a list that has
+    /// just begun takes plans, and it is worked on no further.
+    pub fn offer(&mut self, plan: JointPlan<N>) -> bool {
+        let slot = self.policies.get_mut(self.len);
+        let is_taken = slot.map(|slot| *slot = plan).is_some();
         self.len += usize::from(is_taken);
         is_taken
     }
@@ -176,13 +173,6 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     #[must_use]
     pub fn policies(&self) -> &[JointPlan<N>] {
         self.policies.get(..self.len).unwrap_or(&self.policies)
-    }
-
-    /// The executions of the [policies](Self::policies), in their order. The one of a plan that
-    /// begins later begins as much later, although robots in step would not wait.
-    #[must_use]
-    pub fn executions(&self) -> &[Execution] {
-        self.executions.get(..self.len).unwrap_or(&self.executions)
     }
 
     /// Why there is no plan for all targets of the problem; the policies are then for one owner's
@@ -233,10 +223,10 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
             (Source::Alone(owner), Ok(plan)) => {
                 let owners = problem.owned().count();
                 let unserved = owners - usize::from(owner < owners);
-                self.add(problem.map, plan, plan.short_by() + unserved);
+                self.add(plan, plan.short_by() + unserved);
             }
-            (Source::Owners, Ok(plan)) => self.add(problem.map, plan, problem.need),
-            (_, Ok(plan)) => self.add(problem.map, plan, plan.short_by()),
+            (Source::Owners, Ok(plan)) => self.add(plan, problem.need),
+            (_, Ok(plan)) => self.add(plan, plan.short_by()),
             (Source::Best, &Err(failure)) => self.failure = Some(failure),
             (_, Err(_)) => {}
         }
@@ -246,28 +236,19 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     }
 
     /// Adds a plan that is short of `short_by` goals, unless it is one of the list.
-    fn add(&mut self, map: &Map<W>, plan: &JointPlan<N>, short_by: usize) {
-        let Some(slot) = self.policies.get_mut(self.len) else { return };
-        slot.clone_from(plan);
-        slot.set_short_by(short_by);
-        if self.is_new() {
-            let execution = self.planner.execution(map);
-            self.keep(execution);
+    fn add(&mut self, plan: &JointPlan<N>, short_by: usize) {
+        if let Some(slot) = self.policies.get_mut(self.len) {
+            slot.clone_from(plan);
+            slot.set_short_by(short_by);
+            self.keep_new();
         }
     }
 
-    /// Whether the plan after the last one is none of the list.
-    fn is_new(&self) -> bool {
-        let plans = self.policies.get(..=self.len).and_then(<[_]>::split_last);
-        plans.is_some_and(|(new, known)| known.iter().all(|policy| policy.paths() != new.paths()))
-    }
-
-    /// Keeps the plan after the last one.
-    fn keep(&mut self, execution: Execution) {
-        if let Some(slot) = self.executions.get_mut(self.len) {
-            *slot = execution;
-            self.len += 1;
-        }
+    /// Keeps the plan after the last one unless it is one of the list.
+    fn keep_new(&mut self) {
+        let Some((new, known)) = self.policies.get(..=self.len).and_then(<[_]>::split_last) else { return };
+        let is_known = known.iter().any(|policy| policy.paths() == new.paths());
+        self.len += usize::from(!is_known);
     }
 
     /// Begins with the next source, or ends the list.
@@ -393,7 +374,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
         if let Some(first) = self.policies.first_mut().filter(|_| self.len == 0) {
             first.stand(problem.starts().take(N));
             first.set_short_by(problem.need + problem.owned().count());
-            self.keep(Execution::NONE);
+            self.len = 1;
         }
         // What begins at a certain step cannot begin later.
         let steps = self.policies.first().map_or(0, JointPlan::steps);
@@ -406,11 +387,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
             {
                 slot.clone_from(best);
                 slot.delay(delay);
-                if self.is_new()
-                    && let Some(soonest) = self.executions.first()
-                {
-                    self.keep(soonest.after(delay));
-                }
+                self.keep_new();
             }
         }
     }

@@ -1,11 +1,11 @@
 //! One joint plan for a problem, by the cheapest search that has one.
 
-use super::super::{Cell, Map};
+use super::super::Cell;
 use super::attempt::Choice;
 use super::exhaustive::Exhaustive;
 use super::flow_planner::{FlowPlanner, Outcome};
 use super::network::Turn;
-use super::{Execution, Failure, JointPlan, Lacam, Prioritised, Problem, assignment};
+use super::{Failure, JointPlan, Lacam, Prioritised, Problem, assignment};
 
 /// Finds the joint plan of fewest steps in which robots take turns by the colour of their cells;
 /// see the [module](super).
@@ -48,8 +48,6 @@ pub struct JointPlanner<const W: usize, const L: usize, const N: usize, const M:
     /// The targets of all robots when each has its own, and how many goals that is short of.
     targets: [Cell; N],
     short_by: usize,
-    /// The execution of the plan for these.
-    execution: Execution,
 }
 
 /// The search that is at work. The memory of one is that of the next: the largest of them is needed
@@ -76,12 +74,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
     #[must_use]
     pub const fn new() -> Self {
         let () = Self::SIZES;
-        Self {
-            search: Search::Flow(FlowPlanner::new(Choice::BEST)),
-            targets: [Cell(0); N],
-            short_by: 0,
-            execution: Execution::NONE,
-        }
+        Self { search: Search::Flow(FlowPlanner::new(Choice::BEST)), targets: [Cell(0); N], short_by: 0 }
     }
 
     /// Starts over, for another problem.
@@ -133,7 +126,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
             match &mut answer {
                 Some(Err(failure)) if self.go_on(*failure) => continue,
                 Some(Ok(plan)) => {
-                    self.execution = plan.add_useful_barrier::<W, L>(problem.map);
+                    plan.add_useful_barrier::<W, L>(problem.map);
                     plan.set_short_by(self.short_by);
                 }
                 _ => {}
@@ -202,14 +195,6 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
     /// arrive together.
     pub(super) fn may_be_shorter(&self) -> bool {
         matches!(&self.search, Search::Flow(flow) if flow.may_be_shorter())
-    }
-
-    /// The execution of the plan that was found.
-    pub(super) fn execution(&mut self, map: &Map<W>) -> Execution {
-        match &mut self.search {
-            Search::Flow(flow) => flow.execution(map),
-            _ => self.execution,
-        }
     }
 
     /// The turns of the plan that was found.
