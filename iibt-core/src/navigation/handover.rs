@@ -116,7 +116,7 @@ impl<const S: usize, const W: usize> Handover<S, W> {
         if is_member && (is_new_life || !pending.clone().eq(heard.pending.iter().copied())) {
             *heard = Announcement { epoch, pending: up_to(pending) };
         }
-        for (place, cell) in (0..).zip(lost) {
+        for (place, &cell) in (0..).zip(&lost) {
             self.leave(cell, place);
         }
     }
