@@ -93,7 +93,8 @@ fn the_stack_of_an_ordinary_tick_is_within_budget() {
     let mut image = Robot::boot_with_page(team_member(), &demo_page(0));
     image.wait_for("took");
     let top = image.pause().paint();
-    (0..5).for_each(|_| drop(image.receive()));
+    // Some frames may have left before.
+    (0..30).for_each(|_| drop(image.receive()));
     let used = top - image.pause().lowest_used();
     assert_stack_within("team_member", "stack_of_an_ordinary_tick", used.into());
 }

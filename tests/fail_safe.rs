@@ -105,18 +105,6 @@ fn drive(robot: &mut Robot, second: &mut OnHost) {
     panic!("it does not drive: {:#?}", robot.seen());
 }
 
-/// The released image on a chip that is too slow for it by far: 145,000 instructions take longer
-/// than the period of the ticks.
-#[test]
-fn a_tick_that_takes_longer_than_its_period_restarts_the_robot() {
-    let slow = [&RESTARTING[..], &["-icount", "shift=7"]].concat();
-    let mut robot = Robot::boot_as(team_member(), &slow, Some(&demo_page(0)));
-    robot.wait_for("took");
-    robot.send(&OnHost::robot(1).tick(&[]));
-    robot.wait_for("restarted after a main loop that was late, by now 101 ms");
-    robot.wait_for("boot: robot 1 of 2");
-}
-
 /// Accesses to the watchdog of the emulated chip, which has none but tells of them, by another name.
 struct Accesses(PathBuf);
 

@@ -56,7 +56,7 @@ use crate::team_member::{self, Standing, Started};
 #[cfg(target_arch = "arm")]
 pub use arm::{IoPort, Irq, enable, entry, sleep};
 pub use clock::{count_millisecond, next_millisecond, now};
-pub use fail_safe::{Guard, begin, restart, stop_motors};
+pub use fail_safe::{Guard, LATEST, begin, restart, stop_motors};
 pub use line::Line;
 #[cfg(not(feature = "rtt"))]
 pub use log::{LogPort, dropped as dropped_log_frames};
@@ -103,7 +103,7 @@ pub fn stand(reason: &Standing, mut watchdog: impl safe::Watchdog) -> ! {
 }
 
 /// Runs a robot that was started, and restarts it when it needs that; stands where it was not
-/// started. A tick that takes longer than the period of the ticks is late: see [`Guard`]. `cycles`
+/// started. A loop that does not come round within [`LATEST`] is late: see [`Guard`]. `cycles`
 /// counts those of the core.
 pub fn run<L: Link, C: Clock, D: Drive, B: Battery>(
     started: Result<Started<L, C, D, B>, Standing>,
@@ -112,7 +112,7 @@ pub fn run<L: Link, C: Clock, D: Drive, B: Battery>(
 ) -> ! {
     match started {
         Ok(started) => {
-            let mut guard = Guard::start(watchdog, started.period());
+            let mut guard = Guard::start(watchdog, LATEST);
             team_member::run(started, cycles, || {
                 guard.feed();
                 sleep();

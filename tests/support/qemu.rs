@@ -24,10 +24,6 @@ pub const RISC_V: &str = "virt";
 /// Where a robot on an STM32F405 looks for the first copy of its page.
 const PAGE: u32 = 0x0800_0000 + Slots::STM32F405.first;
 
-/// Eight nanoseconds of the chip's own time for an instruction, as fast as the chips are. Without it, time
-/// passes while QEMU translates code, and a tick under load would be late. Options may have another.
-const PACE: [&str; 2] = ["-icount", "shift=3"];
-
 /// Options with which the emulated chip starts again after a reset; without them, QEMU ends.
 pub const RESTARTING: [&str; 2] = ["-action", "reboot=reset"];
 
@@ -349,7 +345,7 @@ fn start(image: &Path, sockets: &Path, machine: &str, options: &[&str]) -> Child
     let socket = |name: &str| format!("socket,id={name},path={}", sockets.join(name).display());
     let (emulator, ports) = emulator(machine);
     let mut command = Command::new(emulator);
-    command.args(["-M", machine, "-display", "none", "-monitor", "none", "-no-reboot"]).args(PACE);
+    command.args(["-M", machine, "-display", "none", "-monitor", "none", "-no-reboot"]);
     command.args(["-chardev", &socket("log"), "-chardev", &socket("link")]).args(ports);
     command.args(["-gdb", &format!("unix:{},server=on,wait=off", sockets.join("gdb").display())]);
     command.args(options).arg("-kernel").arg(image).stdin(Stdio::null());

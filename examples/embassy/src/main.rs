@@ -13,7 +13,7 @@ fn main() {
 mod image {
     use embassy_executor::Spawner;
     use firmware::adapters::AsyncLink;
-    use firmware::board::{self, Board, ChipWatchdog, Gauge, Guard, Milliseconds, Motors, TeamLink};
+    use firmware::board::{self, Board, ChipWatchdog, Gauge, Guard, LATEST, Milliseconds, Motors, TeamLink};
     use firmware::team_member::{CHASSIS, Memory, Program};
 
     type Link = &'static AsyncLink;
@@ -31,7 +31,7 @@ mod image {
             Ok(started) => started,
             Err(reason) => board::stand(&reason, watchdog),
         };
-        let guard = Guard::start(watchdog, started.period());
+        let guard = Guard::start(watchdog, LATEST);
         let (Ok(receiver), Ok(sender), Ok(robot)) =
             (listen(port), speak(port), control(Program::new(started), clock, guard))
         else {

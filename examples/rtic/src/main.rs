@@ -9,7 +9,7 @@ fn main() {
 #[cfg(target_os = "none")]
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [EXTI0])]
 mod image {
-    use firmware::board::{self, Board, ChipWatchdog, Gauge, Guard, Milliseconds, Motors, TeamLink};
+    use firmware::board::{self, Board, ChipWatchdog, Gauge, Guard, LATEST, Milliseconds, Motors, TeamLink};
     use firmware::team_member::{CHASSIS, Memory, Program};
 
     static MEMORY: Memory<TeamLink, Milliseconds, Motors, Gauge> = Memory::new();
@@ -34,7 +34,7 @@ mod image {
             Ok(started) => started,
             Err(reason) => board::stand(&reason, watchdog),
         };
-        let guard = Guard::start(watchdog, started.period());
+        let guard = Guard::start(watchdog, LATEST);
         // The queue of a task has room for it.
         let _ = control::spawn();
         (Shared {}, Local { program: Program::new(started), clock, guard })

@@ -24,6 +24,10 @@ static DEADLINE: Deadline = Deadline::new();
 /// What stops the motors.
 static CUT: Shared<Option<fn()>> = Shared::new(None);
 
+/// Within how many milliseconds the main loop of a robot has to come round: some ticks of the
+/// controller, and less than the hardware watchdog waits.
+pub const LATEST: Duration = Duration(500);
+
 /// How long the hardware watchdog waits: longer than it takes to send a full log, 355 ms.
 const WATCHDOG: Duration = Duration(600);
 

@@ -88,9 +88,7 @@ fn cut_motors() {
     // SAFETY: a store to each of two registers that nothing writes once the pins are set up.
     #[expect(unsafe_code, reason = "the drive owns the pins, and may be in the middle of a call")]
     let pins = unsafe { &*IO_BANK0::ptr() };
-    for pin in [2, 3] {
-        pins.gpio(pin).gpio_ctrl().modify(|_, w| w.outover().low());
-    }
+    pins.gpio_iter().skip(2).take(2).for_each(|pin| pin.gpio_ctrl().modify(|_, w| w.outover().low()));
 }
 
 /// The converter of the battery's voltage. It converts all the time.
