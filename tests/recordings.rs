@@ -190,7 +190,7 @@ impl<'m> Watched<'m> {
         if takes_part && !self.is_live(robot, proposal) {
             return Some("a wall");
         }
-        if task.waypoints().first().is_some() || task.left_behind().next().is_some() {
+        if !task.waypoints().is_empty() || task.left_behind().next().is_some() {
             return Some("a way-point");
         }
         None

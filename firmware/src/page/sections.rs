@@ -245,7 +245,7 @@ fn read_path(source: &mut Source<'_>) -> Path {
     for number in 0..moves {
         byte = if number % 2 == 0 { source.u8() } else { byte >> 4 };
         let step = Move::from_code(byte & 0xf);
-        if !step.is_some_and(|step| path.push(step).is_ok()) {
+        if step.is_none_or(|step| path.push(step).is_err()) {
             refuse(source);
         }
     }
