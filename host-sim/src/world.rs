@@ -286,7 +286,7 @@ mod tests {
                 assert!(both.contains(&Cell(0)) && both.contains(&Cell(1)));
                 world.carry_out(&[Move::Wait; 2]);
             }
-            assert!(!world.is_moving(0) && world.cells() == [Cell(end), Cell(5)]);
+            assert!(!world.is_moving(0) && world.cells() == [Cell(end), Cell(8)]);
         }
     }
 

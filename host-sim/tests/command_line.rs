@@ -232,7 +232,7 @@ fn what_a_robot_waits_for_is_printed() {
 #[test]
 fn a_task_is_flown_and_exported_without_what_is_for_scenarios_and_models() {
     for option in ["--log x.csv", "--tree conventional"] {
-        let reason = "valves: a task is flown without --tree, --disturbance and --log";
+        let reason = "valves: a task is flown without --tree, --disturbance, --log and --tree-log";
         refuses(&mut host_sim(&format!("run valves {option}")), reason);
     }
     for option in ["--name x", "--dense"] {
