@@ -129,6 +129,18 @@ impl<L: Link> Bench<L> {
         peers.fresh().find(|peer| peer.envelope().sender == RobotId(sender)).map(|peer| peer.message().0)
     }
 
+    /// Ticks; the robot has heard the newest frame of each teammate, from two packets of each at the
+    /// most.
+    fn hears_all(&mut self, tick: u32) {
+        let before = self.robot.hardware().packets;
+        self.tick(1);
+        assert!(self.robot.hardware().packets - before <= 2 * TEAM);
+        for sender in 1..TEAM as u8 {
+            let newest = self.sequence - (TEAM as u32 - 1) + u32::from(sender);
+            assert_eq!(self.heard(sender), Some(newest), "tick {tick}");
+        }
+    }
+
     fn report(&self) -> LinkReport {
         self.robot.link_report()
     }
@@ -300,13 +312,7 @@ fn a_flood_of_bytes_starves_nobody_where_frames_are_cut_out_as_they_come() {
             bench.link().0.feed(&noise);
             bench.link().0.feed(&frame);
         }
-        let before = bench.robot.hardware().packets;
-        bench.tick(1);
-        assert!(bench.robot.hardware().packets - before <= 2 * TEAM);
-        for sender in 1..TEAM as u8 {
-            let newest = bench.sequence - (TEAM as u32 - 1) + u32::from(sender);
-            assert_eq!(bench.heard(sender), Some(newest), "tick {tick}");
-        }
+        bench.hears_all(tick);
     }
 }
 
@@ -328,13 +334,7 @@ fn a_flood_of_packets_starves_nobody_and_costs_nothing_that_follows() {
             let packet = bench.packet(sender);
             bench.link().radio.0.push(&packet).unwrap();
         }
-        let before = bench.robot.hardware().packets;
-        bench.tick(1);
-        assert!(bench.robot.hardware().packets - before <= 2 * TEAM);
-        for sender in 1..TEAM as u8 {
-            let newest = bench.sequence - (TEAM as u32 - 1) + u32::from(sender);
-            assert_eq!(bench.heard(sender), Some(newest), "tick {tick}");
-        }
+        bench.hears_all(tick);
     }
     assert!(bench.link().radio.0.counters().refused() > 100_000);
 }

@@ -46,13 +46,6 @@ pub struct Started<L: Link + 'static, C: Clock + 'static, D: Drive + 'static, B:
     period: Duration,
 }
 
-impl<L: Link, C: Clock, D: Drive, B: Battery> Started<L, C, D, B> {
-    /// The period of its ticks.
-    pub const fn period(&self) -> Duration {
-        self.period
-    }
-}
-
 /// Why a robot does not take part, and stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
 pub enum Standing {

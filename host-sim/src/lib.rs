@@ -39,6 +39,7 @@ mod frames;
 #[cfg(unix)]
 pub mod hil;
 mod input;
+mod kept_output;
 mod learn;
 pub mod library;
 mod log;

@@ -11,6 +11,7 @@
 
 use crate::fly::{Observer, Snapshot};
 use crate::input::{FileError, utf8};
+use crate::kept_output::KeptOutput;
 use crate::scenario::{Floor, MAX_CELLS};
 use crate::text::{move_called, move_name};
 use iibt_core::grid::{Cell, Move};
@@ -22,33 +23,39 @@ const HEADER: &str = "tick,robot,cell,move,next,succeeded";
 /// Writes the log of a flight.
 #[derive(Debug)]
 pub struct Logbook<W> {
-    out: W,
+    out: KeptOutput<W>,
+    moves: Moves,
+}
+
+/// The moves that robots are making.
+#[derive(Debug)]
+struct Moves {
     /// The move that each robot is making, with the cell and tick in which it began; empty before
     /// the first tick.
     begun: Vec<Option<(u32, Cell, Move)>>,
     before: Vec<Cell>,
-    written: io::Result<()>,
 }
 
 impl<W: Write> Logbook<W> {
     /// Creates an empty log.
     pub const fn new(out: W) -> Self {
-        Self { out, begun: Vec::new(), before: Vec::new(), written: Ok(()) }
+        Self { out: KeptOutput::new(out), moves: Moves { begun: Vec::new(), before: Vec::new() } }
     }
 
     /// Returns the writer.
     ///
     /// # Errors
     /// The first error that occurred while writing; nothing was written after it.
-    pub fn finish(mut self) -> io::Result<W> {
-        self.written?;
-        self.out.flush()?;
-        Ok(self.out)
+    pub fn finish(self) -> io::Result<W> {
+        self.out.finish()
     }
+}
 
-    fn write(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
+impl Moves {
+    /// Writes those that have ended.
+    fn write(&mut self, out: &mut impl Write, snapshot: &Snapshot<'_>) -> io::Result<()> {
         if self.before.is_empty() {
-            writeln!(self.out, "{MAP}{}\n{HEADER}", drawn(&snapshot.scenario.map))?;
+            writeln!(out, "{MAP}{}\n{HEADER}", drawn(&snapshot.scenario.map))?;
             self.begun = vec![None; snapshot.cells.len()];
         }
         for (index, robot) in snapshot.scenario.robots.iter().enumerate() {
@@ -59,7 +66,7 @@ impl<W: Write> Logbook<W> {
             if let Some((tick, cell, step)) = self.begun[index].take_if(|_| !snapshot.moving[index]) {
                 let (next, name) = (snapshot.cells[index], quoted(&robot.name));
                 let (step, made) = (move_name(step), u8::from(cell != next));
-                writeln!(self.out, "{tick},{name},{},{step},{},{made}", cell.0, next.0)?;
+                writeln!(out, "{tick},{name},{},{step},{},{made}", cell.0, next.0)?;
             }
         }
         Ok(())
@@ -68,10 +75,8 @@ impl<W: Write> Logbook<W> {
 
 impl<W: Write> Observer for Logbook<W> {
     fn observe(&mut self, snapshot: &Snapshot<'_>) {
-        if self.written.is_ok() {
-            self.written = self.write(snapshot);
-        }
-        self.before = snapshot.cells.to_vec();
+        self.out.write(|out| self.moves.write(out, snapshot));
+        self.moves.before = snapshot.cells.to_vec();
     }
 }
 

@@ -8,46 +8,42 @@
 //! `explain` log the same.
 
 use crate::fly::{Observer, Snapshot};
+use crate::kept_output::KeptOutput;
 use std::io::{self, Write};
 
 /// Writes the log of the trees in a flight, for `tree replay`.
 #[derive(Debug)]
 pub struct TreeLog<W> {
-    out: W,
-    written: io::Result<()>,
+    out: KeptOutput<W>,
 }
 
 impl<W: Write> TreeLog<W> {
     /// Creates an empty log.
     pub const fn new(out: W) -> Self {
-        Self { out, written: Ok(()) }
+        Self { out: KeptOutput::new(out) }
     }
 
     /// Returns the writer.
     ///
     /// # Errors
     /// The first error that occurred while writing; nothing was written after it.
-    pub fn finish(mut self) -> io::Result<W> {
-        self.written?;
-        self.out.flush()?;
-        Ok(self.out)
+    pub fn finish(self) -> io::Result<W> {
+        self.out.finish()
     }
+}
 
-    fn write(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
-        let robots = snapshot.scenario.robots.iter().zip(snapshot.tree_entries);
-        for ((robot, entry), stopped) in robots.zip(snapshot.stopped) {
-            if let Some(entry) = entry.filter(|_| !stopped) {
-                writeln!(self.out, "robot {}: tick {}: {entry}", robot.name, snapshot.tick)?;
-            }
+fn write(out: &mut impl Write, snapshot: &Snapshot<'_>) -> io::Result<()> {
+    let robots = snapshot.scenario.robots.iter().zip(snapshot.tree_entries);
+    for ((robot, entry), stopped) in robots.zip(snapshot.stopped) {
+        if let Some(entry) = entry.filter(|_| !stopped) {
+            writeln!(out, "robot {}: tick {}: {entry}", robot.name, snapshot.tick)?;
         }
-        Ok(())
     }
+    Ok(())
 }
 
 impl<W: Write> Observer for TreeLog<W> {
     fn observe(&mut self, snapshot: &Snapshot<'_>) {
-        if self.written.is_ok() {
-            self.written = self.write(snapshot);
-        }
+        self.out.write(|out| write(out, snapshot));
     }
 }
