@@ -105,7 +105,8 @@ fn drive(robot: &mut Robot, second: &mut OnHost) {
     panic!("it does not drive: {:#?}", robot.seen());
 }
 
-/// Accesses to the watchdog of the emulated chip, which has none but tells of them, by another name.
+/// Accesses to the watchdog of the emulated chip, which has none but tells of them, by another
+/// name.
 struct Accesses(PathBuf);
 
 impl Accesses {

@@ -129,8 +129,8 @@ impl<L: Link> Bench<L> {
         peers.fresh().find(|peer| peer.envelope().sender == RobotId(sender)).map(|peer| peer.message().0)
     }
 
-    /// Ticks; the robot has heard the newest frame of each teammate, from two packets of each at the
-    /// most.
+    /// Ticks; the robot has heard the newest frame of each teammate, from two packets of each at
+    /// the most.
     fn hears_all(&mut self, tick: u32) {
         let before = self.robot.hardware().packets;
         self.tick(1);
@@ -281,8 +281,8 @@ fn noise_at_the_rate_of_the_line_costs_no_frame() {
     }
 }
 
-/// Ten times as many bytes as the line carries, in a buffer without end: the tick reads no more than
-/// its share, and once that is read, frames are heard as before.
+/// Ten times as many bytes as the line carries, in a buffer without end: the tick reads no more
+/// than its share, and once that is read, frames are heard as before.
 #[test]
 fn a_flood_of_bytes_delays_frames_but_no_tick_and_costs_nothing_that_follows() {
     let (mut bench, mut random) = (Bench::on(Wire::default()), Random::new(2));

@@ -1,5 +1,6 @@
-//! The log of an image in QEMU: why it decided and what its tree did, as `host-sim log` and `host-sim
-//! tree replay` read it; logs that are cut off or garbled; the log in the memory, for a probe.
+//! The log of an image in QEMU: why it decided and what its tree did, as `host-sim log` and
+//! `host-sim tree replay` read it; logs that are cut off or garbled; the log in the memory, for a
+//! probe.
 
 use host_sim::tree::{Instance, Replay, library};
 use host_sim::{FirmwareLog, LogItem, LogLine, Random};

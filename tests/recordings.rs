@@ -121,7 +121,7 @@ impl<'m> Watched<'m> {
         self.before[robot] = self.said.clone();
     }
 
-    /// Ticks, after each robot has heard these frames; whoever relies on one is named.
+    /// Ticks, after each robot has heard these frames; a robot that relies on one is named.
     fn tick(&mut self, heard: &[(usize, &[u8])]) {
         heard.iter().for_each(|&(robot, frame)| self.team.deliver(robot, frame));
         let limit = self.team.ticks() + 1;

@@ -1,5 +1,5 @@
-//! Robots that start again at any moment: in a move, in a frame, in a write of the flash, when their
-//! numbers run out. Nobody collides, and the team agrees again.
+//! Robots that start again at any moment: in a move, in a frame, in a write of the flash, when
+//! their numbers run out. Nobody collides, and the team agrees again.
 
 use firmware::BootCounter;
 use firmware::adapters::{Counted, DeadReckoning};

@@ -40,7 +40,8 @@ pub trait Link {
     /// there is none, as on a link of bytes.
     ///
     /// A packet that is longer than `packet` counts as one that fills it, which is too long for a
-    /// frame. One that the link has refused itself has no bytes: the controller goes on to the next.
+    /// frame. One that the link has refused itself has no bytes: the controller goes on to the
+    /// next.
     fn receive_packet(&mut self, packet: &mut [u8]) -> Option<usize> {
         let _ = packet;
         None
@@ -66,8 +67,8 @@ pub trait Drive {
     /// used.
     ///
     /// A robot that has restarted between two cells still moves, until its drive has brought it to
-    /// the middle of one of them: meanwhile it is silent, and its teammates keep out of both. A drive
-    /// that cannot tell needs a [`Localiser`] that can.
+    /// the middle of one of them: meanwhile it is silent, and its teammates keep out of both. A
+    /// drive that cannot tell needs a [`Localiser`] that can.
     fn is_moving(&mut self) -> bool;
 
     /// Stops where it is, for an emergency stop from outside: the controller itself finishes its
@@ -82,8 +83,8 @@ pub trait Drive {
 pub trait Localiser {
     /// Returns a reading of the robot's own cell, which may be missing or wrong; asked once a tick.
     ///
-    /// `None` where it does not know: after a restart if it only counts moves, and between two cells
-    /// while the drive says that it stands.
+    /// `None` where it does not know: after a restart if it only counts moves, and between two
+    /// cells while the drive says that it stands.
     fn locate(&mut self) -> Option<Cell>;
 }
 

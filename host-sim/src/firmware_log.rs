@@ -4,8 +4,8 @@
 //! bytes ─► frame ─► its messages and lengths, checked ─► decoder ─► line
 //! ```
 //!
-//! Frames end with a zero. One that was cut off or garbled is reported with its place and the reason,
-//! and decoding goes on at the next.
+//! Frames end with a zero. One that was cut off or garbled is reported with its place and the
+//! reason, and decoding goes on at the next.
 
 mod formats;
 mod rzcobs;

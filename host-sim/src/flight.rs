@@ -332,7 +332,7 @@ impl<R: AnyRobot + ?Sized> Flight<'_, R> {
         self.restart_in(robot, self.epochs[robot] + 1)
     }
 
-    /// Restarts a robot as [`restart`](Self::restart) does, in an epoch that somebody else counts.
+    /// Restarts a robot as [`restart`](Self::restart) does, in an epoch that the caller counts.
     ///
     /// # Errors
     /// As [`restart`](Self::restart).

@@ -18,7 +18,8 @@ fn packet(message: RoundMessage<Fact<WORDS>, POLICIES>, stamp: Stamp) -> usize {
     frame - 2
 }
 
-/// The longest message of a team of eight without `left_out` robots, whose list has so many policies.
+/// The longest message of a team of eight without `left_out` robots, whose list has so many
+/// policies.
 fn longest(left_out: usize, policies: usize, round: u32) -> RoundMessage<Fact<WORDS>, POLICIES> {
     let last = Cell(CELLS as u16 - 1);
     // Four claims have five bytes of cells each: of a larger span they are drawn coarser, and shorter.

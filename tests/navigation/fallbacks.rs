@@ -1,4 +1,5 @@
-//! Fallbacks: a robot whose team is gone fails its leaf in time, so another branch of its tree runs.
+//! Fallbacks: a robot whose team is gone fails its leaf in time, so another branch of its tree
+//! runs.
 
 use super::*;
 use firmware::hardware::{Drive, Localiser};

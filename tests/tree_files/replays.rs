@@ -1,4 +1,5 @@
-//! Recorded logs: what a tree has done is drawn as it was, and a log that is not the tree's is refused.
+//! Recorded logs: what a tree has done is drawn as it was, and a log that is not the tree's is
+//! refused.
 
 use super::traces::recorded;
 use super::*;

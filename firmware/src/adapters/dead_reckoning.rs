@@ -11,10 +11,10 @@ use iibt_core::grid::{Cell, Map, Move};
 /// [`DeadReckoning::count`] wraps the drive, and a shared reference is the [`Localiser`]. A move
 /// counts once the drive has been asked and says it no longer moves.
 ///
-/// It knows nothing but what it was told and has counted. So it reads `None` from a restart on, in
-/// which the count was lost, and from a move on that was stopped halfway, until somebody who sees
-/// the robot [places](Self::place) it. A robot without a reading stands, and says nothing to its
-/// team.
+/// It knows only what it was told and has counted. A restart loses the count, and a move that was
+/// stopped halfway ends at an unknown place. From then on it reads `None`, until the robot is
+/// [placed](Self::place) by an operator or a sensor that sees it. A robot without a reading stands,
+/// and says nothing to its team.
 ///
 /// ```
 /// use firmware::adapters::DeadReckoning;
@@ -40,7 +40,7 @@ use iibt_core::grid::{Cell, Map, Move};
 ///
 /// let position = DeadReckoning::unknown(map); // the robot has restarted
 /// assert_eq!((&position).locate(), None);
-/// position.place(Cell(5))?; // somebody sees it there
+/// position.place(Cell(5))?; // an operator sees it there
 /// assert_eq!((&position).locate(), Some(Cell(5)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -97,7 +97,7 @@ impl<const W: usize> DeadReckoning<W> {
         if is_first_start { Self::placed(map, start) } else { Self::unknown(map) }
     }
 
-    /// Places the robot, which stands, on the cell where somebody sees it.
+    /// Places the robot, which stands, on the cell where an operator or a sensor sees it.
     ///
     /// # Errors
     /// [`OutsideMap`]; the position is as it was.
@@ -121,7 +121,7 @@ impl<const W: usize> DeadReckoning<W> {
         }
     }
 
-    /// Notes that the robot stands between two cells, nobody knows how far.
+    /// Notes that the robot stands between two cells, at an unknown place.
     fn lose(&self) {
         self.here.store(UNKNOWN, Ordering::Relaxed);
     }

@@ -15,7 +15,7 @@ pub enum PacketError {
     /// A delimiter inside: several frames, or one with its delimiters.
     #[error("a delimiter inside: several frames, or one with its delimiters")]
     Delimiter,
-    /// Not the form of a frame of this version: a packet of somebody else, or damaged.
+    /// Not the form of a frame of this version: a packet of another network, or damaged.
     #[error("not the form of a frame of this version")]
     Form,
 }

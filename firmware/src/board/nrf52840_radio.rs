@@ -1,9 +1,9 @@
 //! The radio of the nRF52840 as a link: one packet of IEEE 802.15.4 is one frame.
 //!
-//! A packet is a physical one: its length, the frame, and the check sequence of the hardware. It has
-//! no header of the MAC layer, for which the longest frame leaves no room; other networks on the
-//! channel discard such packets, and this one discards theirs. The robots share one channel, listen
-//! before they talk, and try again a few times, a millisecond apart, while it is busy.
+//! A packet is a physical one: its length, the frame, and the check sequence of the hardware. It
+//! has no header of the MAC layer, for which the longest frame leaves no room; other networks on
+//! the channel discard such packets, and this one discards theirs. The robots share one channel,
+//! listen before they talk, and try again a few times, a millisecond apart, while it is busy.
 //!
 //! The driver of the HAL waits while it receives, so this one works by interrupt on the registers.
 //!
@@ -35,7 +35,8 @@ const INBOX: usize = 1024;
 /// How often a packet is tried to be sent on a busy channel.
 const TRIES: u8 = 8;
 
-/// The bytes of the hardware's check sequence, which the length counts and the memory does not have.
+/// The bytes of the hardware's check sequence, which the length counts and the memory does not
+/// have.
 const CHECK: usize = 2;
 
 /// What the hardware reads and writes: a length, a packet, and the quality of the link.
@@ -109,7 +110,8 @@ struct Driver {
 }
 
 impl Driver {
-    /// Sets the mode of IEEE 802.15.4: 250 kbit/s, a length of a byte that counts the check sequence.
+    /// Sets the mode of IEEE 802.15.4: 250 kbit/s, a length of a byte that counts the check
+    /// sequence.
     fn set_up(&self) {
         let radio = &self.radio;
         radio.power.write(|w| w.power().disabled()); // to the values after a reset

@@ -383,7 +383,8 @@ impl TreeReplayArgs {
         Ok(bytes)
     }
 
-    /// The tree in the tick that is asked for; else in every tick, unless that is written to a file.
+    /// The tree in the tick that is asked for; else in every tick, unless that is written to a
+    /// file.
     fn drawn(&self, replay: &tree::Replay) -> Result<String, Failure> {
         let (ticks, changes) = (replay.ticks.len(), replay.transitions.len());
         let count = format!("{}, recorded for {}\n", counted(changes, "change"), counted(ticks, "tick"));

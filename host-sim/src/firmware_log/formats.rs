@@ -1,7 +1,7 @@
 //! The formats of an image's messages, and what a frame must hold to be one of them.
 //!
-//! The decoder takes the room for a list before it reads it: the length in a garbled frame would end
-//! the program. So every frame is checked first, which also gives the reasons.
+//! The decoder takes the room for a list before it reads it: the length in a garbled frame would
+//! end the program. So every frame is checked first, which also gives the reasons.
 
 use defmt_parser::{Fragment, ParserMode, Type};
 use object::{Object, ObjectSection, ObjectSymbol};

@@ -35,7 +35,7 @@ pub struct HeardRound<C> {
 
 /// A chosen joint policy, as it is written.
 pub trait ToldChoice: fmt::Display {
-    /// What nobody can tell without the facts of all members.
+    /// What cannot be told without the facts of all members.
     const UNKNOWN: &'static str;
 }
 

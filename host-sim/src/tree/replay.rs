@@ -1,5 +1,5 @@
-//! A recorded log replayed: the engine ticks the tree with what its leaves returned, and must change
-//! the nodes that the log has.
+//! A recorded log replayed: the engine ticks the tree with what its leaves returned, and must
+//! change the nodes that the log has.
 
 use super::instance::Instance;
 use super::lower::{Lowered, Rules};

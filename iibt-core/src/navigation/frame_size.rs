@@ -10,8 +10,8 @@ use crate::team::rounds::Claim;
 ///
 /// Robots that are built for no more than this announce evidence and way-points for two cells
 /// together, where others do for [`MAX_EVIDENCE`]; and each two bytes of claims of robots that are
-/// left out cost one policy of the list, down to one. So the frames of a whole team fit 64 bytes, as
-/// a packet of CAN-FD has them: see [`longest_packet`].
+/// left out cost one policy of the list, down to one. So the frames of a whole team fit 64 bytes,
+/// as a packet of CAN-FD has them: see [`longest_packet`].
 pub const SMALL_FRAME_POLICIES: usize = 8;
 
 /// The most cells that a robot built for `policies` joint policies announces evidence about.

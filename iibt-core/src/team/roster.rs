@@ -149,8 +149,9 @@ impl<M: Message> Roster<M> {
         outcome
     }
 
-    /// Notes a frame that this robot sends, with its delimiters or without: [`receive`](Self::receive)
-    /// tells an echo from the frame of another robot with the same number.
+    /// Notes a frame that this robot sends, with its delimiters or without:
+    /// [`receive`](Self::receive) tells an echo from the frame of another robot with the same
+    /// number.
     ///
     /// Frames are noted in the order of their stamps.
     pub fn note_sent(&mut self, stamp: Stamp, frame: &[u8]) {

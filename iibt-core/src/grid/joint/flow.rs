@@ -502,8 +502,8 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
         has_room
     }
 
-    /// Reaches the cells that the paths on some cells of a layer have below it; returns whether there
-    /// was room to note them.
+    /// Reaches the cells that the paths on some cells of a layer have below it; returns whether
+    /// there was room to note them.
     fn touch_all(&mut self, taken: &CellSet<W>, layer: usize) -> Option<()> {
         let Self { paths, touched, reached, is_new, touches, .. } = self;
         let cells = paths.get(layer)?;

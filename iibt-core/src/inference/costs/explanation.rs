@@ -53,8 +53,8 @@ impl CostExplanation {
 }
 
 impl<const K: usize> WeighedPolicies<K> {
-    /// Explains the [choice](Self::choose); `None` when no policy is possible. Costs two passes over
-    /// the list.
+    /// Explains the [choice](Self::choose); `None` when no policy is possible. Costs two passes
+    /// over the list.
     #[must_use]
     pub fn explain(&self) -> Option<CostExplanation> {
         let chosen = cheapest(self.costs.iter().copied())?;

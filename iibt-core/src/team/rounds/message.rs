@@ -233,8 +233,8 @@ impl<F: Fact, const K: usize> RoundMessage<F, K> {
     /// The chosen policy is not in the list.
     pub const CHOICE: Invalid = Invalid("the chosen policy is beyond the end of the list");
 
-    /// Reads what [`Serialize`] writes, for the [`read_into`](super::super::Message::read_into) of a
-    /// message that holds this part; returns the bytes that follow.
+    /// Reads what [`Serialize`] writes, for the [`read_into`](super::super::Message::read_into) of
+    /// a message that holds this part; returns the bytes that follow.
     ///
     /// Field by field: each value that is handed on by serde is copied several times, and the
     /// walls are large.

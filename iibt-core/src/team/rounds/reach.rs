@@ -21,8 +21,8 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     }
 
     /// Whether a teammate has answered this start: it has scored a list whose digest holds this
-    /// robot's epoch, so it is alive, and no recording. Until then its round and its fact count only
-    /// to make the question that it answers.
+    /// robot's epoch, so it is alive, and no recording. Until then its round and its fact count
+    /// only to make the question that it answers.
     #[doc(alias = "challenge")]
     #[must_use]
     pub fn has_answered(&self, robot: RobotId) -> bool {
