@@ -6,7 +6,7 @@
 use crate::gdb::Paused;
 use firmware::page::Slots;
 use host_sim::{FirmwareLog, LogItem};
-use std::io::{Read, Write};
+use std::io::{BufReader, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -134,6 +134,7 @@ pub fn number(line: &str, before: &str) -> u32 {
 pub struct Robot {
     qemu: Child,
     link: UnixStream,
+    sent: Receiver<u8>,
     log: Receiver<Logged>,
     bytes: Vec<u8>,
     seen: Vec<Line>,
@@ -225,8 +226,9 @@ impl Robot {
         let mut qemu = start(image, &sockets, machine, &options);
         let log = accept(&log, &mut qemu);
         let link = accept(&link, &mut qemu);
-        link.set_read_timeout(Some(PATIENCE)).expect("the time-out is not zero");
-        Self { qemu, link, log: decode(image, &elf, log), bytes: Vec::new(), seen: Vec::new(), sockets }
+        let sent = collect(link.try_clone().expect("a socket can be shared"));
+        let log = decode(image, &elf, log);
+        Self { qemu, link, sent, log, bytes: Vec::new(), seen: Vec::new(), sockets }
     }
 
     /// Waits for a log line that contains `part`, passing over others.
@@ -284,9 +286,7 @@ impl Robot {
     /// # Panics
     /// When QEMU ends or the robot is silent before they are there.
     pub fn read<const N: usize>(&mut self) -> [u8; N] {
-        let mut bytes = [0; N];
-        self.fill(&mut bytes);
-        bytes
+        std::array::from_fn(|_| self.byte())
     }
 
     /// Waits for as many bytes on the link as there is room for.
@@ -294,9 +294,7 @@ impl Robot {
     /// # Panics
     /// As [`read`](Self::read).
     pub fn fill(&mut self, bytes: &mut [u8]) {
-        if let Err(error) = self.link.read_exact(bytes) {
-            panic!("no answer ({error}); the robot logged {:#?}", self.seen)
-        }
+        bytes.fill_with(|| self.byte());
     }
 
     /// Waits for the next frame on the link: the bytes up to and with the next zero.
@@ -306,13 +304,14 @@ impl Robot {
     pub fn receive(&mut self) -> Vec<u8> {
         let mut frame = Vec::new();
         while frame.len() < 2 || frame.last() != Some(&0) {
-            let mut byte = [0];
-            if let Err(error) = self.link.read_exact(&mut byte) {
-                panic!("no frame ({error}) after {frame:02x?}; the robot logged {:#?}", self.seen)
-            }
-            frame.extend(byte);
+            frame.push(self.byte());
         }
         frame
+    }
+
+    fn byte(&mut self) -> u8 {
+        let byte = self.sent.recv_timeout(PATIENCE);
+        byte.unwrap_or_else(|error| panic!("no byte ({error}); the robot logged {:#?}", self.seen))
     }
 }
 
@@ -377,6 +376,17 @@ fn accept(listener: &UnixListener, qemu: &mut Child) -> UnixStream {
         assert!(start.elapsed() < PATIENCE, "QEMU does not open its ports");
         std::thread::sleep(Duration::from_millis(1));
     }
+}
+
+/// Takes what comes from a link on a thread of its own. QEMU stands still, and does not even answer
+/// its debugger, where some hundred bytes of a robot wait to be read.
+fn collect(link: UnixStream) -> Receiver<u8> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        let mut bytes = BufReader::new(link).bytes().map_while(Result::ok);
+        bytes.all(|byte| sender.send(byte).is_ok())
+    });
+    receiver
 }
 
 /// What comes from a log: its bytes, and then the lines that end in them.
