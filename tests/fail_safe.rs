@@ -84,20 +84,43 @@ fn a_robot_of_a_team_that_faults_on_its_way_stands_and_starts_again() {
     robot.wait_for("boot: robot 1 of 2");
 }
 
-/// A robot of a team that has just begun its first move, and its teammate.
+/// Half of a team without robot 1 is no quorum.
+#[test]
+fn the_motors_of_a_robot_whose_link_is_gone_stand_on_its_way() {
+    let (mut robot, _) = driving_as(1, &TO_THE_RESET);
+    let line = robot.wait_for("waits: Quorum(RobotId(0))");
+    assert_eq!(line.level, "warn");
+    // A move that it has begun it makes: between two cells it would be in the others' way.
+    (0..100).find(|_| stands_after_a_frame(&mut robot)).expect("it drives on");
+    (0..30).for_each(|frame| assert!(stands_after_a_frame(&mut robot), "frame {frame} after it stood"));
+    let arrived = robot.seen().iter().filter(|line| line.message.contains("Arrived"));
+    assert_eq!(arrived.count(), 0, "{:#?}", robot.seen());
+}
+
+/// It sends a frame a tick.
+fn stands_after_a_frame(robot: &mut Robot) -> bool {
+    robot.receive();
+    Motors::of(robot.pause()) == Motors::Stand
+}
+
+/// Robot 1 of a team that has just begun its first move, and its teammate.
 fn driving(options: &[&str]) -> (Robot, OnHost) {
-    let mut robot = Robot::boot_as(team_member(), options, Some(&demo_page(0)));
-    let mut second = OnHost::robot(1);
+    driving_as(0, options)
+}
+
+fn driving_as(number: u8, options: &[&str]) -> (Robot, OnHost) {
+    let mut robot = Robot::boot_as(team_member(), options, Some(&demo_page(number)));
+    let mut teammate = OnHost::robot(1 - usize::from(number));
     robot.wait_for("took");
-    drive(&mut robot, &mut second);
-    (robot, second)
+    drive(&mut robot, &mut teammate);
+    (robot, teammate)
 }
 
 /// Ticks both until the first one drives.
-fn drive(robot: &mut Robot, second: &mut OnHost) {
+fn drive(robot: &mut Robot, teammate: &mut OnHost) {
     for _ in 0..300 {
         let heard = robot.receive();
-        robot.send(&second.tick(&heard));
+        robot.send(&teammate.tick(&heard));
         if Motors::of(robot.pause()) == Motors::Run {
             return;
         }

@@ -243,6 +243,11 @@ fn tell(
     if heard.received.accepted > 0 && heard_before.received.accepted == 0 {
         defmt::info!("tick {=u32}: heard the team", tick);
     }
+    if now.waiting != before.waiting
+        && let Some(waiting) = now.waiting.filter(|waiting| waiting.outlasts_round())
+    {
+        defmt::warn!("tick {=u32}: waits: {}", tick, waiting);
+    }
     if now.step != before.step {
         defmt::info!("tick {=u32}: step {=usize} done, on p{=u16}", tick, now.step, now.cell.0);
     }

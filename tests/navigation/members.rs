@@ -369,3 +369,29 @@ fn a_robot_that_is_unsure_where_it_is_stands_still() {
     team.set_reading(0, Reading::Drawn);
     fly_until(&mut team, "all stop", stopped);
 }
+
+/// Robots on rows of their own: no move of one waits for the other.
+#[test]
+fn robots_whose_link_is_gone_stand_before_their_plans_are_done_and_go_on_once_it_is_back() {
+    static STARTS: [Cell; 3] = [Cell(0), Cell(14), Cell(28)];
+    static GOALS: [Cell; 3] = [Cell(6), Cell(20), Cell(34)];
+    let mission = Mission { paces: &[8; 3], policies: 1, ..Mission::new(open_floor(), &STARTS, &GOALS) };
+    let mut team = agreed(&mission);
+    (0..3).for_each(|robot| team.set_pace(robot, 8));
+    tick(&mut team, 8);
+    (0..3).for_each(|robot| team.silence(robot, true));
+    tick(&mut team, 20 + 8 + 2);
+    let standing = cells(&team);
+    tick(&mut team, 100);
+    assert_eq!(cells(&team), standing);
+    for robot in 0..3 {
+        assert!(!mission.goals.contains(&Cell(standing[robot])));
+        assert!(
+            matches!(report(&team, robot).waiting, Some(Waiting::Quorum(_))),
+            "{:?}",
+            report(&team, robot)
+        );
+    }
+    (0..3).for_each(|robot| team.silence(robot, false));
+    fly_until(&mut team, "all arrive", |team| team.statuses() == [Status::Success; 3]);
+}

@@ -203,3 +203,29 @@ fn a_death_before_the_barrier_is_survived() {
         team.fly(200, Team::has_arrived).unwrap_or_else(|| panic!("death {ticks}: {:?}", team.waiting()));
     }
 }
+
+/// Two robots on corridors of their own: no move of one waits for the other.
+#[test]
+fn rule_8_a_robot_that_hears_nobody_does_not_drive_its_plan_to_the_end() {
+    let lengths: [&[u8]; 2] = [&[7, 15]; 2];
+    let grid = Grid::new(8, 2, lengths);
+    let mut team = Team::new(
+        &[0, 8],
+        Rc::new(move |proposal: &_, facts: &_| grid.list(proposal, facts)),
+        Radio::new(0.0, 0),
+    );
+    team.robots.iter_mut().for_each(|robot| robot.pace = 8);
+    team.fly(8, |_| false);
+    team.radio.dead = vec![(0, 1), (1, 0)];
+    let steps = |team: &Team| team.robots[1].rounds.protocol().step();
+    let lost_after = u32::from(Timing::DEFAULT.lost_after());
+    let has_stopped = |team: &Team| team.waiting()[1] == Some(Waiting::Quorum(R0));
+    team.fly(lost_after + 8, has_stopped).expect("it tells for whom it waits");
+    team.fly(8, |_| false);
+    let standing = steps(&team);
+    assert!(!team.robots[1].has_arrived());
+    team.fly(200, |team| team.robots[0].has_arrived()).expect("the other one is a quorum");
+    assert_eq!(steps(&team), standing);
+    team.radio.dead.clear();
+    team.fly(200, Team::has_arrived).expect("it goes on once the link is back");
+}

@@ -129,7 +129,7 @@ impl Robot {
                 protocol.give(digest, scores, &*self.list, &mates).expect("the digest was asked for");
             }
         }
-        if !self.is_moving && self.rounds.protocol().may_move(&mates, &*self.list) {
+        if !self.is_moving && self.rounds.may_move(&mates, &*self.list) {
             (self.is_moving, self.driven) = (true, 0);
             self.at = self.list.between(self.policy(), self.id(), self.rounds.protocol().step());
         }

@@ -35,7 +35,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// The next move and where it leads, if it is the robot's turn.
     pub(super) fn may_enter(&self, teammates: &Teammates<'_, Fact<W>, K>) -> Option<(Move, Cell)> {
         let (rounds, list) = self.rounds.as_ref().zip(self.on_map())?;
-        self.next_cell().filter(|_| rounds.protocol().may_move(teammates, &list))
+        self.next_cell().filter(|_| rounds.may_move(teammates, &list))
     }
 
     /// The next move of the path and where it leads, if the robot is where the path says.

@@ -12,8 +12,13 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     where
         L: JointPolicies<Claim = F::Claim>,
     {
-        let moves = self.policy().map_or(0, |policy| list.moves(policy, self.member().robot()));
-        self.step() < moves && self.others().all(|robot| self.obstacle(robot, teammates, list).is_none())
+        self.has_moves_left(list)
+            && self.others().all(|robot| self.obstacle(robot, teammates, list).is_none())
+    }
+
+    /// Whether the robot has yet to make a step of the chosen policy.
+    pub(super) fn has_moves_left<L: JointPolicies>(&self, list: &L) -> bool {
+        self.course(list).is_some_and(|(_, step, moves)| step < moves)
     }
 
     /// What the robot waits for; `None` if it [may move](Self::may_move), or has nothing more to

@@ -139,6 +139,8 @@ impl Patience {
         self.refractory = if protocol.step() > 0 { 0 } else { self.refractory.saturating_sub(1) };
         let trouble = trouble(protocol, teammates, list);
         let view = protocol.proposal().view;
+        // A robot whose link is gone does not drive its plan to the end.
+        let is_cut_off = protocol.has_moves_left(list) && !self.hears_any(protocol, teammates);
         for (robot, acquaintance) in (0..).map(RobotId).zip(&mut self.teammates) {
             if view.difference(self.view).contains(robot) {
                 acquaintance.back_off();
@@ -154,7 +156,7 @@ impl Patience {
             // A tick without a frame is no silence: it may have passed on one of another robot.
             let is_silent = acquaintance.silence > 1;
             let weight = if is_silent { 2 } else { 1 };
-            let is_missed = is_silent && expected.contains(robot);
+            let is_missed = is_silent && (is_cut_off || expected.contains(robot));
             let is_awaited = is_missed || trouble.blocking.contains(robot);
             let is_stuck = is_awaited && progress == acquaintance.progress;
             acquaintance.quiet = if is_stuck { acquaintance.quiet.saturating_add(weight) } else { 0 };
@@ -164,6 +166,18 @@ impl Patience {
         }
         self.view = view;
         trouble
+    }
+
+    /// Whether a member has been heard since the last tick.
+    fn hears_any<F: Fact, const K: usize>(
+        &self,
+        protocol: &Protocol<F, K>,
+        teammates: &Teammates<'_, F, K>,
+    ) -> bool {
+        let last = |robot: RobotId| self.teammates.get(robot.index()).map(|it| it.stamp);
+        let is_new =
+            |robot| protocol.newest(robot, teammates).is_some_and(|it| last(robot) != Some(it.stamp));
+        protocol.others().any(is_new)
     }
 
     /// The view to open a round with now, if trouble with the others has lasted long enough.

@@ -100,7 +100,7 @@ impl<F> Copy for Own<'_, F> {}
 /// assert_eq!(first.protocol().wanted(&heard), Some(digest));
 /// first.protocol_mut().give(digest, [Score::default(); 2].into_iter().collect(), &Tables, &heard)?;
 /// assert_eq!(first.protocol().policy(), Some(1));
-/// assert!(first.protocol().may_move(&heard, &Tables));
+/// assert!(first.may_move(&heard, &Tables));
 ///
 /// // So does the second, when it hears that.
 /// let decided = first.protocol().message(&heard, 2, 0.0);
@@ -134,7 +134,7 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
     /// trouble. Returns what happened, and what the robot [waits](Self::waiting) for after that.
     ///
     /// Call it once in every tick; then [ask](Self::ask) for another decision if there is a reason,
-    /// [work on the list](Protocol::wanted), [move](Protocol::may_move) and
+    /// [work on the list](Protocol::wanted), [move](Self::may_move) and
     /// [announce](Protocol::message). `list` is the one that was scored in this round; before, it
     /// is not looked at.
     pub fn tick<L>(
@@ -174,6 +174,15 @@ impl<F: Fact, const K: usize> Rounds<F, K> {
         L: JointPolicies<Claim = F::Claim>,
     {
         self.patience.stranded(&self.protocol).or_else(|| self.protocol.waiting(teammates, list))
+    }
+
+    /// Whether the robot may begin its next step now: see [`Protocol::may_move`]. One that is cut
+    /// off from its team, and no quorum by itself, may not.
+    pub fn may_move<L>(&self, teammates: &Teammates<'_, F, K>, list: &L) -> bool
+    where
+        L: JointPolicies<Claim = F::Claim>,
+    {
+        self.patience.stranded(&self.protocol).is_none() && self.protocol.may_move(teammates, list)
     }
 
     /// The ticks since a teammate was last heard, as of the last [tick](Self::tick).

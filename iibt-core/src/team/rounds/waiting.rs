@@ -72,6 +72,15 @@ impl Waiting {
         matches!(self, Self::Order(_) | Self::Barrier(_) | Self::Arrival(_))
     }
 
+    /// Whether the present round does not end it: it is worth a line in a log.
+    #[must_use]
+    pub const fn outlasts_round(self) -> bool {
+        matches!(
+            self,
+            Self::Unheard(_) | Self::Policy | Self::Members | Self::Quorum(_) | Self::Twin | Self::Rounds
+        )
+    }
+
     /// The teammate that the robot waits for.
     #[must_use]
     pub const fn robot(self) -> Option<RobotId> {
