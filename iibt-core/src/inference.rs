@@ -10,6 +10,8 @@
 //! | q(s) | [`Beliefs`] | states |
 //! | G | [`Terms`] | by policy |
 //! | G in ticks, of a team's list | [`PolicyCost`], weighed by [`WeighedPolicies`] | by policy |
+//! | P(h) of what stays unknown | [`Worlds`] | worlds |
+//! | G in ticks where something may be seen | [`Outlook`], in the terms of [`ExpectedTime`] | by policy |
 //! | γ | [`Scoring::precision`], updated by a [`Precision`] | |
 //! | a, counts of A | [`LikelihoodCounts`], itself a [`Likelihood`] | outcomes x states |
 //! | b, counts of B | [`TransitionCounts`], itself a [`Transition`] | states x states per action |
@@ -39,6 +41,7 @@ mod gain;
 pub mod learning;
 pub mod likelihood;
 mod model;
+mod outlook;
 pub mod policy;
 mod precision;
 mod preference;
@@ -46,6 +49,7 @@ mod problem;
 mod shape;
 mod table;
 pub mod transition;
+mod worlds;
 
 pub use agent::{Agent, Decision, Room};
 pub use belief::Beliefs;
@@ -61,9 +65,11 @@ pub use evidence::Evidence;
 pub use free_energy::{Gain, PreferenceTiming, Scoring, Terms};
 pub use likelihood::{DenseLikelihood, IdentityNoise, Likelihood, OutcomeTable, TableError};
 pub use model::{Control, Factor, MAX_FACTORS, MAX_MODALITIES, Modality, Model, ModelError};
+pub use outlook::{ExpectedTime, Outlook};
 pub use policy::{Choice, Policy};
 pub use precision::Precision;
 pub use preference::Preference;
 pub use problem::{PairPreference, Problem};
 pub use shape::{MAX_CONDITIONS, Shape};
 pub use transition::{Blocks, DenseTransition, NextState, Transition};
+pub use worlds::Worlds;

@@ -117,6 +117,12 @@ pub enum Argument {
     Scope,
     /// The horizon, in steps.
     Horizon,
+    /// The prior of an unknown, which is no distribution.
+    Prior,
+    /// The number of unknowns of some worlds.
+    Unknowns,
+    /// The number of worlds.
+    Worlds,
 }
 
 impl OutOfRange {
@@ -204,6 +210,9 @@ impl Argument {
             Self::PreferredOutcome => "there is no outcome %v to prefer: there are %l, from 0",
             Self::Raise => "the preference for outcome %v is raised to no finite number",
             Self::Scope => "the scope names group %v: there are %l, from 0",
+            Self::Prior => "the prior of unknown %i, with %v values, is no distribution",
+            Self::Unknowns => "there are %v unknowns, but there can be %l",
+            Self::Worlds => "the unknowns have %v worlds, but there is room for %l",
             Self::Horizon => "a horizon of %v steps, but there can be %l",
         }
     }
