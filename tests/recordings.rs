@@ -31,6 +31,12 @@ const PLAYED: u32 = 40;
 /// The frames that each robot hears of a recording in a tick.
 const FRAMES: usize = 3;
 
+/// The flights of which each is flown with recordings and without.
+const FLIGHTS: u64 = 60;
+
+/// The ticks of a decision, from a fact to the first move.
+const DECISION: u32 = 3;
+
 type Task<'m> = Navigation<'m, 49, 2, LAYERS, NODES, POLICIES>;
 
 fn tries() -> u64 {
@@ -235,10 +241,18 @@ fn yesterday(mission: &Mission<'_, 2>, seed: u64) -> Recording {
     recording
 }
 
-/// Restarts robots of a random mission, and plays frames back to them: those of another day, and
-/// those of this one.
-fn play_back(seed: u64) -> (u64, u64) {
-    let mut random = Random::new(seed);
+/// What came of a flight with recordings.
+struct Played {
+    tries: u64,
+    held: u64,
+    /// The ticks from the restart until all had arrived.
+    arrived: u32,
+}
+
+/// Restarts robots of a random mission, and plays frames back to them, so many to each in a tick:
+/// those of another day, and those of this one.
+fn play_back(seed: u64, frames: usize, loss: f64) -> Played {
+    let (mut random, mut playing) = (Random::new(seed), Random::new(!seed));
     let kind = KINDS[seed as usize % KINDS.len()];
     let size = 2 + (seed / KINDS.len() as u64 % 4) as usize;
     let (map, mut free): (Map<2>, Vec<Cell>) = ground(&mut random, 2 * size);
@@ -246,7 +260,8 @@ fn play_back(seed: u64) -> (u64, u64) {
     let (starts, goals) = (cells(), cells());
     let mission = Mission::new(map, &starts, &goals);
     let old = yesterday(&mission, seed);
-    let mut day = Watched::new(&mission, Faults::default(), seed);
+    let radio = Radio { loss, ..Radio::default() };
+    let mut day = Watched::new(&mission, Faults { radio, ..Faults::default() }, seed);
     // Yesterday they were in their first epoch.
     (0..size).for_each(|robot| day.restart(robot));
     let (one, other) = (random.below(size), random.below(size - 1));
@@ -268,7 +283,7 @@ fn play_back(seed: u64) -> (u64, u64) {
             day.restart(one);
         }
     }
-    let mut tries = 0;
+    let (mut tries, mut arrived, since) = (0, None, day.team.ticks());
     for tick in 0..PLAYED {
         if matches!(kind, Restarts::Again) && tick % 3 == 2 && tick < 12 {
             day.restart(one);
@@ -276,9 +291,9 @@ fn play_back(seed: u64) -> (u64, u64) {
         let recorded = day.sent.clone();
         let mut heard = Vec::new();
         for robot in 0..size {
-            for _ in 0..FRAMES {
-                let from = if random.bernoulli(0.5) && !recorded.is_empty() { &recorded } else { &old };
-                let (sender, frame) = &from[random.below(from.len())];
+            for _ in 0..frames {
+                let from = if playing.bernoulli(0.5) && !recorded.is_empty() { &recorded } else { &old };
+                let (sender, frame) = &from[playing.below(from.len())];
                 if *sender != robot {
                     heard.push((robot, frame.as_slice()));
                 }
@@ -286,6 +301,7 @@ fn play_back(seed: u64) -> (u64, u64) {
         }
         tries += heard.len() as u64;
         day.tick(&heard);
+        arrived = arrived.or(day.team.has_arrived().then(|| day.team.ticks()));
     }
     day.team.silence(other, false);
     while !day.team.has_arrived() && day.team.ticks() < LIMIT {
@@ -293,19 +309,42 @@ fn play_back(seed: u64) -> (u64, u64) {
     }
     assert!(day.team.has_arrived(), "{kind:?}, seed {seed}: {:?}", day.team.reports());
     assert_eq!(day.collisions, 0, "{kind:?}, seed {seed}");
-    (tries, day.held)
+    Played { tries, held: day.held, arrived: arrived.unwrap_or(day.team.ticks()) - since }
 }
 
 #[test]
 fn no_recording_is_relied_upon_whoever_has_started_again() {
     let (mut tries, mut held, mut flights) = (0, 0, 0);
     while tries < self::tries() {
-        let (more, kept) = play_back(flights);
-        (tries, held, flights) = (tries + more, held + kept, flights + 1);
+        let played = play_back(flights, FRAMES, 0.0);
+        (tries, held, flights) = (tries + played.tries, held + played.held, flights + 1);
     }
     println!(
         "recordings: {tries} played back in {flights} flights; relied upon: 0; held until the sender spoke: {held} \
          (robot, teammate, tick)"
     );
     assert!(held > tries / 200, "{held}: recordings must get into rosters to be tried");
+}
+
+/// In the mean of the flights, a recorded round costs a team at most another decision.
+#[test]
+fn recordings_delay_a_team_by_a_decision_at_the_most() {
+    for loss in [0.0, 0.3] {
+        let mut sums = [[0; 2]; KINDS.len()];
+        let (mut later, mut worst) = (0, 0);
+        for seed in 0..FLIGHTS {
+            let [with, without] = [FRAMES, 0].map(|frames| play_back(seed, frames, loss).arrived);
+            let sum = &mut sums[seed as usize % KINDS.len()];
+            *sum = [sum[0] + with, sum[1] + without];
+            later += u64::from(with > without);
+            worst = worst.max(with.saturating_sub(without));
+        }
+        for (kind, [with, without]) in KINDS.iter().zip(sums) {
+            println!("{kind:?}: {with} ticks until they arrive with recordings, {without} without");
+        }
+        println!("loss {loss}: later {later} times of {FLIGHTS}, by {worst} ticks at the most");
+        let flights = FLIGHTS as u32 / KINDS.len() as u32;
+        let is_late = |[with, without]: &[u32; 2]| *with > without + flights * DECISION;
+        assert!(!sums.iter().any(is_late), "loss {loss}: {sums:?}");
+    }
 }

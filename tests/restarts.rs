@@ -6,7 +6,7 @@ use firmware::adapters::{Counted, DeadReckoning};
 use firmware::hardware::{Drive, Localiser};
 use firmware::missions::{LAYERS, NODES, POLICIES};
 use firmware::page::Page;
-use host_sim::{Faults, NavigatorFlight, Random, Reading};
+use host_sim::{EventEffect, Faults, NavigatorFlight, Random, Reading};
 use iibt_core::grid::{Cell, Map, Move};
 use iibt_core::navigation::{Mission, Report};
 use iibt_core::team::RobotId;
@@ -249,6 +249,102 @@ fn a_robot_whose_power_fails_between_two_cells_claims_both_until_it_is_centred()
     println!("power failed between two cells: {} times", between.get_mut());
     assert!(*between.get_mut() > missions() / 4);
     sums.judge("brown-out", AGREED_WITHIN);
+}
+
+/// The ticks in which the drive of a slow robot centres it: longer than its team takes to decide.
+const SLOW: u32 = 8;
+
+#[test]
+fn a_slow_robot_whose_power_fails_between_two_cells_is_run_into_on_neither() {
+    let mut sums = Sums::default();
+    for seed in 0..missions() {
+        restart_at_any_tick(seed, &mut sums, |team, robot, random| {
+            while team.entering().nth(robot).flatten().is_none() && !team.has_arrived() {
+                team.tick();
+            }
+            team.set_pace(robot, SLOW);
+            team.brown_out(robot, random.bernoulli(0.5)).expect("it has been built before");
+        });
+    }
+    sums.judge("brown-out of a slow robot", AGREED_WITHIN + SLOW);
+}
+
+/// Its localiser still reads the start, as it did when the robot was switched off.
+#[test]
+fn a_robot_that_was_carried_while_it_was_off_does_not_believe_the_start_of_the_mission() {
+    let mut collisions = 0;
+    for seed in 0..missions() {
+        let mut random = Random::new(seed);
+        let drawn = Drawn::new(&mut random, 2 + (seed % 4) as usize);
+        let mission = drawn.mission();
+        let (robot, other) = (0, 1);
+        let near = Move::ALL.map(|step| drawn.map.neighbour(drawn.starts[other], step));
+        let is_free = |cell: &Cell| drawn.map.is_free(*cell) && !drawn.starts.contains(cell);
+        let Some(carried) = near.into_iter().filter(is_free).nth(random.below(2)) else { continue };
+        let mut team = team(&mission, &drawn, Faults::default(), seed);
+        team.place(robot, carried);
+        team.set_reading(robot, Reading::Cell(drawn.starts[robot]));
+        team.restart(robot).expect("it has been built before");
+        let first = judge::fly_until(&mut team, 1, |_| false);
+        let is_silent = team.sent(robot).is_empty();
+        team.set_reading(robot, Reading::Drawn);
+        let outcome = judge::fly(&mut team, LIMIT);
+        collisions += first.collisions + outcome.collisions;
+        assert!(outcome.arrived.is_some(), "seed {seed}");
+        assert!(is_silent, "seed {seed}: it has nothing true to say; {collisions} collisions so far");
+    }
+    assert_eq!(collisions, 0);
+}
+
+/// The robots of a team without those that are lost.
+fn rest(size: usize, lost: &[usize]) -> View {
+    (0..size).filter(|robot| !lost.contains(robot)).map(|robot| RobotId(robot as u8)).collect()
+}
+
+/// Whether the members of a view know the plan of one round, in which they alone decide.
+fn agree_alone(reports: &[Report], view: View) -> bool {
+    let members: Vec<&Report> = view.iter().map(|robot| &reports[robot.index()]).collect();
+    let is_one = |report: &&Report| report.policy.is_some() && report.round == members[0].round;
+    members.iter().all(is_one) && members.iter().all(|report| report.members == view)
+}
+
+/// It cannot know where the dead one may be, and takes the word of the others, who are a quorum.
+#[test]
+fn a_robot_that_has_not_heard_a_dead_teammate_since_it_started_decides_with_the_others() {
+    let (mut sums, mut before) = (Sums::default(), 0);
+    for seed in 0..missions() {
+        let mut random = Random::new(seed);
+        let size = 4 + (seed % 3) as usize;
+        let drawn = Drawn::new(&mut random, size);
+        let (dead, one) = loop {
+            let (dead, one) = (random.below(size), random.below(size));
+            if dead != one && rest(size, &[dead, one]).is_quorum(size) {
+                break (dead, one);
+            }
+        };
+        let mission = drawn.mission();
+        let mut team = team(&mission, &drawn, Faults::default(), seed);
+        let agreed = judge::fly_until(&mut team, LIMIT, |team| agree(team.reports()));
+        let death = team.ticks() + random.below(8) as u32;
+        let mut collisions = agreed.collisions + judge::fly_until(&mut team, death, |_| false).collisions;
+        team.cause(EventEffect::Stop(dead, None));
+        let living = rest(size, &[dead]);
+        let restart = death + random.below(60) as u32;
+        let went_on = judge::fly_until(&mut team, restart, |_| false);
+        before += u64::from(!agree_alone(team.reports(), living));
+        team.restart(one).expect("it has been built before");
+        let again = judge::fly_until(&mut team, LIMIT, |team| agree_alone(team.reports(), living));
+        let end = team.ticks() + 60;
+        collisions += went_on.collisions + again.collisions;
+        collisions += judge::fly_until(&mut team, end, |_| false).collisions;
+        (sums.flights, sums.collisions) = (sums.flights + 1, sums.collisions + collisions);
+        match again.arrived {
+            Some(agreed) => sums.agreed.push(agreed - restart),
+            None => sums.held_up.push(seed),
+        }
+    }
+    println!("started again before the others had left the dead one out: {before} times");
+    sums.judge("restart beside a dead one", 2 * AGREED_WITHIN);
 }
 
 /// The image's own localiser: the firmware's, through the simulated drive.

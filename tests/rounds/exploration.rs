@@ -35,6 +35,8 @@ struct Seen {
     deaths: usize,
     /// Deaths of a robot for which others wait before their last moves.
     deaths_before_barrier: usize,
+    /// Walks in which a robot that has started took the others' word for where one left out is.
+    vouched: usize,
 }
 
 impl Seen {
@@ -143,9 +145,9 @@ fn fly_on(world: &World, grid: &Rc<Grid>, seed: u64, dead: &[usize], trace: impl
     }
 }
 
-/// Lets anything happen, in any order.
-fn walk(grid: &Rc<Grid>, mut world: World, steps: usize, random: &mut Random) -> (World, Vec<Action>) {
-    let mut trace = Vec::new();
+/// Lets anything happen, in any order; also returns whether a robot has taken the others' word.
+fn walk(grid: &Rc<Grid>, mut world: World, steps: usize, random: &mut Random) -> (World, Vec<Action>, bool) {
+    let (mut trace, mut is_vouched) = (Vec::new(), false);
     for _ in 0..steps {
         let mut actions = world.actions(grid);
         let weights: Vec<usize> = actions.iter().map(|action| world.weight(*action)).collect();
@@ -161,8 +163,9 @@ fn walk(grid: &Rc<Grid>, mut world: World, steps: usize, random: &mut Random) ->
         let mut worlds = world.after(action, grid, 8);
         world = worlds.swap_remove(random.below(worlds.len()));
         check(&world, || trace.clone());
+        is_vouched |= world.has_vouched();
     }
-    (world, trace)
+    (world, trace, is_vouched)
 }
 
 fn square() -> (Grid, [u8; 2]) {
@@ -216,24 +219,27 @@ fn two_robots_open_twice_and_one_starts_again() {
 fn three_robots_open_once() {
     for (grid, limit) in [(square_of_six(), 150_000), (square_of_six().together(), 50_000)] {
         let limit = limit * scale();
-        let seen = explore(&Rc::new(grid), World::new(&[0, 4, 2], 1, &[]), limit, 1000);
+        let seen = explore(&Rc::new(grid), World::new(&THREE, 1, &[]), limit, 1000);
         assert!(seen.is_complete || seen.states >= limit, "{seen:?}");
     }
 }
+
+const THREE: [u8; 3] = [0, 4, 2];
 
 fn square_of_six() -> Grid {
     Grid::new(3, 2, [&[5, 3, 1], &[2, 0, 4]])
 }
 
-/// Walks of three robots, of up to 300 actions, with eight openings and these restarts. At the end
+/// Walks of robots from these places, of up to 300 actions, with eight openings and these restarts. At the end
 /// all fly on; where none starts again, a robot may die, if the others know where it can be.
-fn walks(grid: Grid, restarts: &[u8]) -> Seen {
+fn walks(grid: Grid, places: &[u8], restarts: &[u8], count: usize) -> Seen {
     let (grid, mut seen, mut lengths) = (Rc::new(grid), Seen::default(), [0; 4]);
-    let count = 1500 * scale();
+    let count = count * scale();
     for seed in 0..count as u64 {
         let mut random = Random(seed);
         let steps = 40 + random.below(260);
-        let (world, trace) = walk(&grid, World::new(&[0, 4, 2], 8, restarts), steps, &mut random);
+        let (world, trace, is_vouched) = walk(&grid, World::new(places, 8, restarts), steps, &mut random);
+        seen.vouched += usize::from(is_vouched);
         seen.transitions += trace.len();
         lengths_of_moves(&trace).for_each(|length| lengths[length.min(3)] += 1);
         seen.fly_on(&world, &grid, seed, restarts.is_empty(), || trace.clone());
@@ -258,19 +264,27 @@ fn lengths_of_moves(trace: &[Action]) -> impl Iterator<Item = usize> + '_ {
 
 #[test]
 fn three_robots_at_random() {
-    let seen = walks(square_of_six(), &[]);
+    let seen = walks(square_of_six(), &THREE, &[], 1500);
     assert!(seen.deaths > seen.continued / 4, "{seen:?}");
 }
 
 #[test]
 fn three_robots_that_arrive_together_at_random() {
-    let seen = walks(square_of_six().together(), &[]);
+    let seen = walks(square_of_six().together(), &THREE, &[], 1500);
     assert!(seen.deaths_before_barrier > seen.continued / 50, "{seen:?}");
 }
 
 #[test]
 fn three_robots_that_start_again_at_random() {
-    walks(square_of_six(), &[1, 1, 1]);
+    walks(square_of_six(), &THREE, &[1, 1, 1], 1500);
+}
+
+/// One that starts again may take the word of two others for where the fourth is.
+#[test]
+fn four_robots_that_start_again_at_random() {
+    let grid = Grid::new(4, 2, [&[7, 4, 3, 0], &[2, 1, 6, 5]]);
+    let seen = walks(grid, &[0, 3, 4, 7], &[1, 1, 1, 1], 500);
+    assert!(seen.vouched > seen.continued / 50, "{seen:?}");
 }
 
 /// One action a line.

@@ -83,7 +83,8 @@ impl Grid {
         members.iter().zip(state).map(apart).sum()
     }
 
-    /// All joint steps in which no robot enters a wall, no two share a place or swap.
+    /// All joint steps in which no robot enters a wall, no two share a place or swap, and none go
+    /// round in a circle.
     fn successors(&self, state: &[Places], walls: Places) -> Vec<Vec<Places>> {
         let mut all = vec![Vec::new()];
         for (index, &here) in state.iter().enumerate() {
@@ -101,6 +102,7 @@ impl Grid {
             all = longer;
             debug_assert!(index < 4);
         }
+        all.retain(|next| !go_round(state, next));
         all
     }
 
@@ -117,6 +119,18 @@ impl Grid {
         }
         steps
     }
+}
+
+/// Whether robots enter each other's places in a circle: each would wait for the next to leave.
+fn go_round(before: &[Places], after: &[Places]) -> bool {
+    let follows = |&robot: &usize| {
+        let left = after[robot];
+        before.iter().position(|&place| place == left).filter(|&other| other != robot)
+    };
+    (0..before.len()).any(|first| {
+        let mut chain = std::iter::successors(Some(first), follows).skip(1).take(before.len());
+        chain.any(|robot| robot == first)
+    })
 }
 
 /// Whether all arrive that keep the order of a plan and wait for each other before their last

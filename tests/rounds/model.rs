@@ -246,6 +246,14 @@ impl World {
         view.is_quorum(self.bodies.len()) && others().all(|(_, body)| body.protocol.reach(lost).is_some())
     }
 
+    /// Whether a robot knows where another is that has not answered its start.
+    pub(super) fn has_vouched(&self) -> bool {
+        let robots = || (0..self.bodies.len() as u8).map(RobotId);
+        let is_told =
+            |body: &Body, robot| body.protocol.reach(robot).is_some() && !body.protocol.has_answered(robot);
+        self.bodies.iter().any(|body| robots().any(|robot| is_told(body, robot)))
+    }
+
     /// A number for the state: equal if and only if, but for accidents, all that follows is.
     pub(super) fn number(&self) -> u64 {
         let mut mixer = Mixer(0);

@@ -1,7 +1,7 @@
 //! Rules 4 and 5: when a robot gives its scores, and what all decide from them.
 
 use super::model::{Action, World};
-use super::stage::{R0, R1, R2, Stage, heard_from, view};
+use super::stage::{R0, R1, R2, R3, Stage, heard_from, view};
 use super::task::{List, Place, Places};
 use super::team::{K, teammates};
 use iibt_core::iibt::cheapest_policy;
@@ -113,6 +113,70 @@ fn rule_4_a_member_that_knows_more_refuses_the_walls_and_both_are_united() {
     stage.hear(0, 1);
     stage.act(Action::Give(0, 0));
     assert_eq!(stage.of(0).reach(R2), Some(&Places(0b1_1100)), "what it has accepted it remembers");
+}
+
+/// The first three of four robots, which have decided before, in a round that one of them has
+/// opened without robot 3; one has started again since, and all know each other's facts.
+fn without_robot_3(opens: usize, starts: usize) -> Stage {
+    let mut stage = Stage::corridor(4);
+    stage.decide(0);
+    stage.open(opens, view(&[R0, R1, R2]));
+    let all_hear = |stage: &mut Stage| {
+        let pairs = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
+        pairs.into_iter().for_each(|(robot, other)| stage.hear(robot, other));
+    };
+    all_hear(&mut stage);
+    stage.act(Action::Restart(starts));
+    all_hear(&mut stage);
+    all_hear(&mut stage);
+    stage
+}
+
+#[test]
+fn rule_4e_a_robot_that_has_started_takes_the_word_of_a_quorum_that_has_scored() {
+    let mut stage = without_robot_3(0, 1);
+    assert!(!stage.wants_list(1));
+    assert_eq!(stage.waiting(1), Some(Waiting::Unheard(R3)));
+    stage.act(Action::Give(0, 0));
+    stage.hear(1, 0);
+    assert!(!stage.wants_list(1), "one that remembers is no quorum");
+    stage.act(Action::Give(2, 0));
+    stage.hear(1, 2);
+    assert!(stage.wants_list(1), "two of four, with robot 0");
+    stage.act(Action::Give(1, 0));
+    let wall = stage.of(1).proposal().wall(R3, 4);
+    assert!(stage.of(1).has_decided() && wall == Some(Places(0b1_1000)));
+    assert_eq!(stage.of(1).reach(R3).copied(), wall);
+    assert!(!stage.of(1).has_answered(R3) && stage.of(1).may_open(view(&[R0, R1, R2])).is_ok());
+    // A recording, or a message that was long on its way: robot 3 has gone on since.
+    stage.act(Action::Hear(1, 3, 0, true));
+    assert_eq!(stage.of(1).reach(R3).copied(), wall, "it does not answer this start");
+}
+
+#[test]
+fn rule_4e_the_half_of_a_team_without_robot_0_gives_nobody_its_word() {
+    let mut stage = without_robot_3(1, 0);
+    [1, 2].into_iter().for_each(|robot| stage.act(Action::Give(robot, 0)));
+    [1, 2].into_iter().for_each(|other| stage.hear(0, other));
+    assert!(!stage.wants_list(0), "robots 0 and 3 may have decided something else");
+    assert_eq!(stage.waiting(0), Some(Waiting::Unheard(R3)));
+}
+
+#[test]
+fn rule_4e_a_robot_that_knows_more_takes_nobodys_word() {
+    let mut stage = Stage::corridor(4);
+    stage.decide(0);
+    for robot in 0..4 {
+        stage.step(robot);
+        (robot + 1..4).for_each(|next| stage.hear(next, robot));
+    }
+    [0, 2].into_iter().for_each(|robot| stage.hear(robot, 3));
+    stage.open(0, view(&[R0, R1, R2])); // with the end of robot 3's path: place 3
+    [(1, 0), (2, 0), (0, 1), (0, 2), (2, 1)].into_iter().for_each(|(robot, other)| stage.hear(robot, other));
+    [0, 2].into_iter().for_each(|robot| stage.act(Action::Give(robot, 0)));
+    [0, 2].into_iter().for_each(|other| stage.hear(1, other));
+    assert!(!stage.wants_list(1));
+    assert_eq!(stage.waiting(1), Some(Waiting::Wall(R3)), "it has not heard that place 4 is left");
 }
 
 #[test]

@@ -11,6 +11,7 @@ use std::rc::Rc;
 pub(super) const R0: RobotId = RobotId(0);
 pub(super) const R1: RobotId = RobotId(1);
 pub(super) const R2: RobotId = RobotId(2);
+pub(super) const R3: RobotId = RobotId(3);
 
 /// Robots on a grid, to which things happen one by one.
 pub(super) struct Stage {
@@ -19,9 +20,11 @@ pub(super) struct Stage {
 }
 
 impl Stage {
-    /// Two robots in a corridor of four, or three of six: all to the left, or all to the right.
+    /// Two to four robots in a corridor of twice as many places: all to the left, or all to the
+    /// right.
     pub(super) fn corridor(robots: u8) -> Self {
-        let targets: [&[u8]; 2] = if robots == 2 { [&[0, 1], &[2, 3]] } else { [&[0, 1, 2], &[3, 4, 5]] };
+        let (left, right): (Vec<u8>, Vec<u8>) = ((0..robots).collect(), (robots..2 * robots).collect());
+        let targets: [&[u8]; 2] = [&left, &right];
         let places: Vec<u8> = (1..=robots).collect();
         Self { world: World::new(&places, 99, &[9; 8]), grid: Grid::new(2 * robots, 1, targets) }
     }

@@ -2,7 +2,7 @@
 
 use super::super::{MAX_TEAM, RobotId};
 use super::digest::Digester;
-use super::{Claim, Digest, Fact, Heard, Protocol, Teammates, Waiting};
+use super::{Claim, Digest, Fact, Heard, Protocol, Teammates, View, Waiting};
 
 impl<F: Fact, const K: usize> Protocol<F, K> {
     /// The facts of the members that are known to be in this round, or [last](Fact::LASTS), in the
@@ -48,8 +48,22 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
             self.is_in_round(robot, teammates)?;
         }
         self.is_disjoint(teammates)?;
-        self.accepts_walls()?;
-        Ok(self.sum(teammates))
+        let digest = self.sum(teammates);
+        self.accepts_walls(self.is_vouched(digest, teammates))?;
+        Ok(digest)
+    }
+
+    /// Whether members that are a quorum without this robot have scored what it would score: then
+    /// they have checked the walls, and one of them was in every view in which a robot left out may
+    /// have got the plan that it still follows.
+    ///
+    /// The first who takes the others' word has that of a quorum that remembers. It can then give
+    /// its own to the next.
+    fn is_vouched(&self, digest: Digest, teammates: &Teammates<'_, F, K>) -> bool {
+        let has_scored = |robot: &RobotId| {
+            self.newest(*robot, teammates).and_then(|heard| heard.message.answer.digest()) == Some(digest)
+        };
+        self.others().filter(has_scored).collect::<View>().is_quorum(self.member.team())
     }
 
     /// Whether a member is known to be in this round, with the same members and walls.

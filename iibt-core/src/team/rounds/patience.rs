@@ -292,7 +292,7 @@ where
         if let Some(Waiting::Overlap(one, other)) = trouble.waiting {
             trouble.blocking = trouble.blocking.with(one).with(other);
         }
-        trouble.is_void |= matches!(protocol.accepts_walls(), Err(Waiting::Wall(_)));
+        trouble.is_void |= matches!(protocol.accepts_walls(false), Err(Waiting::Wall(_)));
     }
     trouble
 }

@@ -1,7 +1,7 @@
 //! The rules that safety rests on: what one robot may join, open, score and decide.
 
 use super::super::{MAX_TEAM, Member, RobotId};
-use super::reach::Location;
+use super::reach::{Location, Reach};
 use super::{
     Answer, Choice, Claim, Digest, Fact, JointPolicies, Proposal, RoundMessage, Score, Scores, Teammates,
     View, Waiting,
@@ -67,7 +67,7 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
             proposal: Proposal::first(member.team()),
             fact,
             given: None,
-            located: [const { Location { reach: None, known: (0, 0) } }; MAX_TEAM],
+            located: [const { Location { reach: Reach::Anywhere, known: (0, 0) } }; MAX_TEAM],
         }
     }
 
@@ -285,11 +285,16 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     }
 
     /// Whether every robot that is left out is where the round says: what a member must know before
-    /// it takes part.
-    pub(super) fn accepts_walls(&self) -> Result<(), Waiting> {
+    /// it takes part. Of one that may be anywhere it takes the others' word, if they have
+    /// [vouched](Self::is_vouched).
+    pub(super) fn accepts_walls(&self, is_vouched: bool) -> Result<(), Waiting> {
         let left_out = View::full(self.member.team()).difference(self.proposal.view);
         for robot in left_out.iter() {
-            let Some(reach) = self.reach(robot) else { return Err(Waiting::Unheard(robot)) };
+            let reach = self.reach(robot);
+            if reach.is_none() && is_vouched {
+                continue;
+            }
+            let Some(reach) = reach else { return Err(Waiting::Unheard(robot)) };
             let wall = self.proposal.wall(robot, self.member.team());
             if !wall.is_some_and(|wall| wall.contains(reach)) {
                 return Err(Waiting::Wall(robot));
@@ -349,7 +354,7 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     fn wall_of(&self, robot: RobotId) -> F::Claim {
         let reach = self.reach(robot).cloned().unwrap_or(F::Claim::EMPTY);
         match self.proposal.wall(robot, self.member.team()) {
-            Some(wall) if self.accepts_walls().is_err() => wall.union(&reach),
+            Some(wall) if self.accepts_walls(false).is_err() => wall.union(&reach),
             _ => reach,
         }
     }

@@ -7,17 +7,46 @@ use super::{Claim, Fact, Heard, JointPolicies, Protocol, Teammates};
 /// Where a teammate may be.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Location<C> {
-    /// `None`: anywhere, because this robot does not know what it was told before it started.
-    pub(super) reach: Option<C>,
+    pub(super) reach: Reach<C>,
     /// Epoch and round of the newest message that was taken into account.
     pub(super) known: (u32, u32),
+}
+
+/// What a robot knows of where a teammate may be.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Reach<C> {
+    /// Anywhere: this robot does not know what it was told before it started.
+    Anywhere,
+    /// Here, as the members of a round know that left the teammate out. No message of its own has
+    /// answered this start.
+    Vouched(C),
+    /// Here, by the teammate's own answer and what it has said since.
+    Answered(C),
+}
+
+impl<C> Reach<C> {
+    pub(super) const fn claim(&self) -> Option<&C> {
+        match self {
+            Self::Anywhere => None,
+            Self::Vouched(claim) | Self::Answered(claim) => Some(claim),
+        }
+    }
+
+    const fn is_answered(&self) -> bool {
+        matches!(self, Self::Answered(_))
+    }
+
+    /// The same knowledge with another claim; one that was anywhere is `claim` by the word of others.
+    fn with(&self, claim: C) -> Self {
+        if self.is_answered() { Self::Answered(claim) } else { Self::Vouched(claim) }
+    }
 }
 
 impl<F: Fact, const K: usize> Protocol<F, K> {
     /// Where a teammate may be; `None`: anywhere.
     #[must_use]
     pub fn reach(&self, robot: RobotId) -> Option<&F::Claim> {
-        self.located.get(robot.index())?.reach.as_ref()
+        self.located.get(robot.index())?.reach.claim()
     }
 
     /// Whether a teammate has answered this start: it has scored a list whose digest holds this
@@ -26,7 +55,7 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     #[doc(alias = "challenge")]
     #[must_use]
     pub fn has_answered(&self, robot: RobotId) -> bool {
-        self.reach(robot).is_some()
+        self.located.get(robot.index()).is_some_and(|location| location.reach.is_answered())
     }
 
     /// Takes in where the teammates may be by what they say. The list is the one that was scored in
@@ -55,10 +84,10 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         // A robot that has just started believes no message before one that answers its new epoch:
         // the teammate may be on a plan that it has heard of in its life before.
         let anchor = || message.fact.anchor();
-        let is_news = stamp > location.known && location.reach.is_some();
+        let is_news = stamp > location.known && location.reach.is_answered();
         location.known = stamp;
         if let Some(reach) = rest.or_else(|| is_news.then(anchor)) {
-            location.reach = Some(reach);
+            location.reach = Reach::Answered(reach);
         }
     }
 
@@ -85,9 +114,12 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
         let (own, team) = (self.member.robot(), self.member.team());
         for (robot, location) in (0..).map(RobotId).zip(&mut self.located) {
             if let Some(wall) = self.proposal.wall(robot, team) {
-                location.reach = Some(wall);
-            } else if let Some(reach) = location.reach.take_if(|_| robot != own && robot.index() < team) {
-                location.reach = Some(any_of(list, robot, 0, reach));
+                location.reach = location.reach.with(wall);
+            } else if robot != own
+                && robot.index() < team
+                && let Some(reach) = location.reach.claim().cloned()
+            {
+                location.reach = location.reach.with(any_of(list, robot, 0, reach));
             }
         }
     }
