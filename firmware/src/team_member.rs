@@ -251,6 +251,9 @@ fn tell(
     if now.step != before.step {
         defmt::info!("tick {=u32}: step {=usize} done, on p{=u16}", tick, now.step, now.cell.0);
     }
+    if let Some(cell) = now.obstructed.filter(|_| now.obstructed != before.obstructed) {
+        defmt::warn!("tick {=u32}: does not visit p{=u16}: an obstacle is on it", tick, cell.0);
+    }
     if now.stage != before.stage {
         if now.stage == Stage::Agreed {
             tell_decision(navigator, mission, tick, now);

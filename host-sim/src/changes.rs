@@ -11,6 +11,8 @@ pub(crate) fn between(before: &[Report], after: &[Report], world: &World) -> Vec
     let mut events = Vec::new();
     for (robot, (old, new)) in before.iter().zip(after).enumerate() {
         events.extend(leave(robot, old, new, world.battery(robot).percent()));
+        let obstructed = new.obstructed.filter(|_| new.obstructed != old.obstructed);
+        events.extend(obstructed.map(|cell| FlightEvent::Obstructed { robot, cell }));
         events.extend(choice(robot, old, new, world.floor()));
         if new.stage == Stage::Arrived && old.stage != Stage::Arrived {
             events.push(FlightEvent::Arrived { robot, cell: world.cells()[robot] });

@@ -241,6 +241,7 @@ impl<const S: usize, const W: usize> AnyRobot for Controller<ConventionalRobot<S
             confidence: self.belief(navigator.position.last()),
             surprise: Some(0.0),
             waypoint: navigator.waypoints.first().copied(),
+            obstructed: None,
             put_off: None,
             left_behind: None,
             look_out: None,

@@ -88,6 +88,13 @@ pub enum FlightEvent {
         /// Which.
         cell: Cell,
     },
+    /// A robot has seen an obstacle on the way-point, and goes on without a visit until it is gone.
+    Obstructed {
+        /// Who.
+        robot: usize,
+        /// Which.
+        cell: Cell,
+    },
     /// A robot's battery fell.
     Drained {
         /// Whose.
@@ -161,6 +168,9 @@ impl FlightEvent {
             Self::Visited { robot, cell } => format!("{} visits {}", name(*robot), cell.0),
             Self::TookOver { robot, cell } => format!("{} takes over the way-point {}", name(*robot), cell.0),
             Self::GaveUp { robot, cell } => format!("{} gives up the way-point {}", name(*robot), cell.0),
+            Self::Obstructed { robot, cell } => {
+                format!("{} does not visit {}: an obstacle is on it", name(*robot), cell.0)
+            }
             Self::Drained { robot, charge } => {
                 format!("the battery of {} falls to {charge} %", name(*robot))
             }

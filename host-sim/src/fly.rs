@@ -378,6 +378,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
                 .failure
                 .map(|failure| failure.to_string())
                 .or_else(|| shortfall(report, self.scenario))
+                .or_else(|| report.obstructed.map(obstructed))
                 .or_else(|| report.put_off.map(put_off))
                 .or_else(|| report.left_behind.map(left_behind)),
             moves: cells.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32,
@@ -409,6 +410,10 @@ fn shortfall(report: &Report, scenario: &Scenario) -> Option<String> {
 
 fn left_behind(cell: Cell) -> String {
     format!("the way-point {} of a lost teammate is left: no member has taken it over", cell.0)
+}
+
+fn obstructed(cell: Cell) -> String {
+    format!("it does not visit {}, because an obstacle is on it", cell.0)
 }
 
 fn put_off(cell: Cell) -> String {

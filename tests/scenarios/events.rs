@@ -125,3 +125,29 @@ fn a_way_point_that_an_obstacle_has_taken_is_refused() {
     let record = flown(&factory_with(more), 0, 0.0);
     assert!(!refused(&record) && record.robots[0].visited == [Cell(22)]);
 }
+
+/// R1 is to visit a cell on which an obstacle appears before it gets there.
+fn obstructed_errand(settings: &str, more: &str) -> Record {
+    let map = "title = 't'\nlimit = 300\nmap = '''\n1.....G\n.......\n.......\n'''\n";
+    let errand = "[[event]]\ntick = 0\nwho = 'R1'\nvisit = 17\n[[event]]\ntick = 1\nblock = 17\n";
+    flown(&Scenario::parse("t", &format!("{settings}{map}{errand}{more}")).expect("sound"), 0, 0.0)
+}
+
+#[test]
+fn a_way_point_that_is_not_visited_because_of_an_obstacle_is_named() {
+    let scenario = Scenario::parse("t", "title = 't'\nmap = '''\n1.G\n'''").expect("sound");
+    let is_named = |timed: &&host_sim::TimedEvent| {
+        timed.event.line(&scenario) == "R1 does not visit 17: an obstacle is on it"
+    };
+    let record = obstructed_errand("", "");
+    assert_eq!(record.events.iter().filter(is_named).count(), 1);
+    assert_eq!((record.outcome, record.robots[0].cell), (Outcome::Unfinished, Cell(6)), "it is on its goal");
+    let told = summary(&record, None);
+    let line = "\n  R1 stands on 6: it does not visit 17, because an obstacle is on it";
+    assert!(told.contains(line), "{told}");
+    // Once the obstacle is gone, and the robot takes the cell for free again.
+    let record = obstructed_errand("forget = 1\n", "[[event]]\ntick = 40\nclear = 17\n");
+    assert!(record.outcome.is_success(), "{:?}", record.outcome);
+    assert!(record.events.iter().any(|timed| is_named(&timed)));
+    assert_eq!(record.robots[0].visited, [Cell(17)]);
+}

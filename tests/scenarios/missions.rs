@@ -155,6 +155,7 @@ fn kind(event: &host_sim::FlightEvent) -> &'static str {
         host_sim::FlightEvent::Visited { .. } => "visited",
         host_sim::FlightEvent::TookOver { .. } => "took over",
         host_sim::FlightEvent::GaveUp { .. } => "gave up",
+        host_sim::FlightEvent::Obstructed { .. } => "obstructed",
         host_sim::FlightEvent::Drained { .. } => "drained",
         host_sim::FlightEvent::Left { .. } => "left",
         host_sim::FlightEvent::Returned { .. } => "returned",

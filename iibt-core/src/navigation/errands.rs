@@ -85,6 +85,11 @@ impl Waypoints {
         self.iter().find(|(_, state)| state.rest > 0).map(|(cell, _)| cell)
     }
 
+    /// Returns the first way-point that waits because it is blocked.
+    pub(super) fn first_blocked(&self, is_blocked: impl Fn(Cell) -> bool) -> Option<Cell> {
+        self.cells.iter().copied().find(|&cell| is_blocked(cell))
+    }
+
     /// Returns the next way-point that is neither blocked nor put off.
     pub(super) fn next(&self, is_blocked: impl Fn(Cell) -> bool) -> Option<Cell> {
         self.iter().find(|&(cell, state)| state.rest == 0 && !is_blocked(cell)).map(|(cell, _)| cell)
@@ -142,7 +147,10 @@ mod tests {
         let mut waypoints = waypoints(&[4, 5, 5, 6]);
         assert_eq!(waypoints.push(Cell(7)), Err(VisitError::TooMany));
         let is_blocked = |cell| cell == Cell(4);
-        assert_eq!(waypoints.next(is_blocked), Some(Cell(5)));
+        assert_eq!(
+            (waypoints.next(is_blocked), waypoints.first_blocked(is_blocked)),
+            (Some(Cell(5)), Some(Cell(4)))
+        );
         waypoints.tick_off(Cell(6), is_blocked);
         assert_eq!(waypoints.all(), [4, 5, 5, 6].map(Cell), "6 is not the next one");
         waypoints.tick_off(Cell(5), is_blocked);

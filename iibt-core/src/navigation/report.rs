@@ -51,6 +51,9 @@ pub struct Report {
     pub surprise: Option<f32>,
     /// The next way-point to visit.
     pub waypoint: Option<Cell>,
+    /// The first way-point that the robot does not visit because an obstacle is on it, by what it
+    /// has seen itself; it is visited once the robot knows that the obstacle is gone.
+    pub obstructed: Option<Cell>,
     /// The first way-point that is put off, because no plan was found that leads there; it is tried
     /// again later.
     pub put_off: Option<Cell>,
@@ -96,6 +99,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             confidence,
             surprise: self.localisation().surprise().ok(),
             waypoint: self.waypoints().first().copied(),
+            obstructed: self.first_obstructed(),
             put_off: self.first_put_off(),
             left_behind: self.left_behind().next(),
             look_out: self.look_out(),

@@ -42,6 +42,11 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.waypoints.first_put_off()
     }
 
+    /// Returns the first way-point that waits because an obstacle is on it.
+    pub(in crate::navigation) fn first_obstructed(&self) -> Option<Cell> {
+        self.waypoints.first_blocked(|cell| self.is_blocked(cell))
+    }
+
     /// Returns the way-points of lost teammates that no member has taken over: it may not have had
     /// the time, or no member can get there.
     pub fn left_behind(&self) -> impl Iterator<Item = Cell> + '_ {
