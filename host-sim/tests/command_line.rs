@@ -5,7 +5,7 @@ use predicates::prelude::*;
 use predicates::str::{contains, is_empty, starts_with};
 use serde_json::Value;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 fn host_sim(line: &str) -> Command {
     let mut command = cargo_bin_cmd!("host-sim");
@@ -125,6 +125,24 @@ fn recorded_frames_tell_who_goes_where_when_and_how_surely() {
         told.lines().next().and_then(|line| line.rsplit(' ').next()?.parse().ok()).expect("a number");
     assert!((said - probability).abs() < 0.003, "{told}");
     assert!(told.ends_with(&format!("{} frames read\n", flight["frames"]["sent"])), "{told}");
+
+    assert!(!told.contains("two robots"), "{told}");
+
+    let another = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("another-flight.bin");
+    host_sim("run two-goals --loss 0.3 --seed 5 --frames").arg(&another).assert().success();
+    let mut bytes = fs::read(&another).expect("it was written");
+    let listen = |file: &Path| {
+        let told = host_sim("frames --mission two-goals").arg(file).assert().success();
+        String::from_utf8_lossy(&told.get_output().stdout).into_owned()
+    };
+    let told = listen(&another);
+    assert!(!told.contains("two robots"), "frames that are passed on are no other's: {told}");
+    bytes.extend(fs::read(&recording).expect("it was written"));
+    fs::write(&another, bytes).expect("it can be written");
+    let told = listen(&another);
+    for name in ["R1", "R2"] {
+        assert!(told.contains(&format!("\ntwo robots send as {name}: ")), "{told}");
+    }
 
     refuses(&mut frames("--mission factory"), "no frame of the mission factory");
     refuses(&mut frames("--mission two-goals --key 00112233445566778899aabbccddeeff"), "wrong tag");

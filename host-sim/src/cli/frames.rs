@@ -19,7 +19,8 @@ Examples:
   host-sim frames valves.bin --task valves             who does what, and how surely
 
 The file has frames as robots send them, delimiters included: what a serial line or a radio has carried. Robots
-of another mission, another key, or built for other sizes of plans send frames that are refused.
+of another mission, another key, or built for other sizes of plans send frames that are refused. Two robots that
+send under one number are named: one of the two needs another page. Two recordings in one file look the same.
 
 Exit status:
   0  at least one frame is of this mission

@@ -14,6 +14,9 @@ pub struct HeardFrames<C> {
     pub accepted: u32,
     /// The reasons why others were refused, and how often.
     pub refused: BTreeMap<String, u32>,
+    /// The names under which two robots have sent, or one in two recordings, and how many frames
+    /// are not of the first.
+    pub twins: BTreeMap<String, u32>,
     /// The rounds by their numbers.
     pub rounds: Vec<HeardRound<C>>,
 }
@@ -54,7 +57,8 @@ impl<C> HeardFrames<C> {
             chosen: chosen(round),
         };
         let rounds = heard.rounds.iter().map(told).collect();
-        Self { accepted: heard.accepted, refused: heard.refused, rounds }
+        let twins = heard.twins.iter().map(|(&robot, &frames)| (name(robot), frames)).collect();
+        Self { accepted: heard.accepted, refused: heard.refused, twins, rounds }
     }
 }
 
@@ -67,7 +71,11 @@ impl<C: ToldChoice> fmt::Display for HeardFrames<C> {
         for (reason, times) in &self.refused {
             write!(f, ", {times} refused: {reason}")?;
         }
-        writeln!(f)
+        writeln!(f)?;
+        self.twins.iter().try_for_each(|(name, &frames)| {
+            let frames = counted(frames, "frame");
+            writeln!(f, "two robots send as {name}: {frames} cannot be of the one that sent the others")
+        })
     }
 }
 
