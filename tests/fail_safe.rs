@@ -2,6 +2,7 @@
 //! why. The emulated chip has the motors' timer, but no hardware watchdog: of that, the image's
 //! accesses are looked at.
 
+use firmware::fail_safe::MOST_FAILURES;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use std::{env, fs};
@@ -68,6 +69,20 @@ fn a_robot_that_was_restarted_logs_why_and_one_that_was_switched_on_does_not() {
         robot.wait_for(&format!("restarted after {why}"));
         robot.wait_for("boot");
     }
+}
+
+/// It fails each time within a minute of its start.
+#[test]
+fn a_robot_that_fails_again_and_again_stands_until_somebody_resets_it() {
+    let mut robot = Robot::boot_as(&image("fault"), &RESTARTING, None);
+    for _ in 0..MOST_FAILURES {
+        robot.wait_for("boot");
+        assert_eq!(Motors::of(robot.pause()), Motors::Run);
+        robot.send(b"p");
+        robot.wait_for("restarted after a panic in line ");
+    }
+    assert_eq!(robot.wait_for("stands: failed 5 times in a row").level, "error");
+    assert_ne!(Motors::of(robot.pause()), Motors::Run);
 }
 
 /// The released image, driving, with its program counter put where there is no code.

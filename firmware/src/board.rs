@@ -93,13 +93,9 @@ pub struct Board {
 
 /// Stands, with the motors off and without a word to the team, until the board is reset: a restart
 /// would end here again. A watchdog that outlives a restart is fed.
-pub fn stand(reason: &Standing, mut watchdog: impl safe::Watchdog) -> ! {
-    stop_motors();
+pub fn stand(reason: &Standing, watchdog: impl safe::Watchdog) -> ! {
     defmt::error!("stands: {}", reason);
-    loop {
-        watchdog.feed();
-        sleep();
-    }
+    fail_safe::stay(watchdog)
 }
 
 /// Runs a robot that was started, and restarts it when it needs that; stands where it was not

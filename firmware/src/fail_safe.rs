@@ -65,9 +65,17 @@ impl defmt::Format for Failure {
     }
 }
 
-/// Memory for a [`Failure`] that neither a reset nor the start of the program writes to.
+/// The failures in a row after which a robot stands in place of starting again, so that one that
+/// fails at each start does not drive in jerks.
+pub const MOST_FAILURES: u32 = 5;
+
+/// The time from the start within which a failure is in a row with the one before.
+pub const EARLY: Duration = Duration(60_000);
+
+/// Memory for a [`Failure`] and the failures in a row, which neither a reset nor the start of the
+/// program writes to.
 ///
-/// What it holds when the power comes on is no failure: the third word has to fit the first two.
+/// What it holds when the power comes on is no failure: the last word has to fit the others.
 ///
 /// ```
 /// use firmware::fail_safe::{Failure, FailureRecord};
@@ -75,41 +83,67 @@ impl defmt::Format for Failure {
 /// static RECORD: FailureRecord = FailureRecord::new(); // the linker's, in an image
 ///
 /// RECORD.put(Failure::Late { after: 120 });
-/// assert_eq!(RECORD.take(), Some(Failure::Late { after: 120 })); // after the reset
-/// assert_eq!(RECORD.take(), None); // told once
+/// assert_eq!(RECORD.take(false), Some((Failure::Late { after: 120 }, 1))); // after the reset
+/// RECORD.put(Failure::StackOverflow);
+/// assert_eq!(RECORD.take(false), Some((Failure::StackOverflow, 2))); // the second in a row
+/// assert_eq!(RECORD.take(false), None); // somebody has reset the chip
 /// ```
 #[derive(Debug, Default)]
 #[repr(C)]
-pub struct FailureRecord([AtomicU32; 3]);
+pub struct FailureRecord([AtomicU32; 4]);
 
 impl FailureRecord {
     /// A record of no failure.
     #[must_use]
     pub const fn new() -> Self {
-        Self([const { AtomicU32::new(0) }; 3])
+        Self([const { AtomicU32::new(0) }; 4])
     }
 
-    /// Keeps a failure in the place of any other.
+    /// Keeps a failure in the place of any other, and counts it.
     pub fn put(&self, failure: Failure) {
-        let [kind, detail] = failure.words();
-        self.store([kind, detail, check(kind, detail)]);
+        let (_, in_a_row) = self.read();
+        self.write(failure.words(), in_a_row.saturating_add(1));
     }
 
-    /// Returns the failure of the last run, and forgets it.
-    pub fn take(&self) -> Option<Failure> {
-        let [kind, detail, kept] = self.0.each_ref().map(|word| word.load(Ordering::Relaxed));
-        self.store([0; 3]);
-        Failure::of([kind, detail]).filter(|_| kept == check(kind, detail))
+    /// Returns the failure of the last run, with the number of failures in a row, and forgets all
+    /// but that number. `by_watchdog` says whether the watchdog has reset the chip: a run that ended
+    /// so has kept no reason.
+    pub fn take(&self, by_watchdog: bool) -> Option<(Failure, u32)> {
+        let (failure, in_a_row) = self.read();
+        let unkept = || by_watchdog.then(|| (Failure::Watchdog, in_a_row.saturating_add(1)));
+        let taken = failure.map(|failure| (failure, in_a_row)).or_else(unkept);
+        self.write([0; 2], taken.map_or(0, |(_, in_a_row)| in_a_row));
+        taken
     }
 
-    fn store(&self, words: [u32; 3]) {
+    /// Forgets the failures so far: the program has run for [`EARLY`].
+    pub fn settle(&self) {
+        self.write([0; 2], 0);
+    }
+
+    /// The failure, if there is one, and the number of those in a row.
+    fn read(&self) -> (Option<Failure>, u32) {
+        let [kind, detail, in_a_row, kept] = self.0.each_ref().map(|word| word.load(Ordering::Relaxed));
+        if kept == check([kind, detail, in_a_row]) {
+            (Failure::of([kind, detail]), in_a_row)
+        } else {
+            (None, 0)
+        }
+    }
+
+    fn write(&self, [kind, detail]: [u32; 2], in_a_row: u32) {
+        self.store([kind, detail, in_a_row, check([kind, detail, in_a_row])]);
+    }
+
+    fn store(&self, words: [u32; 4]) {
         self.0.iter().zip(words).for_each(|(to, word)| to.store(word, Ordering::Relaxed));
     }
 }
 
 /// Differs in many bits for words that differ in one: the multipliers are odd.
-const fn check(kind: u32, detail: u32) -> u32 {
+const fn check([kind, detail, in_a_row]: [u32; 3]) -> u32 {
     let mixed = kind.wrapping_mul(0x9e37_79b1) ^ detail.rotate_left(16).wrapping_mul(0x85eb_ca77);
+    let mixed = mixed ^ in_a_row.rotate_left(8).wrapping_mul(0xc2b2_ae3d);
     !(mixed ^ mixed >> 15)
 }
 
@@ -178,22 +212,40 @@ mod tests {
     #[test]
     fn a_failure_is_told_once_after_the_reset() {
         let record = FailureRecord::new();
-        assert_eq!(record.take(), None);
+        assert_eq!(record.take(false), None);
         for failure in ALL {
-            record.put(Failure::Watchdog);
             record.put(failure);
-            assert_eq!([record.take(), record.take()], [Some(failure), None]);
+            assert_eq!([record.take(false), record.take(false)], [Some((failure, 1)), None]);
         }
+    }
+
+    #[test]
+    fn failures_in_a_row_are_counted_until_a_run_lasts_or_somebody_resets_the_chip() {
+        let record = FailureRecord::new();
+        for (number, failure) in (1..).zip(ALL) {
+            let by_watchdog = failure == Failure::Watchdog;
+            if !by_watchdog {
+                record.put(failure);
+            }
+            assert_eq!(record.take(by_watchdog), Some((failure, number)));
+        }
+        record.settle();
+        record.put(Failure::StackOverflow);
+        assert_eq!(record.take(false), Some((Failure::StackOverflow, 1)), "it has run for a while");
+        record.put(Failure::StackOverflow);
+        assert_eq!(record.take(true), Some((Failure::StackOverflow, 2)), "the reason that was kept");
+        assert_eq!(record.take(false), None, "somebody has reset the chip");
+        assert_eq!(record.take(true), Some((Failure::Watchdog, 1)));
     }
 
     #[test]
     fn memory_with_any_bit_changed_holds_no_failure() {
         for failure in ALL {
-            for bit in 0..96 {
+            for bit in 0..128 {
                 let record = FailureRecord::new();
                 record.put(failure);
                 record.0[bit / 32].fetch_xor(1 << (bit % 32), Ordering::Relaxed);
-                assert_eq!(record.take(), None, "{failure:?}, bit {bit}");
+                assert_eq!(record.take(false), None, "{failure:?}, bit {bit}");
             }
         }
     }
@@ -202,8 +254,11 @@ mod tests {
     fn memory_of_a_chip_that_was_switched_on_holds_no_failure() {
         for fill in [0, u32::MAX, 0x5555_5555, 0xaaaa_aaaa, 0xcccc_cccc, 1, 5] {
             let record = FailureRecord::new();
-            record.store([fill; 3]);
-            assert_eq!(record.take(), None, "{fill:#x}");
+            record.store([fill; 4]);
+            assert_eq!(record.take(false), None, "{fill:#x}");
+            record.store([fill; 4]);
+            record.put(Failure::StackOverflow);
+            assert_eq!(record.take(false), Some((Failure::StackOverflow, 1)), "{fill:#x}");
         }
     }
 

@@ -2,14 +2,15 @@
 //! chip is reset.
 
 #[cfg(target_arch = "arm")]
-use super::arm::reset;
+use super::arm::{reset, sleep};
 use super::clock::now;
 use super::log;
 #[cfg(target_arch = "riscv32")]
-use super::risc_v::reset;
+use super::risc_v::{reset, sleep};
 use super::shared::Shared;
-use crate::fail_safe::{Deadline, Failure, FailureRecord, Watchdog};
+use crate::fail_safe::{Deadline, EARLY, Failure, FailureRecord, MOST_FAILURES, Watchdog};
 use core::panic::PanicInfo;
+use core::sync::atomic::{AtomicU32, Ordering};
 use iibt_core::time::Duration;
 
 #[expect(unsafe_code, reason = "a place that only the linker knows")]
@@ -20,6 +21,9 @@ unsafe extern "C" {
 }
 
 static DEADLINE: Deadline = Deadline::new();
+
+/// The failures in a row before this start.
+static FAILURES: AtomicU32 = AtomicU32::new(0);
 
 /// What stops the motors.
 static CUT: Shared<Option<fn()>> = Shared::new(None);
@@ -38,8 +42,8 @@ const WATCHDOG: Duration = Duration(600);
 /// the drive does not, and only a reset undoes it.
 pub fn begin(cut: fn(), by_watchdog: bool) {
     CUT.with(|slot| *slot = Some(cut));
-    let watchdog = by_watchdog.then_some(Failure::Watchdog);
-    if let Some(failure) = _failure_record.take().or(watchdog) {
+    if let Some((failure, in_a_row)) = _failure_record.take(by_watchdog) {
+        FAILURES.store(in_a_row, Ordering::Relaxed);
         defmt::error!("restarted after {}", failure);
     }
 }
@@ -53,7 +57,15 @@ pub struct Guard<W>(W);
 
 impl<W: Watchdog> Guard<W> {
     /// Watches from now on a loop that comes round every `limit` milliseconds.
+    ///
+    /// It does not return after [`MOST_FAILURES`] failures in a row, each within [`EARLY`] of a
+    /// start: the robot stands until somebody resets the chip.
     pub fn start(mut watchdog: W, limit: Duration) -> Self {
+        let failures = FAILURES.load(Ordering::Relaxed);
+        if failures >= MOST_FAILURES {
+            defmt::error!("stands: failed {=u32} times in a row", failures);
+            stay(watchdog);
+        }
         watchdog.start(WATCHDOG);
         DEADLINE.watch(limit, now());
         Self(watchdog)
@@ -66,8 +78,21 @@ impl<W: Watchdog> Guard<W> {
     }
 }
 
+/// Stays where it is, with the motors off, until the chip is reset. A watchdog that outlives a
+/// restart is fed.
+pub(super) fn stay(mut watchdog: impl Watchdog) -> ! {
+    stop_motors();
+    loop {
+        watchdog.feed();
+        sleep();
+    }
+}
+
 /// Ends the program if its loop is late. The interrupt that counts milliseconds calls this.
 pub(super) fn check_deadline() {
+    if now().0 == EARLY.0 {
+        _failure_record.settle();
+    }
     if let Some(failure) = DEADLINE.check(now()) {
         fail(failure, || {});
     }
