@@ -25,8 +25,13 @@ fn main() {
 
 /// The folders of `boards`, which the features of the package have the names of, and the arguments
 /// of the linker.
-const BOARDS: [(&str, &[&str]); 4] =
-    [("stm32f405", CORTEX_M), ("nrf52840", NRF52840), ("rp2040", CORTEX_M), ("riscv-virt", RISC_V)];
+const BOARDS: [(&str, &[&str]); 5] = [
+    ("stm32f405", CORTEX_M),
+    ("nrf52840", NRF52840),
+    ("rp2040", CORTEX_M),
+    ("esp32c3", ESP32C3),
+    ("riscv-virt", RISC_V),
+];
 
 const CORTEX_M: &[&str] = &["--nmagic", "-Tlink.x", "-Tdefmt.x"];
 
@@ -39,6 +44,9 @@ const NRF52840: &[&str] = &[
     "--defsym=_stack_start=0x2003fff0",
     "--defsym=_failure_record=0x2003fff0",
 ];
+
+/// The memory map is that of the HAL.
+const ESP32C3: &[&str] = &["-Tlinkall.x", "-Tdefmt.x"];
 
 const RISC_V: &[&str] = &["-Tmemory.x", "-Tlink.x", "-Tdefmt.x"];
 

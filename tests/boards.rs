@@ -10,6 +10,7 @@ use tests::qemu::{Robot, image_for};
 use tests::rig::demo_page;
 
 const CORTEX_M4F: &str = "thumbv7em-none-eabihf";
+const RISC_V: &str = "riscv32imc-unknown-none-elf";
 
 #[test]
 fn the_image_is_within_budget_on_each_board() {
@@ -20,6 +21,21 @@ fn the_image_is_within_budget_on_each_board() {
         assert_within(board, "ram", elf.ram);
         assert_eq!(elf.symbols_with(&["panick"]).collect::<Vec<_>>(), Vec::<&str>::new(), "{board}");
     }
+}
+
+/// The HAL of the ESP32-C3 panics where it finds the chip or its own calls wrong. Nothing else in
+/// the image may: of the files that its panics name, each belongs to the HAL, but for the formatting
+/// of what they say.
+#[test]
+fn only_the_hal_of_the_esp32c3_has_panicking_branches() {
+    let elf = Elf::read(&image_for("team_member", "firmware", RISC_V, "esp32c3"));
+    assert_within("esp32c3", "flash", elf.flash);
+    assert_within("esp32c3", "ram", elf.ram);
+    let hal = ["/esp-hal-", "/esp-sync-", "/esp-rom-sys-", "/esp32c3-", "/riscv-", "/core/src/"];
+    let is_of_hal = |file: &&String| hal.iter().any(|part| file.contains(part));
+    let others: Vec<_> = elf.sources.iter().filter(|file| !is_of_hal(file)).collect();
+    assert!(elf.sources.iter().any(|file| file.contains("/esp-hal-")), "the files are found");
+    assert_eq!(others, Vec::<&String>::new());
 }
 
 /// A copy of `examples/board` outside of the workspace, in a folder of its own.

@@ -45,6 +45,10 @@ mod nrf52840_radio;
 mod nrf52840_uart;
 #[cfg(feature = "nrf52840")]
 pub use nrf52840::*;
+#[cfg(feature = "esp32c3")]
+mod esp32c3;
+#[cfg(feature = "esp32c3")]
+pub use esp32c3::*;
 #[cfg(feature = "riscv-virt")]
 mod riscv_virt;
 #[cfg(feature = "riscv-virt")]
@@ -69,7 +73,13 @@ use rtt as log;
 #[cfg(feature = "rtt")]
 pub use rtt::LogPort;
 
-#[cfg(any(feature = "stm32f405", feature = "rp2040", feature = "nrf52840", feature = "riscv-virt"))]
+#[cfg(any(
+    feature = "stm32f405",
+    feature = "rp2040",
+    feature = "nrf52840",
+    feature = "esp32c3",
+    feature = "riscv-virt"
+))]
 /// The parts of the board that a controller uses.
 pub struct Board {
     /// The link to the teammates.

@@ -103,6 +103,9 @@ impl BootCounter {
     /// That of the STM32F405: sectors 10 and 11 of its flash, of 128 KiB each.
     pub const STM32F405: Self = Self { first: 0xc_0000, second: 0xe_0000, length: 0x2_0000 };
 
+    /// That of an ESP32-C3 with 4 MiB of flash: the two sectors of 4 KiB after its page.
+    pub const ESP32C3: Self = Self { first: 0x3f_4000, second: 0x3f_5000, length: 0x1000 };
+
     /// Counts a start, and returns its epoch: at least `least`, and greater than all before.
     ///
     /// Reads both parts, writes one entry and reads that again; a full part costs an erasure.

@@ -7,6 +7,13 @@ use std::path::Path;
 /// Where the RAM of an STM32 begins; below are the flash and what is loaded into it.
 const RAM: u64 = 0x2000_0000;
 
+/// Where the ESP32-C3 reads its flash: constants, then code.
+const MAPPED_FLASH: [std::ops::Range<u64>; 2] = [0x3c00_0000..0x3c80_0000, 0x4200_0000..0x4280_0000];
+
+/// Sections of the ESP32-C3 that keep places free: the stack, and what lies elsewhere under two
+/// addresses.
+const KEPT_FREE: [&str; 3] = [".stack", ".rwdata_dummy", ".rotext_dummy"];
+
 /// The sizes and symbols of an image.
 #[derive(Clone, Debug)]
 pub struct Elf {
@@ -20,6 +27,15 @@ pub struct Elf {
     sizes: Vec<u64>,
     /// The value of each of them: for most an address.
     values: Vec<u64>,
+    /// The source files that the image names: a panic says where it happened.
+    pub sources: Vec<String>,
+}
+
+/// The names of source files among bytes.
+fn sources_in(bytes: &[u8]) -> Vec<String> {
+    let texts = bytes.split(|byte| !(byte.is_ascii_graphic()));
+    let texts = texts.filter_map(|text| std::str::from_utf8(text).ok());
+    texts.filter(|text| text.contains(".rs")).map(str::to_owned).collect()
 }
 
 impl Elf {
@@ -31,16 +47,22 @@ impl Elf {
     pub fn read(path: &Path) -> Self {
         let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         let file = object::File::parse(&*bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        let mut elf = Self { flash: 0, ram: 0, symbols: vec![], sizes: vec![], values: vec![] };
+        let mut elf =
+            Self { flash: 0, ram: 0, symbols: vec![], sizes: vec![], values: vec![], sources: vec![] };
         for section in file.sections() {
             let SectionFlags::Elf { sh_flags, sh_type, .. } = section.flags() else { continue };
-            if !sh_flags.contains(SHF_ALLOC) {
+            let is_kept_free = section.name().is_ok_and(|name| KEPT_FREE.contains(&name));
+            if !sh_flags.contains(SHF_ALLOC) || is_kept_free {
                 continue;
             }
-            let in_ram = section.address() >= RAM;
+            let at = section.address();
+            let in_ram = at >= RAM && !MAPPED_FLASH.iter().any(|range| range.contains(&at));
             let stored = sh_type != SHT_NOBITS;
             elf.ram += if in_ram { section.size() } else { 0 };
             elf.flash += if stored { section.size() } else { 0 };
+            if stored {
+                elf.sources.extend(sources_in(section.data().unwrap_or_default()));
+            }
         }
         for symbol in file.symbols() {
             let Ok(name) = symbol.name() else { continue };

@@ -89,6 +89,16 @@ impl Board {
     }
 }
 
+/// Waits for an interrupt.
+pub(super) fn wait() {
+    riscv::asm::wfi();
+}
+
+/// A stack that has overflowed is not told from other faults.
+pub(super) const fn has_overflowed_stack() -> bool {
+    false
+}
+
 /// Resets the machine.
 pub(super) fn reset() -> ! {
     register(FINISHER).store(0x7777, Relaxed);

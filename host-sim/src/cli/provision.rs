@@ -75,10 +75,11 @@ pub(super) struct WritePage {
 
 /// The boards: the name, the chip, where the flash begins in memory, and where the copies lie in
 /// it.
-const BOARDS: [Board; 3] = [
+const BOARDS: [Board; 4] = [
     ("stm32f405", "STM32F405RG", 0x0800_0000, Slots::STM32F405),
     ("nrf52840", "nRF52840_xxAA", 0, Slots::NRF52840),
     ("rp2040", "RP2040", 0x1000_0000, Slots::RP2040),
+    ("esp32c3", "esp32c3", 0, Slots::ESP32C3),
 ];
 
 type Board = (&'static str, &'static str, u32, Slots);
