@@ -22,7 +22,7 @@ const MISSIONS: [&str; 3] = ["two-goals", "factory", "warehouse"];
 
 /// The disturbances after which a mission can go on.
 fn passing() -> Vec<Disturbance> {
-    Disturbance::ALL.into_iter().filter(|&disturbance| disturbance != Disturbance::Stop).collect()
+    Disturbance::USUAL.into_iter().filter(|&disturbance| disturbance != Disturbance::Stop).collect()
 }
 
 mod conventional {
@@ -103,7 +103,7 @@ mod inference {
             let mission = scenario(name);
             let campaign = Campaign {
                 scenarios: from_ref(&mission),
-                disturbances: &Disturbance::ALL,
+                disturbances: &Disturbance::USUAL,
                 pilots: &[Pilot::Inference],
                 seeds: 24,
             };

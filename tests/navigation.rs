@@ -7,6 +7,7 @@ mod lines;
 mod look_outs;
 mod members;
 mod obstacles;
+mod progress;
 mod twins;
 
 use firmware::missions::{LAYERS, NODES, POLICIES};

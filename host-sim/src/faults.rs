@@ -2,7 +2,7 @@
 
 use crate::random::{Random, Stream};
 use crate::robot::resized;
-use crate::scenario::{EventEffect, InferenceSpec, Radio, RobotSpec, Scenario};
+use crate::scenario::{Device, EventEffect, InferenceSpec, Radio, RobotSpec, Scenario};
 use crate::team::TeamError;
 use crate::world::World;
 use iibt_core::grid::Cell;
@@ -47,6 +47,10 @@ pub struct Faults {
     pub low_battery: f64,
     /// The probability per robot and tick that it is told to visit a cell, up to twice a robot.
     pub errand: f64,
+    /// The probability per robot and tick that its localiser freezes for good.
+    pub frozen_localiser: f64,
+    /// The probability per robot and tick that its drive freezes for good.
+    pub frozen_drive: f64,
 }
 
 /// The faults of one flight as they are drawn.
@@ -100,6 +104,13 @@ impl FaultInjector {
             self.errands[index] += 1;
             let cell = self.cell(world);
             world.cause(EventEffect::Visit(index, cell));
+        }
+        let frozen = [self.faults.frozen_localiser, self.faults.frozen_drive];
+        for (device, probability) in Device::ALL.into_iter().zip(frozen) {
+            // Flights without this fault have the numbers that they had before there was one.
+            if probability > 0.0 && !world.is_frozen(index, device) && self.random.bernoulli(probability) {
+                world.cause(EventEffect::Freeze(index, device, None));
+            }
         }
     }
 

@@ -15,7 +15,7 @@ use crate::radio::{KEY, RadioChannel, Traffic};
 use crate::random::{Random, Stream};
 use crate::referee::Collisions;
 use crate::robot::AnyRobot;
-use crate::scenario::{DriveFault, EventEffect, Floor, Scenario, parts};
+use crate::scenario::{Device, DriveFault, EventEffect, Floor, Scenario, parts};
 use crate::team::{Boot, Navigating, TeamError, UNLIMITED, navigating};
 use crate::world::World;
 use iibt_core::grid::{Cell, Move};
@@ -81,6 +81,8 @@ pub struct Flight<'m, R: AnyRobot + ?Sized> {
     readings: Vec<Reading>,
     /// How far each robot's clock has been turned.
     turned: Vec<u32>,
+    /// What each robot's localiser has read last.
+    last_readings: Vec<Option<Cell>>,
     began: u32,
     tick: u32,
     statuses: Vec<Status>,
@@ -143,6 +145,7 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
             slips: Random::of(seed, Stream::Slip),
             readings: vec![Reading::Drawn; size],
             turned: vec![0; size],
+            last_readings: scenario.robots.iter().map(|robot| Some(robot.start)).collect(),
             began: 0,
             tick: 0,
             statuses: vec![Status::Running; size],
@@ -267,12 +270,16 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         let (here, cells) = (self.world.cells()[robot], self.world.floor().len());
         let is_right = self.localisers.bernoulli(self.scenario.robots[robot].localiser);
         let other = self.localisers.below(cells - 1) as u16;
-        match self.readings[robot] {
+        let reading = match self.readings[robot] {
             Reading::Drawn if is_right => Some(here),
             Reading::Drawn => Some(Cell(other + u16::from(other >= here.0))),
             Reading::Cell(cell) => Some(cell),
             Reading::Nothing => None,
+        };
+        if !self.world.is_frozen(robot, Device::Localiser) {
+            self.last_readings[robot] = reading;
         }
+        self.last_readings[robot]
     }
 
     /// Hands what the robots send to the radio; a robot that has stopped has sent nothing.
@@ -313,7 +320,8 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
             .count()
             > 0;
         let slips = step != Move::Wait && self.slips.bernoulli(self.scenario.robots[robot].slip);
-        if fails || slips || self.world.battery(robot).is_empty() { Move::Wait } else { step }
+        let stands = self.world.battery(robot).is_empty() || self.world.is_frozen(robot, Device::Drive);
+        if fails || slips || stands { Move::Wait } else { step }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The events of a flight that are shown and recorded.
 
 use crate::awaited::Awaited;
-use crate::scenario::Scenario;
+use crate::scenario::{Device, Scenario};
 use crate::text::route;
 use iibt_core::grid::Cell;
 use serde::Serialize;
@@ -126,6 +126,20 @@ pub enum FlightEvent {
         /// Who.
         robot: usize,
     },
+    /// A device of a robot froze.
+    Froze {
+        /// Whose.
+        robot: usize,
+        /// Which.
+        device: Device,
+    },
+    /// A device of a robot that was frozen works again.
+    Thawed {
+        /// Whose.
+        robot: usize,
+        /// Which.
+        device: Device,
+    },
     /// A robot restarted, without its memory.
     Restarted {
         /// Who.
@@ -180,6 +194,10 @@ impl FlightEvent {
             Self::Returned { robot, charge } => format!("{} is back with {charge} %", name(*robot)),
             Self::Stopped { robot } => format!("{} stops", name(*robot)),
             Self::Resumed { robot } => format!("{} goes on", name(*robot)),
+            Self::Froze { robot, device } => format!("the {} of {} freezes", device.name(), name(*robot)),
+            Self::Thawed { robot, device } => {
+                format!("the {} of {} works again", device.name(), name(*robot))
+            }
             Self::Restarted { robot } => format!("{} restarts", name(*robot)),
             Self::Waits { robot, awaited } => format!("{} stands, {awaited}", name(*robot)),
             Self::Collided { times } => format!("COLLISION ({times})"),

@@ -150,7 +150,7 @@ impl fmt::Display for Way {
         let errand = match self.purpose {
             Purpose::Visit(cell) if cell.0 == end => ", a way-point",
             Purpose::Charge(cell) if cell.0 == end => ", to charge",
-            Purpose::Stand => ", its battery is low",
+            Purpose::Stand => ", to stand",
             _ => "",
         };
         let steps = counted(self.path.len().max(1) - 1, "step");

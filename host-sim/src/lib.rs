@@ -91,8 +91,8 @@ pub use recording::FrameRecording;
 pub use referee::Collisions;
 pub use robot::AnyRobot;
 pub use scenario::{
-    DriveFault, Event, EventEffect, Floor, InferenceSpec, MAX_CELLS, MAX_PATHS, MAX_TICKS, Radio, RobotSpec,
-    Scenario, Trigger,
+    Device, DriveFault, Event, EventEffect, Floor, InferenceSpec, MAX_CELLS, MAX_PATHS, MAX_TICKS, Radio,
+    RobotSpec, Scenario, Trigger,
 };
 pub use series::{Series, SeriesMission, fly_series};
 pub use team::{Navigating, Pilot, TeamError};

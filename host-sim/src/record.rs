@@ -194,5 +194,6 @@ pub(crate) const fn status(report: &Report) -> &'static str {
         Stage::Agreed => "agreed",
         Stage::Arrived => "arrived",
         Stage::Away => "away",
+        Stage::Stuck => "stuck",
     }
 }

@@ -15,6 +15,7 @@ pub(crate) use reach::parts;
 use crate::input::{Fault, FileError, utf8};
 use iibt_core::grid::{Cell, Map, Move, Path};
 use iibt_core::navigation::Unknown;
+use serde::Serialize;
 
 /// The most cells a map has.
 pub const MAX_CELLS: usize = 1024;
@@ -147,6 +148,32 @@ pub enum EventEffect {
     Visit(usize, Cell),
     /// A robot stops, with its controller dead, for a number of ticks or for good.
     Stop(usize, Option<u32>),
+    /// A device of a robot freezes, for a number of ticks or for good.
+    Freeze(usize, Device, Option<u32>),
+}
+
+/// A device of a robot that can freeze.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Device {
+    /// The localiser: it reads the same again and again, whatever the robot does.
+    Localiser,
+    /// The drive: no move that is commanded is begun.
+    Drive,
+}
+
+impl Device {
+    /// Both of them.
+    pub const ALL: [Self; 2] = [Self::Localiser, Self::Drive];
+
+    /// Returns the name in scenario files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Localiser => "localiser",
+            Self::Drive => "drive",
+        }
+    }
 }
 
 /// The trigger of an event.
@@ -229,7 +256,8 @@ impl Event {
             EventEffect::BlockPath(robot)
             | EventEffect::Charge(robot, _)
             | EventEffect::Visit(robot, _)
-            | EventEffect::Stop(robot, _) => Some(robot),
+            | EventEffect::Stop(robot, _)
+            | EventEffect::Freeze(robot, ..) => Some(robot),
             EventEffect::Block(_) | EventEffect::Clear(_) => None,
         };
         waits_for.into_iter().chain(happens_to)

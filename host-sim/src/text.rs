@@ -47,5 +47,6 @@ pub(crate) const fn cause_words(cause: Cause) -> &'static str {
         Cause::Position => "off its path",
         Cause::Teammate => "a teammate",
         Cause::Shortfall => "a goal missed",
+        Cause::NoProgress => "no progress",
     }
 }

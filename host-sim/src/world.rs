@@ -3,7 +3,7 @@
 use crate::battery::BatteryState;
 use crate::flight_event::FlightEvent;
 use crate::progress::Progress;
-use crate::scenario::{Event, EventEffect, Floor, Scenario, Trigger};
+use crate::scenario::{Device, Event, EventEffect, Floor, Scenario, Trigger};
 use iibt_core::grid::{Cell, Move};
 
 /// The truth of a flight.
@@ -19,6 +19,8 @@ pub(crate) struct World {
     batteries: Vec<BatteryState>,
     /// The tick in which each robot that has stopped goes on; `None` for those that have not.
     stopped: Vec<Option<u32>>,
+    /// The same for the devices of each robot that have frozen.
+    frozen: Vec<[Option<u32>; Device::ALL.len()]>,
     to_come: Vec<Event>,
     due: Vec<Cell>,
 }
@@ -42,6 +44,7 @@ impl World {
             paces: scenario.robots.iter().map(|robot| robot.pace).collect(),
             batteries: scenario.robots.iter().map(BatteryState::of).collect(),
             stopped: vec![None; scenario.robots.len()],
+            frozen: vec![[None; Device::ALL.len()]; scenario.robots.len()],
             to_come: scenario.events.clone(),
             due: Vec::new(),
         }
@@ -107,6 +110,11 @@ impl World {
         self.stopped[robot].is_some()
     }
 
+    /// Whether a device of a robot has frozen.
+    pub(crate) fn is_frozen(&self, robot: usize, device: Device) -> bool {
+        self.frozen[robot][device as usize].is_some()
+    }
+
     /// Whether an event is still to come: one that comes by the clock, or one whose time has come.
     ///
     /// An obstacle on a path that is too short for it does not count: it may never come.
@@ -158,12 +166,19 @@ impl World {
         happened
     }
 
-    /// Lets the robots go on whose time has come.
+    /// Lets the robots and devices go on whose time has come.
     fn resume(&mut self, tick: u32) -> Vec<FlightEvent> {
         let waking = |(robot, until): (usize, &mut Option<u32>)| {
             until.take_if(|until| *until <= tick).map(|_| FlightEvent::Resumed { robot })
         };
-        self.stopped.iter_mut().enumerate().filter_map(waking).collect()
+        let mut resumed: Vec<_> = self.stopped.iter_mut().enumerate().filter_map(waking).collect();
+        for (robot, devices) in self.frozen.iter_mut().enumerate() {
+            let thawing = |(until, device): (&mut Option<u32>, Device)| {
+                until.take_if(|until| *until <= tick).map(|_| FlightEvent::Thawed { robot, device })
+            };
+            resumed.extend(devices.iter_mut().zip(Device::ALL).filter_map(thawing));
+        }
+        resumed
     }
 
     fn happen(&mut self, effect: EventEffect, tick: u32) -> Option<FlightEvent> {
@@ -187,6 +202,10 @@ impl World {
             EventEffect::Stop(robot, ticks) => {
                 self.stopped[robot] = Some(ticks.map_or(u32::MAX, |ticks| tick + ticks));
                 Some(FlightEvent::Stopped { robot })
+            }
+            EventEffect::Freeze(robot, device, ticks) => {
+                self.frozen[robot][device as usize] = Some(ticks.map_or(u32::MAX, |ticks| tick + ticks));
+                Some(FlightEvent::Froze { robot, device })
             }
         }
     }
@@ -337,6 +356,24 @@ mod tests {
         );
         assert_eq!(world.begin(5, Progress::default(), |_| None), [FlightEvent::Resumed { robot: 1 }]);
         assert!(!world.is_stopped(1));
+    }
+
+    #[test]
+    fn a_device_freezes_until_its_time_has_come() {
+        let mut world = world(
+            "[[event]]\ntick = 1\nwho = 'R1'\nfreeze = 'localiser'\n[[event]]\ntick = 2\nwho = 'R2'\n\
+             freeze = 'drive'\nfor = 3",
+        );
+        let froze = |robot, device| FlightEvent::Froze { robot, device };
+        let mut begin = |tick| world.begin(tick, Progress::default(), |_| None);
+        assert_eq!(
+            [0, 1, 2].map(&mut begin),
+            [vec![], vec![froze(0, Device::Localiser)], vec![froze(1, Device::Drive)],]
+        );
+        assert_eq!(begin(4), []);
+        assert_eq!(begin(5), [FlightEvent::Thawed { robot: 1, device: Device::Drive }]);
+        let frozen = [0, 1].map(|robot| Device::ALL.map(|device| world.is_frozen(robot, device)));
+        assert_eq!(frozen, [[true, false], [false; 2]], "the localiser is frozen for good");
     }
 
     #[test]

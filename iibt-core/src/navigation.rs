@@ -5,6 +5,7 @@
 //! | `mission` | what all robots of a team know from the beginning |
 //! | `unknown` | cells that may be blocked, and look-outs from which a robot sees them |
 //! | `localisation` | where a robot believes it is, and how reliable its drive is |
+//! | `progress` | whether its readings follow its moves |
 //! | `obstacles`, `errands` | what it has seen; what it is to do before it goes to a goal |
 //! | `handover` | the way-points of lost teammates |
 //! | `fact`, `claim`, `intention` | what it announces |
@@ -28,6 +29,7 @@ mod localisation;
 mod mission;
 mod obstacles;
 mod policies;
+mod progress;
 mod report;
 mod task;
 mod team_robot;
@@ -46,6 +48,6 @@ pub use mission::{MAX_GOALS, MAX_PACE, Mission, MissionError};
 pub use obstacles::{Announced, CellEvidence, MAX_EVIDENCE, MAX_OBSTACLES};
 pub use policies::{Policies, TeamPlan};
 pub use report::{Report, Stage};
-pub use task::{BLOCKED, CHARGED, JointPolicy, ON_COURSE, PRECONDITION, REACHED, SERVED, VISITED};
+pub use task::{BLOCKED, CHARGED, JointPolicy, ON_COURSE, PRECONDITION, PROGRESS, REACHED, SERVED, VISITED};
 pub use team_robot::{GridPercept, MAX_HAZARDS, Navigation};
 pub use unknown::{MAX_UNKNOWNS, Unknown};

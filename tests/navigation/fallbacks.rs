@@ -128,7 +128,10 @@ impl Robot<Parts> for Guarded<'_> {
 
 #[derive(Debug)]
 struct Parts {
+    /// What its localiser names, and where it stands as long as that works.
     cell: Cell,
+    /// Whether the cell that its localiser names stays the same whatever it does.
+    is_frozen: bool,
     command: Option<Move>,
     is_dead: bool,
 }
@@ -153,43 +156,56 @@ impl Localiser for Parts {
     }
 }
 
-/// The ticks from the death of the first robot of two to the call for help of the second, whose
-/// node has this timeout; and what it waits for then.
-fn called_after_a_death(timeout: u32) -> (u32, Option<Waiting>) {
+/// The ticks from a fault to the call for help of the second robot of two, whose node has this
+/// timeout; and what it reports then. The fault strikes once it has moved.
+fn called_after(fault: fn(&mut Testbed<Guarded<'_>, Parts>), timeout: u32) -> (u32, Report) {
     let mission = Mission::new(open_floor(), &[Cell(0), Cell(6)], &[Cell(45), Cell(46)]);
     let robot = |number: u8| {
         let settings = settings(RobotId(number), 2).expect("a team");
         let cell = mission.starts[usize::from(number)];
-        (Guarded::new(&mission, &settings, timeout), Parts { cell, command: None, is_dead: false })
+        (
+            Guarded::new(&mission, &settings, timeout),
+            Parts { cell, is_frozen: false, command: None, is_dead: false },
+        )
     };
     let mut testbed = Testbed::new([0, 1].map(robot), Radio::default(), 1).expect("a team");
-    let mut died = None;
+    let mut struck = None;
     while testbed.robots().all(|robot| robot.mind.calls == 0) {
         testbed.tick();
         assert!(testbed.ticks() < 400, "it never calls");
         for robot in 0..2 {
             let parts = testbed.parts_mut(robot);
             let step = parts.command.take().unwrap_or(Move::Wait);
-            parts.cell = mission.map.neighbour(parts.cell, step);
+            if !parts.is_frozen {
+                parts.cell = mission.map.neighbour(parts.cell, step);
+            }
         }
-        if testbed.parts(1).cell != mission.starts[1] && died.is_none() {
-            testbed.parts_mut(0).is_dead = true;
-            died = Some(testbed.ticks());
+        if testbed.parts(1).cell != mission.starts[1] && struck.is_none() {
+            fault(&mut testbed);
+            struck = Some(testbed.ticks());
         }
     }
     let second = testbed.robots().nth(1).expect("two robots");
     assert_eq!(second.mind.calls, 1);
-    (testbed.ticks() - died.expect("it has moved"), second.mind.navigation.waiting())
+    (testbed.ticks() - struck.expect("it has moved"), second.mind.navigation.report())
 }
 
 /// The second robot follows its plan as far as that needs no report of the first, and waits.
 #[test]
 fn a_robot_whose_team_is_gone_calls_for_help_at_the_timeout_of_its_leaf() {
-    let waits = Some(Waiting::Quorum(RobotId(0)));
-    let (by_decorator, waiting) = called_after_a_death(1_000);
-    assert_eq!(waiting, waits);
+    let death = |testbed: &mut Testbed<Guarded<'_>, Parts>| testbed.parts_mut(0).is_dead = true;
+    let (by_decorator, report) = called_after(death, 1_000);
+    assert_eq!(report.waiting, Some(Waiting::Quorum(RobotId(0))));
     assert!((100..=120).contains(&by_decorator), "{by_decorator} ticks: the decorator has 120");
-    let (by_node, waiting) = called_after_a_death(30);
-    assert!(waiting.is_some_and(|waiting| waiting.robot() == Some(RobotId(0))), "{waiting:?}");
+    let (by_node, report) = called_after(death, 30);
+    assert!(report.waiting.is_some_and(|waiting| waiting.robot() == Some(RobotId(0))), "{report:?}");
     assert!((30..=80).contains(&by_node), "{by_node} ticks: the node has 30");
+}
+
+#[test]
+fn a_robot_whose_localiser_freezes_calls_for_help_at_the_timeout_of_its_leaf() {
+    let freeze = |testbed: &mut Testbed<Guarded<'_>, Parts>| testbed.parts_mut(1).is_frozen = true;
+    let (ticks, report) = called_after(freeze, 30);
+    assert_eq!((report.stage, report.cause), (Stage::Stuck, Some(Cause::NoProgress)));
+    assert!((30..=80).contains(&ticks), "{ticks} ticks: the node has 30");
 }

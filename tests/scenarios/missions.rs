@@ -161,6 +161,8 @@ fn kind(event: &host_sim::FlightEvent) -> &'static str {
         host_sim::FlightEvent::Returned { .. } => "returned",
         host_sim::FlightEvent::Stopped { .. } => "stopped",
         host_sim::FlightEvent::Resumed { .. } => "resumed",
+        host_sim::FlightEvent::Froze { .. } => "froze",
+        host_sim::FlightEvent::Thawed { .. } => "thawed",
         host_sim::FlightEvent::Restarted { .. } => "restarted",
     }
 }

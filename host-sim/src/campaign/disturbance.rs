@@ -1,7 +1,7 @@
 //! Disturbances of a mission, drawn from the flight's seed and equal for all pilots.
 
 use crate::random::{Random, Stream};
-use crate::scenario::{Event, EventEffect, Scenario, Trigger, parts};
+use crate::scenario::{Device, Event, EventEffect, Scenario, Trigger, parts};
 use iibt_core::grid::Cell;
 use serde::Serialize;
 
@@ -32,6 +32,10 @@ pub enum Disturbance {
     Pause,
     /// One robot stops for good; the others must not collide.
     Stop,
+    /// One robot's localiser freezes for good: it names the same cell whatever the robot does.
+    Frozen,
+    /// One robot's drive stalls for good.
+    Stalled,
     /// All of them together but bursts and the last, with three times the limit: to charge and to
     /// stop takes time.
     All,
@@ -58,8 +62,9 @@ const OBSTACLES: usize = 3;
 const LOW: u8 = 15;
 
 impl Disturbance {
-    /// All of them.
-    pub const ALL: [Self; 10] = [
+    /// Those that can be accomplished by a team or its rest: what a campaign flies unless told
+    /// otherwise.
+    pub const USUAL: [Self; 10] = [
         Self::None,
         Self::Noise,
         Self::Slips,
@@ -71,6 +76,14 @@ impl Disturbance {
         Self::Stop,
         Self::All,
     ];
+
+    /// Those under which one robot stands, says why, and is not left out.
+    pub const STANDING: [Self; 2] = [Self::Frozen, Self::Stalled];
+
+    /// Returns all of them.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Self::USUAL.into_iter().chain(Self::STANDING)
+    }
 
     /// Returns the name on the command line.
     #[must_use]
@@ -85,6 +98,8 @@ impl Disturbance {
             Self::Battery => "battery",
             Self::Pause => "pause",
             Self::Stop => "stop",
+            Self::Frozen => "frozen",
+            Self::Stalled => "stalled",
             Self::All => "all",
         }
     }
@@ -92,7 +107,7 @@ impl Disturbance {
     /// Returns the disturbance with a name, or `None`.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|disturbance| disturbance.name() == name)
+        Self::all().find(|disturbance| disturbance.name() == name)
     }
 
     /// Returns the scenario with this disturbance drawn from the seed.
@@ -138,6 +153,8 @@ impl Disturbance {
                 });
             }
             Self::Stop => happen(scenario, random, |robot, _| EventEffect::Stop(robot, None)),
+            Self::Frozen => happen(scenario, random, freeze(Device::Localiser)),
+            Self::Stalled => happen(scenario, random, freeze(Device::Drive)),
         }
     }
 }
@@ -148,6 +165,11 @@ fn happen(scenario: &mut Scenario, random: &mut Random, effect: impl Fn(usize, &
     let robot = random.below(scenario.robots.len());
     let effect = effect(robot, random);
     scenario.events.push(Event { when: Trigger::Tick(tick), effect });
+}
+
+/// A device of a robot freezes for good.
+fn freeze(device: Device) -> impl Fn(usize, &mut Random) -> EventEffect {
+    move |robot, _| EventEffect::Freeze(robot, device, None)
 }
 
 /// A tick at which the fastest team would be on its way.
@@ -198,7 +220,7 @@ mod tests {
     #[test]
     fn a_seed_draws_the_same_trouble_again_and_another_draws_another() {
         let base = scenario("factory");
-        for disturbance in Disturbance::ALL {
+        for disturbance in Disturbance::all() {
             assert_eq!(disturbance.applied(&base, 3), disturbance.applied(&base, 3));
             assert_eq!(Disturbance::find(disturbance.name()), Some(disturbance));
         }

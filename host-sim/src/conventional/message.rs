@@ -24,7 +24,7 @@ pub(crate) struct PathMessage {
 pub(super) type Said = Envelope<PathMessage>;
 
 impl Message for PathMessage {
-    const SCHEMA: &'static str = "conventional: stage Deciding Announced Agreed Arrived Away; goal option cell \
+    const SCHEMA: &'static str = "conventional: stage Deciding Announced Agreed Arrived Away Stuck; goal option cell \
         u16; path start u16 moves count u8 nibbles Up Down Left Right Wait; step u8; hazards sequence cell u16";
 
     const MAX_BYTES: usize = 1 + (1 + 3) + (3 + 1 + 32) + 1 + (1 + 3 * MAX_HAZARDS);

@@ -2,14 +2,15 @@
 
 use super::check::named;
 use super::drawing::Drawing;
-use super::{Event, EventEffect, MAX_TICKS, RobotSpec, Trigger, file, reach};
-use crate::input::{Fault, Read, WholeNumber, refuse, whole};
+use super::{Device, Event, EventEffect, MAX_TICKS, RobotSpec, Trigger, file, reach};
+use crate::input::{Fault, Read, WholeNumber, optional, refuse, whole};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::Cell;
 use toml::Spanned;
 
 const WHEN: &str = "say when it happens: tick = N, or robot = \"NAME\" and at = CELL, or plan = N";
-const WHAT: &str = "say what happens: exactly one of block, block_path_of, clear, charge, visit and stop";
+const WHAT: &str = "say what happens: exactly one of block, block_path_of, clear, charge, visit, stop \
+                    and freeze";
 
 impl Drawing {
     /// An event, checked against the team.
@@ -47,12 +48,13 @@ impl Drawing {
             written.charge.is_some(),
             written.visit.is_some(),
             written.stop.is_some(),
+            written.freeze.is_some(),
         ];
         if given.iter().filter(|&&given| given).count() != 1 {
             return Err(Fault::anywhere(WHAT));
         }
-        if let (Some(ticks), None) = (&written.ticks, &written.stop) {
-            return refuse(ticks.span(), "only stop takes a time: leave `for` out");
+        if let (Some(ticks), None, None) = (&written.ticks, &written.stop, &written.freeze) {
+            return refuse(ticks.span(), "only stop and freeze take a time: leave `for` out");
         }
         if let (Some(who), true) = (&written.who, given[..3].contains(&true)) {
             return refuse(who.span(), "an obstacle is nobody's: leave `who` out");
@@ -69,6 +71,8 @@ impl Drawing {
         } else if let Some(cell) = &written.visit {
             let robot = concerned()?;
             self.within_reach("way-point", cell, &robots[robot]).map(|cell| EventEffect::Visit(robot, cell))
+        } else if let Some(device) = &written.freeze {
+            Ok(EventEffect::Freeze(concerned()?, device_called(device)?, duration(written)?))
         } else {
             stop(written, concerned()?)
         }
@@ -100,8 +104,20 @@ fn stop(written: &file::EventEntry, robot: usize) -> Read<EventEffect> {
         let reason = "stop = false says nothing: write true, or leave it out";
         return refuse(stop.span(), reason);
     }
-    let ticks = whole("for", written.ticks.as_ref(), 1..=MAX_TICKS, MAX_TICKS)?;
-    Ok(EventEffect::Stop(robot, written.ticks.as_ref().map(|_| ticks)))
+    Ok(EventEffect::Stop(robot, duration(written)?))
+}
+
+fn device_called(name: &Spanned<String>) -> Read<Device> {
+    let device = Device::ALL.into_iter().find(|device| device.name() == name.get_ref());
+    device.ok_or_else(|| {
+        let names = Device::ALL.map(Device::name).join(" and ");
+        Fault::new(name.span(), format!("no device is called \"{}\": there are {names}", name.get_ref()))
+    })
+}
+
+/// The ticks that an event lasts; `None` for good.
+fn duration(written: &file::EventEntry) -> Read<Option<u32>> {
+    optional("for", written.ticks.as_ref(), 1..=MAX_TICKS)
 }
 
 /// Whom an event concerns: the robot that is named, else the one that sets it off.

@@ -77,6 +77,7 @@ pub(super) struct EventEntry {
     pub charge: Option<WholeNumber>,
     pub visit: Option<WholeNumber>,
     pub stop: Option<Spanned<bool>>,
+    pub freeze: Option<Spanned<String>>,
     #[serde(rename = "for")]
     pub ticks: Option<WholeNumber>,
 }

@@ -21,6 +21,7 @@ fn lack(robot: &RobotRecord) -> Option<String> {
     let reason = match (robot.status, robot.goal) {
         ("arrived", _) if robot.failure.is_some() => reason(robot)?,
         ("away", _) => "its battery is low".to_owned(),
+        ("stuck", _) => "its readings do not follow its moves".to_owned(),
         ("arrived", Some(goal)) => {
             return Some(format!("stands on {here}, but takes it to be its goal {}", goal.0));
         }

@@ -19,4 +19,6 @@ pub enum Cause {
     Teammate,
     /// The plan misses a goal, and more is known now.
     Shortfall,
+    /// Its readings do not follow its moves: its localiser or its drive stands still.
+    NoProgress,
 }

@@ -1,7 +1,7 @@
 //! Facts: what a robot tells its team before a joint decision.
 
 use super::claim::Cells;
-use super::obstacles::{Announced, MAX_EVIDENCE};
+use super::obstacles::{Announced, MAX_EVIDENCE, is_claim};
 use crate::grid::{Cell, CellSet};
 use crate::team::{reading, rounds};
 use serde::{Deserialize, Serialize};
@@ -80,14 +80,15 @@ impl<const W: usize> rounds::Fact for Fact<W> {
 /// The most cells of a map, so that a fact fits its frame.
 pub(super) const MAX_CELLS: usize = 1 << 14;
 
-/// Returns the cells that count as blocked after the evidence of all facts; those on which a robot
-/// stands do not.
+/// Returns the cells that count as blocked after the evidence of all facts, and those that a robot
+/// claims; those on which a robot stands do not.
 pub(super) fn blocked<'a, const W: usize>(facts: impl Iterator<Item = &'a Fact<W>> + Clone) -> CellSet<W> {
     let evidence = facts.clone().flat_map(|fact| fact.evidence.iter());
     let of = |cell: Cell| evidence.clone().filter(move |known| known.cell == cell).map(|known| known.weight);
     let sum = |cell: Cell| of(cell).fold(0_i16, |sum, weight| sum.saturating_add(weight.into()));
     let cells = evidence.clone().map(|known| known.cell);
-    let blocked: CellSet<W> = cells.filter(|&cell| super::obstacles::is_blocked(sum(cell))).collect();
+    let is_blocked = |&cell: &Cell| of(cell).any(is_claim) || super::obstacles::is_blocked(sum(cell));
+    let blocked: CellSet<W> = cells.filter(is_blocked).collect();
     blocked.without(&facts.map(|fact| fact.anchor).collect())
 }
 

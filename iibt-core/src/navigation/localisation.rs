@@ -124,8 +124,8 @@ impl<const S: usize> Localisation<S> {
         let left = begun.filter(|&step| step != Move::Wait).map(|_| here);
         let may_be_old = left.is_some() && reading == left;
         let reading = reading.filter(|_| !may_be_old);
-        let least = if may_be_old { SLIP_OR_OLD } else { LEAST_SLIP };
-        let slip = begun.map_or(0.0, |step| self.slip(step).max(least));
+        let least = if may_be_old { SLIP_OR_OLD } else { 0.0 };
+        let slip = begun.map_or(0.0, |step| self.chance_of_slip(step).max(least));
         self.infer(map, begun.map(|step| (step, slip)), reading);
         self.position = likeliest(self.belief.as_flat());
     }
@@ -216,8 +216,9 @@ impl<const S: usize> Localisation<S> {
         self.slips.slips()
     }
 
-    fn slip(&self, step: Move) -> f32 {
-        self.slips().get(usize::from(step.code())).copied().unwrap_or(0.0)
+    /// The chance with which a move is taken to fail.
+    pub(super) fn chance_of_slip(&self, step: Move) -> f32 {
+        self.slips().get(usize::from(step.code())).copied().unwrap_or(0.0).max(LEAST_SLIP)
     }
 }
 

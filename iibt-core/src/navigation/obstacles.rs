@@ -24,13 +24,17 @@ const LOOK: i8 = 48;
 /// The largest sum of one robot, in sixteenths of a nat, so that a few looks can turn it round.
 const CAP: i8 = 64;
 
+/// The weight with which a robot claims a cell on which it may be itself: more than any look.
+const CLAIM: i8 = i8::MAX;
+
 /// A robot's evidence that a cell is blocked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CellEvidence {
     /// The cell.
     pub cell: Cell,
-    /// The log-likelihood ratio in sixteenths of a nat; positive speaks for an obstacle.
+    /// The log-likelihood ratio in sixteenths of a nat; positive speaks for an obstacle. Above 64 it
+    /// is no evidence but a claim: the robot may be there itself, and nobody is to enter.
     pub weight: i8,
 }
 
@@ -115,6 +119,17 @@ impl Obstacles {
         self.drop_empty();
     }
 
+    /// Returns what to announce of a robot that claims these cells, on which it may be.
+    #[must_use]
+    pub(super) fn with_claims(&self, cells: &[Cell]) -> Self {
+        let mut with = self.clone();
+        for &cell in cells {
+            with.seen.retain(|known| known.cell != cell);
+            with.remember(Known { cell, weight: CLAIM, is_in_view: false });
+        }
+        with
+    }
+
     /// Returns the evidence to announce where there is room for all that a message can have.
     #[cfg(test)]
     fn announced(&self) -> Announced {
@@ -178,6 +193,12 @@ impl Obstacles {
 #[must_use]
 pub(super) const fn is_blocked(evidence: i16) -> bool {
     evidence.saturating_add(PRIOR) > 0
+}
+
+/// Returns whether a weight is no evidence but a claim of the robot that announces it.
+#[must_use]
+pub(super) const fn is_claim(weight: i8) -> bool {
+    weight > CAP
 }
 
 #[cfg(test)]

@@ -20,6 +20,9 @@ pub enum Stage {
     Arrived,
     /// It charges its battery, or is on its way there.
     Away,
+    /// Its readings do not follow its moves: its localiser or its drive stands still. It stands,
+    /// and tries a move from time to time until a reading follows.
+    Stuck,
 }
 
 /// A navigating robot's state after a tick.
@@ -112,7 +115,9 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     fn stage(&self) -> Stage {
         let protocol = self.rounds().map(|rounds| rounds.protocol());
-        if matches!(self.purpose(), Purpose::Charge(_) | Purpose::Stand) {
+        if self.is_stuck() {
+            Stage::Stuck
+        } else if matches!(self.purpose(), Purpose::Charge(_) | Purpose::Stand) {
             Stage::Away
         } else if self.has_arrived() {
             Stage::Arrived

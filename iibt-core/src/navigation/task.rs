@@ -21,10 +21,12 @@ pub const VISITED: u8 = 3;
 pub const SERVED: u8 = 4;
 /// The logic variable that is false at the end of a plan that misses a goal.
 pub const REACHED: u8 = 5;
+/// The logic variable that is false while the robot's readings do not follow its moves.
+pub const PROGRESS: u8 = 6;
 
 /// What must hold for a joint policy to be followed.
 pub const PRECONDITION: Condition = Condition {
-    all: Logic::of(&[ON_COURSE, CHARGED, VISITED, SERVED, REACHED]),
+    all: Logic::of(&[ON_COURSE, CHARGED, VISITED, SERVED, REACHED, PROGRESS]),
     none: Logic::of(&[BLOCKED]),
 };
 
@@ -49,6 +51,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             .with(VISITED, serves(|purpose| matches!(purpose, Purpose::Visit(_))))
             .with(SERVED, serves(|purpose| *purpose == Purpose::Goal))
             .with(REACHED, !self.is_complete() || !self.misses_a_goal())
+            .with(PROGRESS, !self.is_stuck())
     }
 
     /// Whether the plan leaves a goal out that it should reach.
@@ -62,7 +65,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         policy.and_then(|policy| self.policies().get(policy)).map_or(0, |plan| plan.short_by())
     }
 
-    /// Whether the robot has done all it is for: it stands at the end of a plan that leads all
+    /// Whether the robot has done all it is for: it is sure to stand at the end of a plan that leads all
     /// robots to goals, has no errand, and takes none over from a lost teammate.
     #[must_use]
     pub fn has_arrived(&self) -> bool {
@@ -72,6 +75,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             && self.is_complete()
             && self.is_on_course()
             && self.standing().is_some()
+            && !self.is_in_doubt()
             && !self.misses_a_goal()
             && !self.may_take_over()
     }
@@ -117,11 +121,13 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     fn raise(&mut self, missing: Literal, (): &(), purpose: &mut Purpose) {
         let cause = match missing.variable {
+            _ if self.is_stuck() && !self.has_told_that_it_is_stuck() => Cause::NoProgress,
             BLOCKED => Cause::Obstacle,
             ON_COURSE => Cause::Position,
             CHARGED => Cause::Battery,
             VISITED => Cause::WayPoint,
             SERVED => Cause::Free,
+            PROGRESS => return,
             // Another round would come to the same as long as nothing new is known.
             _ if self.has_news() => Cause::Shortfall,
             _ => return,
@@ -136,5 +142,6 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     fn wait(&mut self) {
         self.stand();
+        self.try_move();
     }
 }

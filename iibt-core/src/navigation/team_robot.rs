@@ -2,6 +2,7 @@
 
 mod course;
 mod decision;
+mod doubt;
 mod errands;
 mod perception;
 
@@ -10,6 +11,7 @@ use super::fact::Fact;
 use super::handover::Handover;
 use super::obstacles::Obstacles;
 use super::policies::{OnMap, Policies, TeamPlan};
+use super::progress::{Passage, Progress};
 use super::{
     Announced, Cause, Intention, Localisation, MAX_GOALS, MAX_OBSTACLES, Mission, MissionError, Purpose,
 };
@@ -78,8 +80,14 @@ pub struct Navigation<'m, const S: usize, const W: usize, const L: usize, const 
     moving: bool,
     /// Whether another robot with the number of this one has been heard: it stands then.
     has_twin: bool,
-    /// The cells between which the robot is, from the command until it knows where that has led.
-    under_way: Option<(Cell, Cell)>,
+    /// The move that the robot makes, from the command until it knows where that has led.
+    under_way: Option<Passage>,
+    progress: Progress,
+    /// Whether the next move of the plan could lead to where a teammate may be, from where a robot in
+    /// doubt may be.
+    is_held: bool,
+    /// The move to try in its place.
+    trial: Option<Passage>,
     command: Option<Move>,
     waiting: Option<Waiting>,
     /// Why another round is wanted.
@@ -133,6 +141,9 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             moving: false,
             has_twin: false,
             under_way: None,
+            progress: Progress::NONE,
+            is_held: false,
+            trial: None,
             command: None,
             waiting: None,
             wanted: None,
@@ -305,6 +316,9 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
 
     /// What the robot is for now.
     pub(super) fn purpose(&self) -> Purpose {
+        if self.is_stuck() {
+            return Purpose::Stand;
+        }
         if self.charges {
             return self.mission.charger(self.robot()).map_or(Purpose::Stand, Purpose::Charge);
         }
@@ -315,8 +329,14 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         Fact { anchor, purpose, evidence: self.evidence() }
     }
 
-    /// The evidence about obstacles that the robot announces now.
+    /// The evidence that the robot announces now: about obstacles, and before that the cells on
+    /// which it may be while it is in doubt.
     fn evidence(&self) -> Announced {
-        self.obstacles.strongest(Intention::<W, K>::PLACES)
+        match self.progress.trail() {
+            trail if trail.is_empty() || self.member.team() == 1 => {
+                self.obstacles.strongest(Intention::<W, K>::PLACES)
+            }
+            trail => self.obstacles.with_claims(trail).strongest(Intention::<W, K>::PLACES),
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! What a robot senses and hears: where it is, what is in its view, and what is left to visit.
 
 use super::super::claim::Cells;
+use super::super::progress::destination;
 use super::super::{Fact, GridPercept, Intention};
 use super::Navigation;
 use crate::grid::{Cell, CellSet};
@@ -36,6 +37,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             }
         }
         self.attend(&teammates, busy);
+        self.mind_doubt(&teammates);
         self.hand_over(peers, &teammates);
     }
 
@@ -46,11 +48,11 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let map = &self.mission.map;
         self.localisation.update(map, reading);
         let Some(here) = self.localisation.here() else { return };
-        let obstacles = &self.obstacles;
+        let (obstacles, passage) = (&self.obstacles, self.under_way.take());
+        let slip = passage.map_or(1.0, |passage| self.localisation.chance_of_slip(passage.step));
+        self.progress.settle(here, passage, slip, |from, step| destination(map, obstacles, from, step));
         self.localisation.learn(map, here, |cell| obstacles.is_blocked(cell));
-        if let Some((from, to)) = self.under_way.take()
-            && here == to
-            && from != to
+        if passage.is_some_and(|passage| passage.is_planned && here == passage.to)
             && let Some(rounds) = &mut self.rounds
         {
             rounds.protocol_mut().advance();
@@ -103,7 +105,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     /// Whether a teammate may be on a cell now. A robot that was left out knows nothing of the
     /// others' plans.
-    fn may_be_teammate(&self, cell: Cell, teammates: &Teammates<'_, Fact<W>, K>) -> bool {
+    pub(super) fn may_be_teammate(&self, cell: Cell, teammates: &Teammates<'_, Fact<W>, K>) -> bool {
         let own = self.robot();
         let proposal = self.rounds.as_ref().map(|rounds| rounds.proposal());
         let round = proposal.map_or(0, |proposal| proposal.round);
