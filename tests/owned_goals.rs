@@ -148,7 +148,7 @@ impl Team {
         assert!(paths.iter().map(|path| path.end(&self.map)).eq(self.goals.iter().copied()), "{plan:?}");
         assert!(paths.iter().all(|path| path.is_open(&self.map)), "{plan:?}");
         assert_eq!(plan.conflict(&self.map), None, "{plan:?}");
-        assert!(plan.execution(&self.map).is_some(), "a standstill: {plan:?}");
+        assert!(plan.execute(&self.map).is_some(), "a standstill: {plan:?}");
     }
 }
 

@@ -17,19 +17,28 @@ fn mission(unknowns: &[Unknown]) -> Mission<'_, 2> {
     Mission { unknowns, ..Mission::new(Map::drawn(MAP).expect("42 cells"), &STARTS, &GOALS) }
 }
 
+/// The second robot alone.
+fn mission_of_one(unknowns: &[Unknown]) -> Mission<'_, 2> {
+    let both = mission(unknowns);
+    Mission { unknowns, ..Mission::new(both.map, &both.starts[1..], &both.goals[1..]) }
+}
+
 fn worth(worth: u8) -> [Unknown; 1] {
     [Unknown { cell: GATE, look_out: NOOK, worth }]
 }
 
 /// The cells of both robots, tick by tick, to the end.
 fn flown(unknowns: &[Unknown], is_blocked: bool) -> Vec<Vec<u16>> {
-    let mission = mission(unknowns);
-    let mut team = team(&mission);
+    flown_in(&mission(unknowns), is_blocked)
+}
+
+fn flown_in(mission: &Mission<'_, 2>, is_blocked: bool) -> Vec<Vec<u16>> {
+    let mut team = team(mission);
     if is_blocked {
         team.cause(EventEffect::Block(GATE));
     }
     let tracks = fly_to_the_end(&mut team);
-    assert!(on_goals(&team, &mission));
+    assert!(on_goals(&team, mission));
     tracks
 }
 
@@ -47,9 +56,20 @@ fn a_robot_looks_first_where_that_is_worth_it() {
     }
 }
 
+/// From cell 15 it takes two moves to the nook and two back.
 #[test]
 fn no_robot_looks_where_the_way_by_the_look_out_is_longer_than_it_is_worth() {
-    assert_eq!(flown(&worth(1), false), flown(&[], false));
+    let alone = |unknowns: &[Unknown]| flown_in(&mission_of_one(unknowns), false);
+    assert_eq!(alone(&worth(3)), alone(&[]));
+    assert!(looks(&alone(&worth(5))));
+}
+
+/// The first robot has to let the second one pass, and is back from the nook by then.
+#[test]
+fn a_look_that_takes_no_tick_is_worth_little() {
+    let (seeing, blind) = (flown(&worth(1), false), flown(&[], false));
+    assert!(looks(&seeing) && !looks(&blind));
+    assert_eq!(seeing[0].len(), blind[0].len());
 }
 
 #[test]

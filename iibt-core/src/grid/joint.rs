@@ -8,7 +8,7 @@
 //! | what else could the team do | [`PolicyList`]: up to `K` plans, the best one first |
 //! | why is there no plan | [`Failure`]; a plan for a part of the targets says [by how many it is short](JointPlan::short_by) |
 //! | what if every robot owns its target | [`Prioritised`], and where that fails [`Lacam`]; of few joint states, all of them |
-//! | when are the robots there | [`JointPlan::execution`], messages counted |
+//! | when are the robots there | [`JointPlan::execute`], messages counted |
 //! | do two robots plan alike | [`PolicyList::digest`] |
 //!
 //! All planners here are deterministic and use integers only, so that robots that plan from equal

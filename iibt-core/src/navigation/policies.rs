@@ -391,16 +391,18 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
         self.plans.len()
     }
 
-    /// The steps of the plan, an eighth of a tick for each step that the first robot to arrive
-    /// waits for the last, five ticks if they do not arrive together, the goals that are missed,
-    /// and what it is worth to have looked at cells at which none looks.
+    /// The ticks of the execution, an eighth of a tick for each that the first robot to arrive
+    /// waits for the last, five ticks if they come more than a tick apart, and five if they do not
+    /// wait for each other, the goals that are missed, and what it is worth to have looked at cells
+    /// at which none looks.
     fn cost(&self, policy: usize) -> u16 {
         let Some(plan) = self.plans.get(policy) else { return u16::MAX };
-        let arrivals = plan.paths().iter().filter_map(|path| Some(made(path).last()?.0 + 1));
-        let idle = plan.steps() - arrivals.min().unwrap_or(plan.steps()).min(plan.steps());
-        let apart = if plan.is_together() { 0 } else { APART };
+        let run = plan.execution();
+        let idle = if run.is_together() { 0 } else { run.spread.into() };
+        let time = 8 * usize::from(run.ticks) + idle;
+        let faults = usize::from(!plan.is_together()) + usize::from(!run.is_together());
         let unseen = self.open.cost(self.mission, plan.paths());
-        let cost = 8 * plan.steps() + idle + apart + SHORT * plan.short_by() + unseen;
+        let cost = time + APART * faults + SHORT * plan.short_by() + unseen;
         u16::try_from(cost).unwrap_or(u16::MAX)
     }
 
@@ -543,19 +545,41 @@ mod tests {
     }
 
     #[test]
-    fn a_plan_costs_its_steps_its_idle_ends_and_the_goals_it_misses() {
+    fn a_plan_costs_its_ticks_its_idle_ends_and_the_goals_it_misses() {
         let even = plan(&[&[0, 1, 2], &[14, 15, 16], &[40]]);
-        let uneven = plan(&[&[0, 1], &[14, 15, 16], &[40]]);
-        let plans = [even, uneven, even.with_short_by(1)];
+        let [uneven, wide] = [&[14, 15, 16][..], &[14, 15, 16, 17]].map(|own| plan(&[&[0, 1], own, &[40]]));
+        let plans = [even, uneven, wide, even.with_short_by(1)];
         let mission = mission();
         let policies = OnMap::<2, 16>::new(&mission, &plans, View::full(3));
-        assert_eq!([0, 1, 2, 3].map(|policy| policies.cost(policy)), [56, 57, 56 + 256, u16::MAX]);
+        let costs = [0, 1, 2, 3, 4].map(|policy| policies.cost(policy));
+        assert_eq!(costs, [16 + 40, 16 + 40, 24 + 2 + 80, 16 + 40 + 256, u16::MAX]);
         assert!(policies.needs(0, RobotId(0)) && !policies.needs(0, RobotId(1)));
         assert!(!policies.is_together(0));
         let joint = [even.arriving(Arrival::Together)];
         let policies = OnMap::<2, 16>::new(&mission, &joint, policies.view);
         assert!(policies.is_together(0));
         assert_eq!(policies.cost(0), 16);
+    }
+
+    /// The best plan on an open floor, and where one of the goals is behind another.
+    #[test]
+    fn a_plan_with_a_barrier_costs_its_spread_unless_its_robots_come_together() {
+        let goals = [8, 9, 47].map(Cell);
+        let mission = Mission { goals: &goals, ..mission() };
+        let errands = STARTS.map(|from| Errand { from, target: Target::Any });
+        let blind_alley = (0..21).filter(|cell| ![0, 7, 8, 9, 14].contains(cell)).map(Cell).collect();
+        for (closed, is_together) in [(CellSet::EMPTY, true), (blind_alley, false)] {
+            let problem = Problem { closed, goals: &goals, need: 3, ..Problem::new(&mission.map, &errands) };
+            let mut list = PolicyList::<2, 33, MAX_TEAM, 64, 16>::new();
+            list.start();
+            assert!(list.work(&problem, 1, &mut u32::MAX.clone()));
+            let plans = list.policies();
+            let run = plans[0].execute(&mission.map).unwrap();
+            assert_eq!((plans[0].is_together(), run.is_together()), (true, is_together), "{run:?}");
+            let apart = if is_together { 0 } else { 40 + u16::from(run.spread) };
+            let cost = OnMap::<2, 16>::new(&mission, plans, View::full(3)).cost(0);
+            assert_eq!(cost, 8 * u16::from(run.ticks) + apart);
+        }
     }
 
     #[test]

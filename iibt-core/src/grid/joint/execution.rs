@@ -8,20 +8,40 @@
 //! theirs but the last.
 
 use super::super::{Cell, Map};
-use super::table::{Table, cell, set};
+use super::table::{Table, cell};
 use super::{Arrival, JointPlan};
 use crate::actions::HORIZON;
-use core::ops::Range;
 
-/// The execution of a plan without loss of messages; see [`JointPlan::execution`].
+/// The execution of a plan without loss of messages; see [`JointPlan::execute`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Execution {
     /// The ticks up to the end of the last move; without any wait for a message, the steps of the
-    /// plan.
-    pub ticks: usize,
+    /// plan. With all waits, two for each step and two more.
+    pub ticks: u8,
     /// How many ticks the last moves of the first and of the last robot that moves are apart.
-    pub spread: usize,
+    pub spread: u8,
+}
+
+impl Execution {
+    /// That of a plan in which no robot moves.
+    pub(super) const NONE: Self = Self { ticks: 0, spread: 0 };
+
+    /// Whether the robots that move come to their last cells at most one tick apart.
+    #[must_use]
+    pub const fn is_together(self) -> bool {
+        self.spread <= 1
+    }
+
+    /// The same after this many ticks in which all stand.
+    pub(super) fn after(self, ticks: usize) -> Self {
+        Self { ticks: capped(usize::from(self.ticks) + ticks), ..self }
+    }
+}
+
+/// A number of ticks, of which a plan has less than 255.
+pub(super) fn capped(ticks: usize) -> u8 {
+    ticks.min(u8::MAX.into()) as u8
 }
 
 /// What one robot has done of its path.
@@ -32,9 +52,8 @@ struct Progress {
     heard: usize,
     /// The step of its next move.
     next: Option<usize>,
-    /// The last robot before it on the cell that this leads to, and the step after which that one
-    /// is there no longer.
-    behind: Option<(usize, usize)>,
+    /// The last robot before it on the cell that this leads to.
+    behind: Leave,
     /// The steps of the last move and of the one before it.
     last: usize,
     last_but_one: usize,
@@ -44,7 +63,8 @@ impl<const N: usize> JointPlan<N> {
     /// Executes the plan with every message heard at the next tick but one; `None` when it comes to
     /// a standstill before its end: robots wait at the barrier where another one has to pass.
     ///
-    /// Cost: quadratic in the robots, linear in the ticks. Takes 130 bytes of stack for each robot.
+    /// Cost: linear in the robots and in the ticks. Takes 160 bytes of stack for each robot, and 64
+    /// for each word of the map.
     ///
     /// ```
     /// use iibt_core::grid::joint::{Arrival, JointPlan};
@@ -54,158 +74,207 @@ impl<const N: usize> JointPlan<N> {
     /// let map = Map::<{ words(4, 1) }>::new(4, 1)?;
     /// let path = |cells: [u16; 4]| Path::through(&map, &cells.map(Cell)).ok_or("no neighbours");
     /// let plan = JointPlan::<2>::new(&[path([1, 2, 3, 3])?, path([0, 0, 1, 2])?]).ok_or("too many")?;
-    /// let execution = plan.execution(&map).ok_or("a standstill")?;
+    /// let execution = plan.execute(&map).ok_or("a standstill")?;
     /// assert_eq!((execution.ticks, execution.spread), (4, 2));
-    /// assert_eq!(plan.arriving(Arrival::Together).execution(&map).map(|run| run.ticks), Some(7));
+    /// assert_eq!(plan.arriving(Arrival::Together).execute(&map).map(|run| run.ticks), Some(7));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn execution<const W: usize>(&self, map: &Map<W>) -> Option<Execution> {
+    pub fn execute<const W: usize>(&self, map: &Map<W>) -> Option<Execution> {
         let mut table = [[Cell(0); N]; HORIZON + 1];
-        run(self.timelines(map), self.is_together(), &mut table)
+        self.executed(self.is_together(), map, &mut table)
     }
-}
 
-impl<const N: usize> JointPlan<N> {
-    /// Puts a barrier before the last moves, if that brings them close together.
+    /// Executes the plan with or without a barrier before the last moves; `None` where that is a
+    /// standstill. The table is overwritten.
+    pub(super) fn executed<const W: usize, const L: usize>(
+        &self,
+        barrier: bool,
+        map: &Map<W>,
+        table: &mut Table<L, N>,
+    ) -> Option<Execution> {
+        let mut timetable = Timetable::new(table, self.steps());
+        self.paths().iter().for_each(|path| timetable.add(path.timeline(map)));
+        timetable.run::<W>(barrier)
+    }
+
+    /// Puts a barrier before the last moves if that brings them close together, and executes the
+    /// plan.
     ///
     /// Takes as many cells of stack as the robots have in `L` steps.
     #[inline(never)]
-    pub(super) fn add_useful_barrier<const W: usize, const L: usize>(&mut self, map: &Map<W>) {
+    pub(super) fn execute_best<const W: usize, const L: usize>(&mut self, map: &Map<W>) {
         let mut table: Table<L, N> = [[Cell(0); N]; L];
-        if self.spread(map, &mut table).is_some_and(|spread| self.is_close(spread)) {
-            self.arrival = Arrival::Together;
-        }
+        let run = self.executed(true, map, &mut table);
+        self.arrive(run, map, &mut table);
     }
 
-    /// How many ticks the robots arrive apart with a barrier before their last moves; `None` where
-    /// that is a standstill. The table is overwritten.
-    pub(super) fn spread<const W: usize, const L: usize>(
-        &self,
+    /// Puts a barrier before the last moves if this execution with it brings them close together,
+    /// and executes the plan without it if not. The table is overwritten.
+    pub(super) fn arrive<const W: usize, const L: usize>(
+        &mut self,
+        with_barrier: Option<Execution>,
         map: &Map<W>,
         table: &mut Table<L, N>,
-    ) -> Option<usize> {
-        run(self.timelines(map), true, table).map(|run| run.spread)
+    ) {
+        let close = with_barrier.filter(|run| self.is_close(*run));
+        self.arrival = if close.is_some() { Arrival::Together } else { Arrival::Staggered };
+        self.execution = close.or_else(|| self.executed(false, map, table)).unwrap_or_default();
     }
 
-    /// Whether robots that arrive this many ticks apart are as close together as goals in series
-    /// let them be: a tick apart from one robot to the next.
-    pub(super) fn is_close(&self, spread: usize) -> bool {
+    /// Whether robots arrive as close together as goals in series let them: a tick apart from one
+    /// robot to the next.
+    fn is_close(&self, run: Execution) -> bool {
         let movers = self.paths().iter().filter(|path| !path.is_empty()).count();
-        spread <= movers.saturating_sub(1).max(1)
-    }
-
-    fn timelines<'a, const W: usize>(
-        &'a self,
-        map: &'a Map<W>,
-    ) -> impl Iterator<Item = impl Iterator<Item = Cell> + 'a> + 'a {
-        let cells = self.steps() + 1;
-        self.paths().iter().map(move |path| path.timeline(map).take(cells))
+        usize::from(run.spread) <= movers.saturating_sub(1).max(1)
     }
 }
 
-/// Executes a plan of less than `L` steps, given the cells of each robot at every step; the table
-/// is overwritten.
-pub(super) fn run<const L: usize, const N: usize>(
-    plan: impl Iterator<Item = impl Iterator<Item = Cell>>,
-    barrier: bool,
-    table: &mut Table<L, N>,
-) -> Option<Execution> {
-    let mut robots = [Progress::default(); N];
-    let mut count = 0;
-    for (robot, cells) in robots.iter_mut().zip(plan) {
-        *robot = decode(table, count, cells);
-        count += 1;
-    }
-    let robots = robots.get_mut(..count)?;
-    for (index, robot) in robots.iter_mut().enumerate() {
-        robot.behind = robot.next.and_then(|step| last_on_target(table, count, index, 0..step));
-    }
-    let mut first_end = None;
-    for tick in 0.. {
-        if robots.iter().all(|robot| robot.next.is_none()) {
-            let ends = tick - first_end.unwrap_or(tick);
-            return Some(Execution { ticks: tick, spread: ends.saturating_sub(1) });
-        }
-        let (moved, ended) = advance(table, robots, barrier);
-        if ended {
-            first_end = first_end.or(Some(tick));
-        }
-        if !moved {
-            return None;
-        }
-    }
-    None
-}
-
-/// Writes the cells of a path at every step, and finds its first and last moves.
-fn decode<const L: usize, const N: usize>(
-    table: &mut Table<L, N>,
-    index: usize,
-    cells: impl Iterator<Item = Cell>,
-) -> Progress {
-    let mut robot = Progress::default();
-    let mut before = None;
-    for (step, at) in cells.take(L).enumerate() {
-        set(table, step, index, at);
-        if before.replace(at).is_some_and(|before| before != at) {
-            (robot.last_but_one, robot.last) = (robot.last, step);
-            robot.next = robot.next.or(Some(step));
-        }
-    }
-    robot
-}
-
-/// The last of the others that is, in one of these steps, on the cell that a robot enters after
-/// them, and the step after which it is there no longer. Those that were there before that one had
-/// left when it came.
-fn last_on_target<const L: usize, const N: usize>(
-    table: &Table<L, N>,
+/// The cells of all robots of a plan at every step.
+///
+/// When it is executed its moves take the place of the cells, so that it needs no more memory.
+pub(super) struct Timetable<'a, const L: usize, const N: usize> {
+    table: &'a mut Table<L, N>,
     robots: usize,
-    index: usize,
-    steps: Range<usize>,
-) -> Option<(usize, usize)> {
-    let target = cell(table, steps.end, index);
-    let before = steps.clone().zip(table.get(steps)?).rev();
-    let mut visits = before.filter_map(|(step, cells)| {
-        let robot = cells.iter().take(robots).position(|&cell| cell == target)?;
-        Some((robot, step + 1))
-    });
-    visits.next().filter(|&(robot, _)| robot != index)
+    steps: usize,
 }
 
-/// One tick; returns whether anything was done or heard, and whether a robot made its last move.
-fn advance<const L: usize, const N: usize>(
-    table: &Table<L, N>,
-    robots: &mut [Progress],
-    barrier: bool,
-) -> (bool, bool) {
-    let mut due = 0_u32; // one bit for each robot that moves
-    let early = robots.iter().filter(|robot| !robot.is_before_last()).count();
-    for (index, robot) in robots.iter().enumerate() {
-        let others_are_early = early > usize::from(!robot.is_before_last());
-        let must_wait = barrier && robot.next == Some(robot.last) && others_are_early;
-        let has_left = |(other, step)| robots.get(other).is_some_and(|other: &Progress| other.heard >= step);
-        let may_move = robot.next.is_some() && !must_wait && robot.behind.is_none_or(has_left);
-        due |= u32::from(may_move) << (index % 32);
+/// A move in a table: this bit, and the [`Leave`] of the last other robot on the cell that it
+/// enters. Without the bit, there is no move in this step.
+const MOVE: u16 = 1 << 15;
+
+/// When a robot left a cell: 256 times one more than the robot's number, plus the step; zero if
+/// none did.
+type Leave = u16;
+
+impl<'a, const L: usize, const N: usize> Timetable<'a, L, N> {
+    /// A plan of less than `L` steps without robots; the table is overwritten.
+    pub(super) fn new(table: &'a mut Table<L, N>, steps: usize) -> Self {
+        Self { table, robots: 0, steps }
     }
-    let (mut moved, mut ended) = (false, false);
-    let count = robots.len();
-    // What is before that, all have heard of.
-    let is_at_work = |robot: &&Progress| robot.next.is_some() || robot.heard != robot.done;
-    let heard = robots.iter().filter(is_at_work).map(|robot| robot.heard).min().unwrap_or(0);
-    for (index, robot) in robots.iter_mut().enumerate() {
-        moved |= robot.heard != robot.done;
-        robot.heard = robot.done;
-        let Some(step) = robot.next.filter(|_| due & (1 << (index % 32)) != 0) else { continue };
-        let at = cell(table, step, index);
-        robot.done = step;
-        robot.next = (step + 1..=robot.last).find(|&step| cell(table, step, index) != at);
-        robot.behind = robot.next.and_then(|step| last_on_target(table, count, index, heard..step));
-        moved = true;
-        ended |= robot.next.is_none();
+
+    /// Adds the cells of one more robot, from its start on.
+    pub(super) fn add(&mut self, cells: impl Iterator<Item = Cell>) {
+        for (row, at) in self.table.iter_mut().zip(cells).take(self.steps + 1) {
+            if let Some(slot) = row.get_mut(self.robots) {
+                *slot = at;
+            }
+        }
+        self.robots += 1;
     }
-    (moved, ended)
+
+    /// Executes the plan, on a map of `W` words; `None` where that is a standstill.
+    #[inline(never)] // it is in the image once
+    pub(super) fn run<const W: usize>(mut self, barrier: bool) -> Option<Execution> {
+        self.find_moves::<W>();
+        let mut robots = [Progress::default(); N];
+        let robots = robots.get_mut(..self.robots)?;
+        for (index, robot) in robots.iter_mut().enumerate() {
+            *robot = self.at_start(index);
+        }
+        let mut first_end = None;
+        let mut on_the_way = robots.iter().filter(|robot| robot.next.is_some()).count();
+        for tick in 0.. {
+            if on_the_way == 0 {
+                let ends = tick - first_end.unwrap_or(tick);
+                return Some(Execution { ticks: capped(tick), spread: capped(ends.saturating_sub(1)) });
+            }
+            let (moved, ended) = self.advance(robots, barrier);
+            if ended > 0 {
+                first_end = first_end.or(Some(tick));
+                on_the_way -= ended;
+            }
+            if !moved {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Puts moves in the place of the cells. Who was on a cell before the last one had left when
+    /// that one came.
+    fn find_moves<const W: usize>(&mut self) {
+        let mut left: [[Leave; 32]; W] = [[0; 32]; W]; // one for each cell of the map
+        let Some((start, rows)) = self.table.split_first_mut() else { return };
+        let mut here = *start;
+        for (step, row) in (1..).zip(rows).take(self.steps) {
+            // All leave before any enter: one may follow another.
+            let mut movers = 0_u32; // one bit for each robot
+            for ((cell, here), robot) in row.iter_mut().zip(&mut here).zip(0..).take(self.robots) {
+                let from = core::mem::replace(here, *cell);
+                if from == *cell {
+                    *cell = Cell(0);
+                } else if let Some(leave) = left.as_flattened_mut().get_mut(from.index()) {
+                    *leave = (robot + 1) << 8 | step;
+                    movers |= 1 << (robot % 32);
+                }
+            }
+            while movers != 0 {
+                let robot = movers.trailing_zeros();
+                movers &= movers - 1;
+                let Some(cell) = row.get_mut(robot as usize) else { continue };
+                let last = left.as_flattened().get(cell.index()).copied().unwrap_or(0);
+                let other = if u32::from(last >> 8) == robot + 1 { 0 } else { last };
+                *cell = Cell(MOVE | other);
+            }
+        }
+    }
+
+    /// Finds the first and the last moves of a robot.
+    fn at_start(&self, index: usize) -> Progress {
+        let mut robot = Progress::default();
+        for step in 1..=self.steps {
+            if self.entry(step, index).is_some() {
+                (robot.last_but_one, robot.last) = (robot.last, step);
+            }
+        }
+        self.look_ahead(&mut robot, index);
+        robot
+    }
+
+    /// Finds the next move of a robot.
+    fn look_ahead(&self, robot: &mut Progress, index: usize) {
+        let mut later = robot.done + 1..=robot.last;
+        let next = later.find_map(|step| Some((step, self.entry(step, index)?)));
+        (robot.next, robot.behind) = (next.map(|(step, _)| step), next.map_or(0, |(_, leave)| leave));
+    }
+
+    /// The last other robot on the cell that a robot enters in a step; `None` if it does not move.
+    fn entry(&self, step: usize, index: usize) -> Option<Leave> {
+        let Cell(entry) = cell(self.table, step, index);
+        (entry & MOVE != 0).then_some(entry & !MOVE)
+    }
+
+    /// One tick; returns whether anything was done or heard, and how many robots made their last
+    /// moves.
+    fn advance(&self, robots: &mut [Progress], barrier: bool) -> (bool, usize) {
+        let mut due = 0_u32; // one bit for each robot that moves
+        let early = if barrier { robots.iter().filter(|robot| !robot.is_before_last()).count() } else { 0 };
+        for (index, robot) in robots.iter().enumerate() {
+            let Some(step) = robot.next else { continue };
+            let others_are_early = early > usize::from(!robot.is_before_last());
+            let must_wait = step == robot.last && others_are_early;
+            let may_move = !must_wait && has_left(robots, robot.behind);
+            due |= u32::from(may_move) << (index % 32);
+        }
+        let (mut moved, mut ended) = (false, 0);
+        for (index, robot) in robots.iter_mut().enumerate() {
+            moved |= robot.heard != robot.done;
+            robot.heard = robot.done;
+            let Some(step) = robot.next.filter(|_| due & (1 << (index % 32)) != 0) else { continue };
+            robot.done = step;
+            self.look_ahead(robot, index);
+            moved = true;
+            ended += usize::from(robot.next.is_none());
+        }
+        (moved, ended)
+    }
+}
+
+/// Whether the others have heard of a leave.
+fn has_left(robots: &[Progress], leave: Leave) -> bool {
+    let robot = usize::from(leave >> 8).checked_sub(1).and_then(|robot| robots.get(robot));
+    robot.is_none_or(|robot| robot.heard >= usize::from(leave & 0xff))
 }
 
 impl Progress {
@@ -223,11 +292,11 @@ mod tests {
 
     /// Ticks and spread without and with the barrier.
     #[track_caller]
-    fn check(names: &str, frames: &[&str], without: (usize, usize), with: Option<(usize, usize)>) {
+    fn check(names: &str, frames: &[&str], without: (u8, u8), with: Option<(u8, u8)>) {
         let map = drawn(&frames[0].split(' ').collect::<Vec<_>>());
         let paths: Vec<_> = names.chars().map(|name| moving(frames, name)).collect();
         let plan = JointPlan::<4>::new(&paths).unwrap();
-        let run = |plan: JointPlan<4>| plan.execution(&map).map(|run| (run.ticks, run.spread));
+        let run = |plan: JointPlan<4>| plan.execute(&map).map(|run| (run.ticks, run.spread));
         assert_eq!(run(plan), Some(without));
         assert_eq!(run(plan.arriving(Arrival::Together)), with);
     }

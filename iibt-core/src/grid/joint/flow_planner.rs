@@ -7,7 +7,7 @@ use super::fixed_paths::Precedence;
 use super::flow::{Flow, Query};
 use super::network::{Network, Turn};
 use super::survey::Survey;
-use super::{Arrival, Failure, JointPlan, Problem, Target};
+use super::{Execution, Failure, JointPlan, Problem, Target};
 
 /// No plan whose robots arrive together is searched for any longer when the searches have taken so
 /// many work units.
@@ -56,9 +56,9 @@ pub(super) struct FlowPlanner<const W: usize, const L: usize, const N: usize> {
 pub(super) struct Found {
     pub(super) steps: usize,
     turn: Turn,
-    /// How many ticks the robots arrive apart with a barrier before their last moves; `None` where
-    /// that is a standstill, or not known yet.
-    spread: Option<usize>,
+    /// The execution with a barrier before the last moves; `None` where that is a standstill, or
+    /// not known yet.
+    execution: Option<Execution>,
     is_executed: bool,
 }
 
@@ -66,6 +66,8 @@ pub(super) struct Found {
 #[derive(Clone, Copy, Debug)]
 #[repr(u8)]
 pub(super) enum Stage {
+    /// Nothing was started: the best plan is asked for.
+    Idle,
     Begin,
     Survey,
     Flow,
@@ -80,14 +82,14 @@ pub(super) enum Stage {
 impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     pub(super) const LATEST: usize = Flow::<W, L, N>::LATEST;
 
-    /// Memory in which a search is to be [started](Self::start). It is all zeros, so that it is
-    /// cleared where it stays: none of it is on the stack, and none in flash.
+    /// A search for the best plan. It is all zeros, so that it is cleared where it stays: none of it
+    /// is on the stack, and none in flash. What is no zero is set when the search begins.
     pub(super) const CLEARED: Self = {
         let turn = Some(Turn::BlackLast); // zero, which `None` is not
         Self {
             flow: Flow::new(),
             survey: Survey::begin(CellSet::EMPTY, CellSet::EMPTY, 0),
-            stage: Stage::Begin,
+            stage: Stage::Idle,
             choice: Choice { turn, ..Choice::BEST },
             goals: CellSet::EMPTY,
             need: 0,
@@ -98,14 +100,10 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
             attempt: Attempt { kind: Kind::Plain, turn: Turn::BlackLast, is_second: false },
             precedence: Precedence { second_first: false, rest: 0, steps: 0 },
             plan: JointPlan::NOBODY,
-            found: Some(Found { steps: 0, turn: Turn::BlackLast, spread: None, is_executed: false }),
+            found: Some(Found { steps: 0, turn: Turn::BlackLast, execution: None, is_executed: false }),
             soonest: 0,
         }
     };
-
-    pub(super) const fn new(choice: Choice) -> Self {
-        Self { choice, found: None, ..Self::CLEARED }
-    }
 
     /// Starts over with one of the plans for a problem.
     pub(super) fn start(&mut self, choice: Choice) {
@@ -120,6 +118,7 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
         loop {
             match self.stage {
                 Stage::Done(outcome) => return Some(outcome),
+                Stage::Idle => self.start(Choice::BEST),
                 Stage::Survey => {
                     self.survey.work(&self.flow.network, budget)?;
                     self.stage = self.surveyed(problem);
@@ -180,7 +179,7 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
             Stage::Begin => self.begin(problem),
             Stage::Execute => self.execute(problem),
             Stage::ExecuteFirst => self.execute_first(problem),
-            Stage::Choose => self.choose(),
+            Stage::Choose => self.choose(problem),
             stage => stage,
         }
     }
@@ -286,8 +285,7 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
         // If there is a shorter plan, it does not matter how the robots of this one arrive.
         let is_executed = kind != Kind::Plain || is_second || self.choice.turn.is_some();
         let execution = if is_executed { self.flow.execution() } else { None };
-        let spread = execution.map(|execution| execution.spread);
-        let mut found = Found { steps: 0, turn, spread, is_executed };
+        let mut found = Found { steps: 0, turn, execution, is_executed };
         if (self.attempt.kind != Kind::Together || found.arrives_together())
             && self.read_plan(problem).is_some()
         {
@@ -298,8 +296,8 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     }
 
     fn execute_first(&mut self, problem: &Problem<'_, W>) -> Stage {
-        let spread = self.plan.spread(problem.map, &mut self.flow.walk.paths);
-        self.found = self.found.map(|found| Found { spread, is_executed: true, ..found });
+        let execution = self.plan.executed(true, problem.map, &mut self.flow.walk.paths);
+        self.found = self.found.map(|found| Found { execution, is_executed: true, ..found });
         self.next_attempt(problem)
     }
 
@@ -349,12 +347,10 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     }
 
     /// Has the robots of the plan wait for each other before their last moves, if that is of use.
-    fn choose(&mut self) -> Stage {
+    fn choose(&mut self, problem: &Problem<'_, W>) -> Stage {
         let Some(found) = self.found else { return Stage::Done(Outcome::None(Failure::NotFound)) };
-        self.plan.arrival = match found.spread {
-            Some(spread) if !self.choice.staggered && self.plan.is_close(spread) => Arrival::Together,
-            _ => Arrival::Staggered,
-        };
+        let with_barrier = found.execution.filter(|_| !self.choice.staggered);
+        self.plan.arrive(with_barrier, problem.map, &mut self.flow.walk.paths);
         self.plan.short_by = self.short_by as u8;
         Stage::Done(Outcome::Found)
     }
@@ -393,7 +389,7 @@ impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
 
 impl Found {
     fn arrives_together(self) -> bool {
-        self.spread.is_some_and(|spread| spread <= 1)
+        self.execution.is_some_and(Execution::is_together)
     }
 }
 

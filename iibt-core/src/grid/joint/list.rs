@@ -10,7 +10,7 @@ use crate::actions::HORIZON;
 
 /// The version of the generator. Robots that run different ones do not have equal plans, and must
 /// not agree on any.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 
 /// The goals of which other sets are tried.
 const MOST_GOALS: usize = 8;
@@ -426,6 +426,7 @@ impl<const N: usize> JointPlan<N> {
         for path in self.paths_mut().iter_mut().filter(|path| !path.is_empty()) {
             *path = path.with_waits(path.len() + steps, WaitPlace::AtStart).unwrap_or(*path);
         }
+        self.execution = self.execution.after(steps);
     }
 }
 

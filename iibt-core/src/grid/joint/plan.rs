@@ -2,6 +2,7 @@
 
 use super::super::{Cell, Map, Move, Path};
 use super::ProblemError;
+use super::execution::{Execution, capped};
 use core::fmt;
 
 /// How the robots of a plan come to their last cells.
@@ -43,6 +44,7 @@ pub struct JointPlan<const N: usize> {
     pub(super) robots: u8,
     pub(super) short_by: u8,
     pub(super) arrival: Arrival,
+    pub(super) execution: Execution,
 }
 
 /// Why there is no joint plan.
@@ -89,16 +91,23 @@ pub struct JointConflict {
 
 impl<const N: usize> JointPlan<N> {
     /// The plan without robots.
-    pub(super) const NOBODY: Self =
-        Self { paths: [Path::at(Cell(0)); N], robots: 0, short_by: 0, arrival: Arrival::Staggered };
+    pub(super) const NOBODY: Self = Self {
+        paths: [Path::at(Cell(0)); N],
+        robots: 0,
+        short_by: 0,
+        arrival: Arrival::Staggered,
+        execution: Execution::NONE,
+    };
 
-    /// The plan of these paths, staggered and short of nothing; `None` for more than `N` paths.
+    /// The plan of these paths, staggered, short of nothing and with an [execution](Self::execution)
+    /// by the clock: every robot moves in the steps of its path. `None` for more than `N` paths.
     #[must_use]
     pub fn new(paths: &[Path]) -> Option<Self> {
         let mut plan = Self { robots: u8::try_from(paths.len()).ok()?, ..Self::NOBODY };
         for (slot, &path) in plan.paths.get_mut(..paths.len())?.iter_mut().zip(paths) {
             *slot = path;
         }
+        plan.execution = plan.by_the_clock();
         Some(plan)
     }
 
@@ -113,7 +122,7 @@ impl<const N: usize> JointPlan<N> {
 
     /// Lets every robot stay where it stands; returns whether there is room for all.
     pub(super) fn stand(&mut self, starts: impl IntoIterator<Item = Cell>) -> bool {
-        (self.robots, self.arrival) = (0, Arrival::Staggered);
+        (self.robots, self.arrival, self.execution) = (0, Arrival::Staggered, Execution::NONE);
         for start in starts {
             let Some(path) = self.paths.get_mut(usize::from(self.robots)) else { return false };
             *path = Path::at(start);
@@ -161,6 +170,22 @@ impl<const N: usize> JointPlan<N> {
     #[must_use]
     pub fn is_together(&self) -> bool {
         self.arrival == Arrival::Together
+    }
+
+    /// What is known of the plan's execution: of one that a planner has made, that of
+    /// [`execute`](Self::execute), and as many ticks more as it begins later than another one.
+    #[must_use]
+    pub fn execution(&self) -> Execution {
+        self.execution
+    }
+
+    /// The execution in which no robot waits for another.
+    fn by_the_clock(&self) -> Execution {
+        let is_move = |&(_, step): &(usize, Move)| step != Move::Wait;
+        let last = |path: &Path| path.moves().enumerate().filter(is_move).last();
+        let first = self.paths().iter().filter_map(|path| Some(last(path)?.0 + 1)).min();
+        let steps = self.steps();
+        Execution { ticks: capped(steps), spread: first.map_or(0, |first| capped(steps - first)) }
     }
 
     /// How many goals fewer than needed a robot ends on.

@@ -74,7 +74,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
     #[must_use]
     pub const fn new() -> Self {
         let () = Self::SIZES;
-        Self { search: Search::Flow(FlowPlanner::new(Choice::BEST)), targets: [Cell(0); N], short_by: 0 }
+        Self { search: Search::Flow(FlowPlanner::CLEARED), targets: [Cell(0); N], short_by: 0 }
     }
 
     /// Starts over, for another problem.
@@ -126,7 +126,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
             match &mut answer {
                 Some(Err(failure)) if self.go_on(*failure) => continue,
                 Some(Ok(plan)) => {
-                    plan.add_useful_barrier::<W, L>(problem.map);
+                    plan.execute_best::<W, L>(problem.map);
                     plan.set_short_by(self.short_by);
                 }
                 _ => {}

@@ -13,7 +13,7 @@
 //! cells of the new path: it walks beside that one if it can.
 
 use super::super::Cell;
-use super::execution::{self, Execution};
+use super::execution::{Execution, Timetable};
 use super::flow::{Flow, Stage};
 use super::prefix::Entry;
 use super::table::{NOWHERE, Table, cell, column, set};
@@ -130,10 +130,10 @@ impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
 
     /// Executes the flow and the fixed paths with a barrier before the last moves.
     pub(super) fn execution(&mut self) -> Option<Execution> {
-        let (paths, steps) = (&self.paths, self.steps);
-        let cells = |path| column(paths, steps, path);
+        let mut timetable = Timetable::new(&mut self.walk.paths, self.steps);
         let all = (0..self.matched).chain(N.saturating_sub(self.fixed)..N);
-        execution::run(all.map(cells), true, &mut self.walk.paths)
+        all.for_each(|path| timetable.add(column(&self.paths, self.steps, path)));
+        timetable.run::<W>(true)
     }
 
     /// Walks to an open end or to a path of the flow.
