@@ -32,7 +32,7 @@ static CUT: Shared<Option<fn()>> = Shared::new(None);
 /// controller, and less than the hardware watchdog waits.
 pub const LATEST: Duration = Duration(500);
 
-/// How long the hardware watchdog waits: longer than it takes to send a full log, 355 ms.
+/// How long the hardware watchdog waits: longer than it takes to send a full log, 178 ms.
 const WATCHDOG: Duration = Duration(600);
 
 /// Tells the board what stops its motors, whatever the program does after it, and logs why the last

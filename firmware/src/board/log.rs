@@ -10,8 +10,8 @@ use crate::adapters::FrameQueue;
 use critical_section::RestoreState;
 use defmt::Encoder;
 
-/// Bytes that may wait to be sent: a few hundred log lines.
-const BYTES: usize = 4096;
+/// Bytes that may wait to be sent: some two hundred log lines.
+const BYTES: usize = 2048;
 
 /// Bytes for the frame that tells how many were dropped.
 const ROOM_TO_TELL: usize = 32;
