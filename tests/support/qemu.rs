@@ -309,6 +309,11 @@ impl Robot {
         frame
     }
 
+    /// Throws away what has come on the link so far: the next frame is sent from now on.
+    pub fn discard_sent(&mut self) {
+        self.sent.try_iter().for_each(drop);
+    }
+
     fn byte(&mut self) -> u8 {
         let byte = self.sent.recv_timeout(PATIENCE);
         byte.unwrap_or_else(|error| panic!("no byte ({error}); the robot logged {:#?}", self.seen))
