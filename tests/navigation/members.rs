@@ -384,8 +384,8 @@ fn robots_whose_link_is_gone_stand_before_their_plans_are_done_and_go_on_once_it
     let standing = cells(&team);
     tick(&mut team, 100);
     assert_eq!(cells(&team), standing);
-    for robot in 0..3 {
-        assert!(!mission.goals.contains(&Cell(standing[robot])));
+    for (robot, &cell) in standing.iter().enumerate() {
+        assert!(!mission.goals.contains(&Cell(cell)));
         assert!(
             matches!(report(&team, robot).waiting, Some(Waiting::Quorum(_))),
             "{:?}",
