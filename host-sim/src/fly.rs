@@ -337,8 +337,10 @@ impl<'f, 'm> Recorder<'f, 'm> {
     }
 
     fn record(self) -> Record {
-        let robots: Vec<_> = (0..self.scenario.robots.len()).map(|index| self.robot(index)).collect();
-        let outcome = self.evidence(&self.members(), &self.moving()).outcome();
+        let members = self.members();
+        let robots =
+            members.iter().enumerate().map(|(index, &is_member)| self.robot(index, is_member)).collect();
+        let outcome = self.evidence(&members, &self.moving()).outcome();
         Record {
             scenario: self.scenario.name.clone(),
             title: self.scenario.title.clone(),
@@ -360,7 +362,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
         }
     }
 
-    fn robot(&self, index: usize) -> RobotRecord {
+    fn robot(&self, index: usize, is_member: bool) -> RobotRecord {
         let (setup, report) = (&self.scenario.robots[index], &self.flight.reports()[index]);
         let received = self.flight.robot(index).link_report().received;
         let cells: Vec<_> = self.history.iter().map(|cells| cells[index]).collect();
@@ -388,6 +390,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
             visited: self.visited[index].clone(),
             charged: record::times_charged(&self.events, index),
             stopped: world.is_stopped(index),
+            member: is_member,
             tree: self.tree[index].clone(),
             accepted: received.accepted,
             rejected: received.refused(),

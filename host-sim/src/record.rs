@@ -105,6 +105,8 @@ pub struct RobotRecord {
     pub charged: u32,
     /// Whether it has stopped.
     pub stopped: bool,
+    /// Whether it is of the team at the end: a robot that was left out for good does not count.
+    pub member: bool,
     /// The leaves of its tree that were running, one after the other.
     pub tree: Vec<Activity>,
     /// The number of frames it accepted.
@@ -141,17 +143,22 @@ impl Record {
         serde_json::to_string(self)
     }
 
-    /// Returns the ticks between the first and the last arrival of the robots that moved.
+    /// Returns the ticks between the first and the last arrival of the members that moved.
     #[must_use]
     pub fn spread(&self) -> u32 {
-        let moved = self.robots.iter().map(|robot| robot.arrived).filter(|&arrived| arrived > 0);
+        let moved = self.members().map(|robot| robot.arrived).filter(|&arrived| arrived > 0);
         self.last_arrival() - moved.min().unwrap_or(0)
     }
 
-    /// Returns the first tick in which all robots stood in their last cells.
+    /// Returns the first tick in which all members stood in their last cells.
     #[must_use]
     pub fn last_arrival(&self) -> u32 {
-        self.robots.iter().map(|robot| robot.arrived).max().unwrap_or(0)
+        self.members().map(|robot| robot.arrived).max().unwrap_or(0)
+    }
+
+    /// The robots that are of the team at the end.
+    pub(crate) fn members(&self) -> impl Iterator<Item = &RobotRecord> {
+        self.robots.iter().filter(|robot| robot.member)
     }
 
     /// The obstacles that appeared, with their ticks.

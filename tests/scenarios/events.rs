@@ -55,6 +55,17 @@ fn a_team_that_is_short_of_a_goal_on_which_a_dead_robot_may_be_says_so() {
 }
 
 #[test]
+fn a_robot_that_was_left_out_counts_for_nothing_in_the_outcome() {
+    let map = "title = 't'\nmap = '''\n1.....G\n2.....G\n3.....G\n.......\n'''\n";
+    let stop = "[[event]]\ntick = 4\nwho = 'R2'\nstop = true\n";
+    let record = flown(&Scenario::parse("t", &format!("{map}{stop}")).expect("sound"), 0, 0.0);
+    assert_eq!(record.outcome, Outcome::Together);
+    assert_eq!([0, 1, 2].map(|robot: usize| record.robots[robot].member), [true, false, true]);
+    let told = summary(&record, None);
+    assert!(told.contains("2 of 3 robots arrived together, at most 1 tick apart"), "{told}");
+}
+
+#[test]
 fn an_obstacle_that_is_taken_away_is_no_longer_in_the_way() {
     let text = |more: &str| {
         let map = "title = 't'\nlimit = 150\nforget = 1\nmap = '''\n1...\n###.\nG...\n'''\n";

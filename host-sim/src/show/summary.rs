@@ -86,7 +86,9 @@ pub fn outcome_line(record: &Record) -> String {
 pub(super) fn ending(record: &Record) -> String {
     let (team, arrival, flown) = (team(record), record.last_arrival(), counted(record.ticks + 1, "tick"));
     match (record.outcome, record.spread()) {
-        (Outcome::Together, _) if record.robots.len() == 1 => format!("{team} arrived at tick {arrival}"),
+        (Outcome::Together, _) if record.members().count() == 1 => {
+            format!("{team} arrived at tick {arrival}")
+        }
         (Outcome::Together, 0) => format!("{team} arrived together at tick {arrival}"),
         (Outcome::Together, spread) => {
             let apart = counted(spread, "tick");
@@ -100,10 +102,11 @@ pub(super) fn ending(record: &Record) -> String {
 }
 
 fn team(record: &Record) -> String {
-    match record.robots.len() {
-        1 => "the robot".to_owned(),
-        2 => "both robots".to_owned(),
-        size => format!("all {size} robots"),
+    match (record.members().count(), record.robots.len()) {
+        (1, 1) => "the robot".to_owned(),
+        (2, 2) => "both robots".to_owned(),
+        (members, size) if members < size => format!("{members} of {size} robots"),
+        (_, size) => format!("all {size} robots"),
     }
 }
 
