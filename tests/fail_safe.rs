@@ -88,12 +88,12 @@ fn a_robot_that_fails_again_and_again_stands_until_somebody_resets_it() {
 /// The released image, driving, with its program counter put where there is no code.
 #[test]
 fn a_robot_of_a_team_that_faults_on_its_way_stands_and_starts_again() {
-    let (mut robot, _) = driving(&TO_THE_RESET);
+    let (mut robot, _) = driving(0, &TO_THE_RESET);
     robot.pause().jump(0x0f00_0000);
     robot.wait_for("fails: a fault at 0x0f00");
     assert_eq!(Motors::of(robot.pause()), Motors::Cut);
 
-    let (mut robot, _) = driving(&RESTARTING);
+    let (mut robot, _) = driving(0, &RESTARTING);
     robot.pause().jump(0x0f00_0000);
     robot.wait_for("restarted after a fault at 0x0f00");
     robot.wait_for("boot: robot 1 of 2");
@@ -102,7 +102,7 @@ fn a_robot_of_a_team_that_faults_on_its_way_stands_and_starts_again() {
 /// Half of a team without robot 1 is no quorum.
 #[test]
 fn the_motors_of_a_robot_whose_link_is_gone_stand_on_its_way() {
-    let (mut robot, _) = driving_as(1, &TO_THE_RESET);
+    let (mut robot, _) = driving(1, &TO_THE_RESET);
     let line = robot.wait_for("waits: Quorum(RobotId(0))");
     assert_eq!(line.level, "warn");
     // A move that it has begun it makes: between two cells it would be in the others' way.
@@ -118,12 +118,9 @@ fn stands_after_a_frame(robot: &mut Robot) -> bool {
     Motors::of(robot.pause()) == Motors::Stand
 }
 
-/// Robot 1 of a team that has just begun its first move, and its teammate.
-fn driving(options: &[&str]) -> (Robot, OnHost) {
-    driving_as(0, options)
-}
-
-fn driving_as(number: u8, options: &[&str]) -> (Robot, OnHost) {
+/// The robot of a team with this number, from zero, that has just begun its first move, and its
+/// teammate.
+fn driving(number: u8, options: &[&str]) -> (Robot, OnHost) {
     let mut robot = Robot::boot_as(team_member(), options, Some(&demo_page(number)));
     let mut teammate = OnHost::robot(1 - usize::from(number));
     robot.wait_for("took");

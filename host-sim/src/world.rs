@@ -169,12 +169,12 @@ impl World {
     /// Lets the robots and devices go on whose time has come.
     fn resume(&mut self, tick: u32) -> Vec<FlightEvent> {
         let waking = |(robot, until): (usize, &mut Option<u32>)| {
-            until.take_if(|until| *until <= tick).map(|_| FlightEvent::Resumed { robot })
+            has_ended(until, tick).then_some(FlightEvent::Resumed { robot })
         };
         let mut resumed: Vec<_> = self.stopped.iter_mut().enumerate().filter_map(waking).collect();
         for (robot, devices) in self.frozen.iter_mut().enumerate() {
             let thawing = |(until, device): (&mut Option<u32>, Device)| {
-                until.take_if(|until| *until <= tick).map(|_| FlightEvent::Thawed { robot, device })
+                has_ended(until, tick).then_some(FlightEvent::Thawed { robot, device })
             };
             resumed.extend(devices.iter_mut().zip(Device::ALL).filter_map(thawing));
         }
@@ -200,11 +200,11 @@ impl World {
             }
             EventEffect::Visit(robot, cell) => Some(FlightEvent::Asked { robot, cell }),
             EventEffect::Stop(robot, ticks) => {
-                self.stopped[robot] = Some(ticks.map_or(u32::MAX, |ticks| tick + ticks));
+                self.stopped[robot] = Some(end(tick, ticks));
                 Some(FlightEvent::Stopped { robot })
             }
             EventEffect::Freeze(robot, device, ticks) => {
-                self.frozen[robot][device as usize] = Some(ticks.map_or(u32::MAX, |ticks| tick + ticks));
+                self.frozen[robot][device as usize] = Some(end(tick, ticks));
                 Some(FlightEvent::Froze { robot, device })
             }
         }
@@ -254,6 +254,16 @@ impl World {
         let columns = (one.0 % width).abs_diff(other.0 % width);
         rows.max(columns)
     }
+}
+
+/// The end of what begins in a tick and lasts so many ticks, or for good.
+fn end(tick: u32, ticks: Option<u32>) -> u32 {
+    ticks.map_or(u32::MAX, |ticks| tick + ticks)
+}
+
+/// Whether something ends in this tick; it is then over.
+fn has_ended(until: &mut Option<u32>, tick: u32) -> bool {
+    until.take_if(|until| *until <= tick).is_some()
 }
 
 #[cfg(test)]
