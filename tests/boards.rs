@@ -24,8 +24,8 @@ fn the_image_is_within_budget_on_each_board() {
 }
 
 /// The HAL of the ESP32-C3 panics where it finds the chip or its own calls wrong. Nothing else in
-/// the image may: of the files that its panics name, each belongs to the HAL, but for the formatting
-/// of what they say.
+/// the image may: of the files that its panics name, each belongs to the HAL, but for the
+/// formatting of what they say.
 #[test]
 fn only_the_hal_of_the_esp32c3_has_panicking_branches() {
     let elf = Elf::read(&image_for("team_member", "firmware", RISC_V, "esp32c3"));

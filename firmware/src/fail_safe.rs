@@ -86,7 +86,7 @@ pub const EARLY: Duration = Duration(60_000);
 /// assert_eq!(RECORD.take(false), Some((Failure::Late { after: 120 }, 1))); // after the reset
 /// RECORD.put(Failure::StackOverflow);
 /// assert_eq!(RECORD.take(false), Some((Failure::StackOverflow, 2))); // the second in a row
-/// assert_eq!(RECORD.take(false), None); // somebody has reset the chip
+/// assert_eq!(RECORD.take(false), None); // the chip was reset by hand
 /// ```
 #[derive(Debug, Default)]
 #[repr(C)]
@@ -106,8 +106,8 @@ impl FailureRecord {
     }
 
     /// Returns the failure of the last run, with the number of failures in a row, and forgets all
-    /// but that number. `by_watchdog` says whether the watchdog has reset the chip: a run that ended
-    /// so has kept no reason.
+    /// but that number. `by_watchdog` says whether the watchdog has reset the chip: a run that
+    /// ended so has kept no reason.
     pub fn take(&self, by_watchdog: bool) -> Option<(Failure, u32)> {
         let (failure, in_a_row) = self.read();
         let unkept = || by_watchdog.then(|| (Failure::Watchdog, in_a_row.saturating_add(1)));

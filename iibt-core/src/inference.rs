@@ -11,7 +11,7 @@
 //! | G | [`Terms`] | by policy |
 //! | G in ticks, of a team's list | [`PolicyCost`], weighed by [`WeighedPolicies`] | by policy |
 //! | P(h) of what stays unknown | [`Worlds`] | worlds |
-//! | G in ticks where something may be seen | [`Outlook`], in the terms of [`ExpectedTime`] | by policy |
+//! | G in ticks where something may be seen | [`Outlook`], as an [`ExpectedTime`] | by policy |
 //! | γ | [`Scoring::precision`], updated by a [`Precision`] | |
 //! | a, counts of A | [`LikelihoodCounts`], itself a [`Likelihood`] | outcomes x states |
 //! | b, counts of B | [`TransitionCounts`], itself a [`Transition`] | states x states per action |

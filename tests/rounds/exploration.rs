@@ -230,8 +230,9 @@ fn square_of_six() -> Grid {
     Grid::new(3, 2, [&[5, 3, 1], &[2, 0, 4]])
 }
 
-/// Walks of robots from these places, of up to 300 actions, with eight openings and these restarts. At the end
-/// all fly on; where none starts again, a robot may die, if the others know where it can be.
+/// Walks of robots from these places, of up to 300 actions, with eight openings and these restarts.
+/// At the end all fly on; where none starts again, a robot may die, if the others know where it can
+/// be.
 fn walks(grid: Grid, places: &[u8], restarts: &[u8], count: usize) -> Seen {
     let (grid, mut seen, mut lengths) = (Rc::new(grid), Seen::default(), [0; 4]);
     let count = count * scale();

@@ -59,7 +59,7 @@ impl<W: Watchdog> Guard<W> {
     /// Watches from now on a loop that comes round every `limit` milliseconds.
     ///
     /// It does not return after [`MOST_FAILURES`] failures in a row, each within [`EARLY`] of a
-    /// start: the robot stands until somebody resets the chip.
+    /// start: the robot stands until the chip is reset by hand.
     pub fn start(mut watchdog: W, limit: Duration) -> Self {
         let failures = FAILURES.load(Ordering::Relaxed);
         if failures >= MOST_FAILURES {

@@ -64,8 +64,8 @@ impl Slots {
     /// Those of an RP2040 with 2 MiB of flash: its last four sectors, of 4 KiB each.
     pub const RP2040: Self = Self { first: 0x1f_c000, second: 0x1f_e000 };
 
-    /// Those of an ESP32-C3 with 4 MiB of flash: the first four sectors of its last 64 KiB, of 4 KiB
-    /// each.
+    /// Those of an ESP32-C3 with 4 MiB of flash: the first four sectors of its last 64 KiB, of 4
+    /// KiB each.
     pub const ESP32C3: Self = Self { first: 0x3f_0000, second: 0x3f_2000 };
 
     /// Returns the copy that counts: the newer of those that are whole.

@@ -121,8 +121,8 @@ impl Stamps {
     /// pass on.
     const LATE: u32 = 16;
 
-    /// Notes a frame; returns whether it can be of the robot that sent the others of its number. One
-    /// robot numbers its frames in order and each once; the same frame may be heard again.
+    /// Notes a frame; returns whether it can be of the robot that sent the others of its number.
+    /// One robot numbers its frames in order and each once; the same frame may be heard again.
     fn note(&mut self, sender: RobotId, stamp: Stamp, frame: &[u8]) -> bool {
         let mut hasher = DefaultHasher::new();
         frame.hash(&mut hasher);

@@ -3,8 +3,8 @@
 
 use super::costs::Eighths;
 
-/// What is known of a policy before it is begun: until when it runs as it is, what can be seen then,
-/// and what the rest takes in each of `H` worlds.
+/// What is known of a policy before it is begun: until when it runs as it is, what can be seen
+/// then, and what the rest takes in each of `H` worlds.
 ///
 /// One way to go on is chosen when the reading is known, so a policy by which something is seen is
 /// worth more than the same without its reading. That difference is the policy's epistemic value,
@@ -17,9 +17,11 @@ use super::costs::Eighths;
 /// // Two goals, 10 ticks apart, of which one serves. A sign two ticks away tells which, rightly in
 /// // nine of ten cases; from there both goals are 5 ticks away.
 /// let belief = [0.5, 0.5];
-/// let sign = Outlook { until: 16, readings: &[[0.9, 0.1], [0.1, 0.9]], ways: &[[40, 120], [120, 40]] };
+/// let readings = &[[0.9, 0.1], [0.1, 0.9]];
+/// let sign = Outlook { until: 16, readings, ways: &[[40, 120], [120, 40]] };
 /// let expected = sign.expected(&belief);
-/// assert_eq!(expected, ExpectedTime { pragmatic: 16 + 80, epistemic: 32 }); // 80 - (0.9 x 40 + 0.1 x 120)
+/// // The reading saves 80 - (0.9 x 40 + 0.1 x 120).
+/// assert_eq!(expected, ExpectedTime { pragmatic: 16 + 80, epistemic: 32 });
 /// assert_eq!(expected.total(), 64);
 ///
 /// // A sign that lies as often as not is worth nothing.

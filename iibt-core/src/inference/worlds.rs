@@ -12,8 +12,8 @@ use heapless::Vec;
 /// one world to the next. Memory is four bytes for each of up to `H` worlds.
 ///
 /// Evidence is a number of nats for each value of each unknown: the sum of the log-likelihoods of
-/// all readings, up to a constant. Sums are the same in whatever order they are made, so robots that
-/// announce their sums have one belief in common.
+/// all readings, up to a constant. Sums are the same in whatever order they are made, so robots
+/// that announce their sums have one belief in common.
 ///
 /// ```
 /// use iibt_core::inference::Worlds;

@@ -33,8 +33,8 @@ const CLAIM: i8 = i8::MAX;
 pub struct CellEvidence {
     /// The cell.
     pub cell: Cell,
-    /// The log-likelihood ratio in sixteenths of a nat; positive speaks for an obstacle. Above 64 it
-    /// is no evidence but a claim: the robot may be there itself, and nobody is to enter.
+    /// The log-likelihood ratio in sixteenths of a nat; positive speaks for an obstacle. Above 64
+    /// it is no evidence but a claim: the robot may be there itself, and no teammate is to enter.
     pub weight: i8,
 }
 

@@ -6,10 +6,10 @@
 //! or on the one to which its moves lead. It claims both, with the cells between them, and makes a
 //! move only where that is safe from both.
 //!
-//! A worn drive cannot be told from a frozen localiser by the length of the row: a drive may be worn
-//! as much as one likes. But it wears in the direction in which its robot moves, and a localiser
-//! freezes in all. So a robot that cannot go on by its plan tries another direction, and stands once
-//! moves in two directions have failed that would both fail once in a thousand times.
+//! A worn drive cannot be told from a frozen localiser by the length of the row: a drive may be
+//! worn to any degree. But it wears in the direction in which its robot moves, and a localiser
+//! freezes in all. So a robot that cannot go on by its plan tries another direction, and stands
+//! once moves in two directions have failed that would both fail once in a thousand times.
 
 use super::obstacles::{MAX_EVIDENCE, Obstacles};
 use crate::grid::{Cell, Map, Move};

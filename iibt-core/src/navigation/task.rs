@@ -65,8 +65,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         policy.and_then(|policy| self.policies().get(policy)).map_or(0, |plan| plan.short_by())
     }
 
-    /// Whether the robot has done all it is for: it is sure to stand at the end of a plan that leads all
-    /// robots to goals, has no errand, and takes none over from a lost teammate.
+    /// Whether the robot has done all it is for: it is sure to stand at the end of a plan that
+    /// leads all robots to goals, has no errand, and takes none over from a lost teammate.
     #[must_use]
     pub fn has_arrived(&self) -> bool {
         let is_bound = self.purpose() == Purpose::Goal

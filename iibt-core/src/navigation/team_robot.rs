@@ -83,8 +83,8 @@ pub struct Navigation<'m, const S: usize, const W: usize, const L: usize, const 
     /// The move that the robot makes, from the command until it knows where that has led.
     under_way: Option<Passage>,
     progress: Progress,
-    /// Whether the next move of the plan could lead to where a teammate may be, from where a robot in
-    /// doubt may be.
+    /// Whether the next move of the plan could lead to where a teammate may be, from where a robot
+    /// in doubt may be.
     is_held: bool,
     /// The move to try in its place.
     trial: Option<Passage>,

@@ -82,8 +82,8 @@ pub(super) enum Stage {
 impl<const W: usize, const L: usize, const N: usize> FlowPlanner<W, L, N> {
     pub(super) const LATEST: usize = Flow::<W, L, N>::LATEST;
 
-    /// A search for the best plan. It is all zeros, so that it is cleared where it stays: none of it
-    /// is on the stack, and none in flash. What is no zero is set when the search begins.
+    /// A search for the best plan. It is all zeros, so that it is cleared where it stays: none of
+    /// it is on the stack, and none in flash. What is no zero is set when the search begins.
     pub(super) const CLEARED: Self = {
         let turn = Some(Turn::BlackLast); // zero, which `None` is not
         Self {

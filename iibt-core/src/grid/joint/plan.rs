@@ -99,8 +99,9 @@ impl<const N: usize> JointPlan<N> {
         execution: Execution::NONE,
     };
 
-    /// The plan of these paths, staggered, short of nothing and with an [execution](Self::execution)
-    /// by the clock: every robot moves in the steps of its path. `None` for more than `N` paths.
+    /// The plan of these paths, staggered, short of nothing and with an
+    /// [execution](Self::execution) by the clock: every robot moves in the steps of its path.
+    /// `None` for more than `N` paths.
     #[must_use]
     pub fn new(paths: &[Path]) -> Option<Self> {
         let mut plan = Self { robots: u8::try_from(paths.len()).ok()?, ..Self::NOBODY };

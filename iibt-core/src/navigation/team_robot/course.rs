@@ -41,8 +41,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.next_cell().filter(|_| rounds.may_move(teammates, &list))
     }
 
-    /// The next move of the path and where it leads, if the robot is where the path says, or the way
-    /// back there from the cell beside it on which it has tried its drive.
+    /// The next move of the path and where it leads, if the robot is where the path says, or the
+    /// way back there from the cell beside it on which it has tried its drive.
     fn next_cell(&self) -> Option<(Move, Cell)> {
         let (path, moves) = self.course()?;
         let list = self.on_map()?;

@@ -26,8 +26,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     }
 
     /// Finds out which move a robot in doubt may make now: the next one of its plan; where that has
-    /// long not been safe, or there is none, another one. A choice that becomes known later in this tick counts from
-    /// the next one on.
+    /// long not been safe, or there is none, another one. A choice that becomes known later in this
+    /// tick counts from the next one on.
     pub(super) fn mind_doubt(&mut self, teammates: &Teammates<'_, Fact<W>, K>) {
         (self.is_held, self.trial) = (self.is_in_doubt(), None);
         let may_go = self.is_held && !self.has_twin && self.has_decided();
@@ -63,8 +63,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.rounds.as_ref().is_some_and(|rounds| rounds.protocol().has_decided())
     }
 
-    /// The move with the least risk, of those that lead to a free cell from where the localiser says
-    /// that the robot is.
+    /// The move with the least risk, of those that lead to a free cell from where the localiser
+    /// says that the robot is.
     fn safest(&self, here: Cell, teammates: &Teammates<'_, Fact<W>, K>) -> Option<Passage> {
         let trial = |step| {
             let to = destination(&self.mission.map, &self.obstacles, here, step)?;
@@ -77,7 +77,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     }
 
     /// How much a move risks if every move before it was made: nothing if the robot stays on cells
-    /// that it claims, more if it comes to a free one, most if it runs into a wall. `None`: too much.
+    /// that it claims, more if it comes to a free one, most if it runs into a wall. `None`: too
+    /// much.
     #[inline(never)]
     fn risk(&self, step: Move, teammates: &Teammates<'_, Fact<W>, K>) -> Option<u8> {
         let reckoned = self.progress.reckoned()?;

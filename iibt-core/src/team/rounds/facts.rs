@@ -57,8 +57,8 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     /// they have checked the walls, and one of them was in every view in which a robot left out may
     /// have got the plan that it still follows.
     ///
-    /// The first who takes the others' word has that of a quorum that remembers. It can then give
-    /// its own to the next.
+    /// The first robot that relies on this relies on a quorum that has not restarted since. Others
+    /// may then rely on the first.
     fn is_vouched(&self, digest: Digest, teammates: &Teammates<'_, F, K>) -> bool {
         let has_scored = |robot: &RobotId| {
             self.newest(*robot, teammates).and_then(|heard| heard.message.answer.digest()) == Some(digest)

@@ -285,8 +285,8 @@ impl<F: Fact, const K: usize> Protocol<F, K> {
     }
 
     /// Whether every robot that is left out is where the round says: what a member must know before
-    /// it takes part. Of one that may be anywhere it takes the others' word, if they have
-    /// [vouched](Self::is_vouched).
+    /// it takes part. For one that may be anywhere it relies on the members' check of the walls,
+    /// [if they have made it](Self::is_vouched).
     pub(super) fn accepts_walls(&self, is_vouched: bool) -> Result<(), Waiting> {
         let left_out = View::full(self.member.team()).difference(self.proposal.view);
         for robot in left_out.iter() {

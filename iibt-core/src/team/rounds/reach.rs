@@ -36,7 +36,8 @@ impl<C> Reach<C> {
         matches!(self, Self::Answered(_))
     }
 
-    /// The same knowledge with another claim; one that was anywhere is `claim` by the word of others.
+    /// The same knowledge with another claim; where a robot that was anywhere is now is known
+    /// from the members only.
     fn with(&self, claim: C) -> Self {
         if self.is_answered() { Self::Answered(claim) } else { Self::Vouched(claim) }
     }
