@@ -189,6 +189,9 @@ const fn broken<L>(node: &Node<L>, full: bool) -> Option<TreeRule> {
 
 /// The next child of the same parent; past every table after the last.
 const fn next<L>(rows: &[Row<L>], child: usize) -> usize {
+    if child >= rows.len() {
+        return NONE as usize;
+    }
     match rows[child].sibling() {
         Some(next) => next,
         None => NONE as usize,
@@ -234,6 +237,11 @@ const S: u8 = 2;
 const F: u8 = 4;
 const K: u8 = 8;
 
+/// The statuses that the node in a row can return: none past the end.
+const fn of(can: &[u8], row: usize) -> u8 {
+    if row < can.len() { can[row] } else { 0 }
+}
+
 /// The first row that no tick can reach; `can` gets the set of statuses that each node can return.
 pub(super) const fn never_ticked<L>(rows: &[Row<L>], can: &mut [u8]) -> Option<u16> {
     let mut found = None;
@@ -253,25 +261,26 @@ pub(super) const fn never_ticked<L>(rows: &[Row<L>], can: &mut [u8]) -> Option<u
 /// ticks.
 const fn outcomes<L>(rows: &[Row<L>], can: &[u8], at: usize) -> (u8, usize) {
     const NO_ROW: usize = NONE as usize;
-    let child = if at + 1 < rows.len() { can[at + 1] } else { 0 };
-    let second = if at + 1 < rows.len() { next(rows, at + 1) } else { NO_ROW };
-    let set = match &rows[at].node {
+    let child = of(can, at + 1);
+    let second = next(rows, at + 1);
+    let node = &rows[at].node;
+    let set = match node {
         Node::Sequence(_)
         | Node::SequenceWithMemory(_)
         | Node::AsyncSequence(_)
         | Node::ReactiveSequence(_)
-        | Node::PipelineSequence(_) => return chain(rows, can, at, S),
+        | Node::PipelineSequence(_) => return chain(node, rows, can, at, S),
         Node::Fallback(_) | Node::AsyncFallback(_) | Node::ReactiveFallback(_) => {
-            return chain(rows, can, at, F);
+            return chain(node, rows, can, at, F);
         }
         Node::IfThenElse(_) | Node::WhileDoElse(_) => return branches(rows, can, at, second),
         Node::RecoveryNode(retries) => {
             let recovers = child & F != 0 && *retries > 0;
-            let below = child | if recovers { can[second] & R } else { 0 };
+            let below = child | if recovers { of(can, second) & R } else { 0 };
             return (below, if recovers { NO_ROW } else { second });
         }
         Node::RetryUntilSuccessful(times) | Node::Repeat(times) => {
-            let (again, end) = if matches!(rows[at].node, Node::Repeat(_)) { (S, F) } else { (F, S) };
+            let (again, end) = if matches!(node, Node::Repeat(_)) { (S, F) } else { (F, S) };
             if times.get() == 0 {
                 return (again, at + 1);
             }
@@ -299,18 +308,16 @@ const fn outcomes<L>(rows: &[Row<L>], can: &[u8], at: usize) -> (u8, usize) {
     (set, NO_ROW)
 }
 
-/// The outcomes of a sequence (`passing` success) or fallback (failure).
-const fn chain<L>(rows: &[Row<L>], can: &[u8], at: usize, passing: u8) -> (u8, usize) {
-    let yields = matches!(
-        rows[at].node,
-        Node::SequenceWithMemory(_) | Node::AsyncSequence(_) | Node::AsyncFallback(_)
-    );
+/// The outcomes of a sequence (`passing` success) or fallback (failure) in row `at`.
+const fn chain<L>(node: &Node<L>, rows: &[Row<L>], can: &[u8], at: usize, passing: u8) -> (u8, usize) {
+    let yields =
+        matches!(node, Node::SequenceWithMemory(_) | Node::AsyncSequence(_) | Node::AsyncFallback(_));
     let mut set = 0;
     let mut some_pass = false;
     let mut all_skip = true;
     let mut child = at + 1;
     loop {
-        let this = can[child];
+        let this = of(can, child);
         set |= this & !(passing | K);
         some_pass |= this & passing != 0;
         all_skip &= this & K != 0;
@@ -332,19 +339,19 @@ const fn chain<L>(rows: &[Row<L>], can: &[u8], at: usize, passing: u8) -> (u8, u
 /// The outcomes of a node with a condition in row `at + 1` and one or two branches from row
 /// `second` on.
 const fn branches<L>(rows: &[Row<L>], can: &[u8], at: usize, second: usize) -> (u8, usize) {
-    let condition = can[at + 1];
+    let condition = of(can, at + 1);
     let third = next(rows, second);
     let mut set = condition & (R | K);
     let mut dead = NONE as usize;
     if condition & F == 0 {
         dead = third;
     } else {
-        set |= if third < rows.len() { can[third] } else { F };
+        set |= if third < rows.len() { of(can, third) } else { F };
     }
     if condition & S == 0 {
         dead = second;
     } else {
-        set |= can[second];
+        set |= of(can, second);
     }
     (set, dead)
 }
