@@ -1,8 +1,11 @@
 //! Teams of emulated robots beside the same teams in process: the same decisions, frames and moves,
 //! bit for bit.
 
+use bumpalo::Bump;
 use firmware::adapters::base::{self, BaseAnswer};
-use host_sim::hil::{Bench, HilRecord, Sabotage, fly_emulated};
+use host_sim::hil::{Bench, HilRecord, Sabotage, fly_emulated, fly_emulated_task};
+use host_sim::task::{TableMission, Trouble, built_in as built_in_task};
+use host_sim::tree::{Document, Extras};
 use host_sim::{
     Conditions, FlightEvent, FrameRecording, KEY, Pilot, Provision, Record, Scenario, fly, library,
 };
@@ -13,7 +16,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 use tests::elf::Elf;
-use tests::qemu::{PATIENCE, image};
+use tests::qemu::{PATIENCE, Robot, image};
 
 fn based_member() -> &'static Path {
     static IMAGE: OnceLock<PathBuf> = OnceLock::new();
@@ -95,6 +98,48 @@ fn a_flipped_bit_and_a_wrong_reading_are_the_first_difference() {
         let difference = flown.difference.unwrap_or_else(|| panic!("{sabotage:?} is not seen"));
         assert_eq!((difference.robot.as_str(), difference.tick), ("R2", tick), "{difference}");
         assert!(difference.what.contains(", in process "), "{difference}");
+    }
+}
+
+/// The trees of two robots, with nodes of the full set, that decide when to pursue which aim.
+const TREES: &str = include_str!("../host-sim/tasks/bottle-and-plate.xml");
+
+#[test]
+fn robots_with_a_task_fly_with_the_trees_of_their_pages_as_in_process() {
+    let image = image("based_table_robot");
+    let arena = Bump::new();
+    let text = built_in_task("bottle-and-plate").expect("it is built in");
+    let plain = TableMission::parse(&arena, "bottle-and-plate", text).expect("it is sound");
+    let document = Document::parse("trees.xml", TREES, &Extras::default()).expect("it is XML");
+    let with_trees = plain.clone().with_trees(&document).expect("they are sound");
+    for (mission, seed, loss) in [(&plain, 0, 0.0), (&with_trees, 0, 0.0), (&with_trees, 4, 0.2)] {
+        let trouble = Trouble { loss: Some(loss), ..Trouble::default() };
+        let bench = Bench { image: image.clone(), ..Bench::default() };
+        let done = fly_emulated_task(mission, seed, trouble, &bench).expect("it starts");
+        assert_eq!(done.difference, None, "seed {seed}, loss {loss}");
+        assert!(done.flown.success && done.compared.decisions > 4 && done.compared.moves > 4, "{done:?}");
+    }
+    let ticks = |mission: &TableMission<'_>| {
+        let flown = mission.fly(0, Trouble::default()).expect("it fits");
+        flown.operated.iter().map(|begun| (begun.tick, begun.robot, begun.operator)).collect::<Vec<_>>()
+    };
+    assert_ne!(ticks(&plain), ticks(&with_trees), "the trees make a difference");
+}
+
+#[test]
+fn a_robot_with_a_task_stands_where_its_page_is_for_another_one() {
+    let image = image("based_table_robot");
+    let arena = Bump::new();
+    let text = built_in_task("valves").expect("it is built in");
+    let valves = TableMission::parse(&arena, "valves", text).expect("it is sound");
+    let provision = Provision { epoch: 1, ..Provision::new(RobotId(0), KEY) };
+    let pages = [
+        (provision.page_of_task(&valves).expect("it is sound"), "OtherTask"),
+        (provision.page(&built_in("two-goals")).expect("it is sound"), "size: Cells"),
+    ];
+    for (page, why) in pages {
+        let stands = Robot::boot_with_page(&image, &page).wait_for("stands: ");
+        assert!(stands.level == "error" && stands.message.contains(why), "{stands:?}");
     }
 }
 

@@ -3,6 +3,7 @@
 use bumpalo::Bump;
 use host_sim::manipulation::tables::IN_TURN;
 use host_sim::task::{LEVELS, NAMES, TableMission, Trouble, built_in, level_table};
+use host_sim::tree::{Document, Extras};
 use std::num::NonZeroUsize;
 use tests::package::{Package, assert_is_kept};
 
@@ -295,6 +296,46 @@ fn a_task_for_which_there_is_no_room_is_refused_with_its_size() {
         "my.toml:2:1: the robots' actions make 16 x 16 x 2 = 512 joint policies: there is room for 256";
     assert_eq!(said(&[16, 16, 2]), policies);
     assert_eq!(said(&[17]), "my.toml:2:1: robot \"r0\": a robot has 1 to 16 actions");
+}
+
+/// Why the trees of a file are not those of the robots: the file of bottle and plate, changed.
+fn refused_trees(from: &str, to: &str) -> String {
+    let text = include_str!("../host-sim/tasks/bottle-and-plate.xml");
+    assert!(text.contains(from), "{from}");
+    let document = Document::parse("t.xml", &text.replacen(from, to, 1), &Extras::default());
+    let arena = Bump::new();
+    match mission(&arena, "bottle-and-plate").with_trees(&document.expect("it is XML")) {
+        Ok(mission) => {
+            mission.fly(0, Trouble::default()).map_or_else(|error| error.to_string(), |_| String::new())
+        }
+        Err(remarks) => remarks[0].to_string(),
+    }
+}
+
+#[test]
+fn a_tree_that_a_robot_cannot_have_is_refused_with_its_place() {
+    assert_eq!(refused_trees("aim=\"hold\"", "aim=\"1\""), "", "an aim by its number");
+    let cases = [
+        (
+            "aim=\"hold\"",
+            "aim=\"2\"",
+            "t.xml:9:11: error: there is no aim '2': there are hold, place, or 0 to 1",
+        ),
+        ("aim=\"hold\"", "", "t.xml:9:11: error: Pursue needs the port 'aim'"),
+        ("<Do skill=\"finished\"/>", "<Do skill=\"256\"/>", "t.xml:16:9: error: there is no skill '256'"),
+        ("<Do skill=\"finished\"/>", "<Do skill=\"1\"/>", "skill 0, which is finished, and no skill 1"),
+        (
+            "<Do skill=\"finished\"/>",
+            "<Script code=\"a:=1\"/>",
+            "t.xml:16:9: error: 'Script' is more than a leaf",
+        ),
+        ("<Has skill=\"finished\"/>", "<AlwaysSuccess/>", "t.xml:7:7: error: no tick can reach this node"),
+        ("BehaviorTree ID=\"R2\"", "BehaviorTree ID=\"R4\"", "must name the tree to execute"),
+    ];
+    for (from, to, reason) in cases {
+        let said = refused_trees(from, to);
+        assert!(said.contains(reason), "{from} -> {to}: {said}");
+    }
 }
 
 #[rustfmt::skip]

@@ -103,7 +103,7 @@ pub struct Board {
 
 /// Stands, with the motors off and without a word to the team, until the board is reset: a restart
 /// would end here again. A watchdog that outlives a restart is fed.
-pub fn stand(reason: &Standing, watchdog: impl safe::Watchdog) -> ! {
+pub fn stand(reason: &impl defmt::Format, watchdog: impl safe::Watchdog) -> ! {
     defmt::error!("stands: {}", reason);
     fail_safe::stay(watchdog)
 }

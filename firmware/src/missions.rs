@@ -21,6 +21,9 @@ pub const POLICIES: usize = 16;
 /// The paths that a page may give all robots together in images.
 pub const ALL_PATHS: usize = 8;
 
+/// The nodes of a tree that a page may give a robot with a table task in images.
+pub const TREE_NODES: usize = 32;
+
 /// A configuration for links whose packets have 64 bytes, as those of CAN-FD: eight joint policies,
 /// two unknown cells.
 ///

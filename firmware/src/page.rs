@@ -35,13 +35,17 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 mod content;
 mod fault;
+mod node;
 mod sections;
 mod slots;
 mod source;
+mod tree;
 
 pub use content::Page;
 pub use fault::{Fault, PageError, Refused, Size, StoreError};
+pub use node::node_bytes;
 pub use slots::{Origin, Slots, Which, erase, store};
+pub use tree::{MAX_VISITS, PageTree, TreeMemory, TreeReader};
 
 /// The longest page in bytes. Each of the two [`Slots`] has room for one.
 pub const MAX_PAGE: u32 = 8192;
@@ -77,7 +81,7 @@ impl Section {
     pub const PATHS: u8 = 4;
     /// The measures of the robot and of the grid.
     pub const CHASSIS: u8 = 5;
-    /// A behavior tree; no reader knows it yet.
+    /// The behavior tree of a robot with a table task.
     pub const TREE: u8 = 6;
     /// The tables of a task; no reader knows them yet.
     pub const TABLES: u8 = 7;

@@ -1,6 +1,6 @@
 //! The flash of a board, and what lies where in it.
 
-use crate::page::{Origin, Page, Refused, Slots};
+use crate::page::{Origin, Page, Refused, Slots, TreeReader};
 use crate::{BootCounter, EpochError};
 use embedded_storage::nor_flash::NorFlash;
 
@@ -25,6 +25,18 @@ impl<F: NorFlash> Storage<F> {
         page: &mut Page<S, W, P>,
     ) -> Result<Origin, Refused> {
         page.load(&mut self.flash, self.page)
+    }
+
+    /// Reads the page of a robot with a table task; see [`Page::load_task`].
+    ///
+    /// # Errors
+    /// [`Refused`].
+    pub fn load_task<const S: usize, const W: usize, const P: usize, L: Copy, const T: usize>(
+        &mut self,
+        page: &mut Page<S, W, P>,
+        tree: &mut TreeReader<'_, L, T>,
+    ) -> Result<Origin, Refused> {
+        page.load_task(&mut self.flash, self.page, tree)
     }
 
     /// Takes the epoch of this start: counted, and at least the page's. A board that cannot count

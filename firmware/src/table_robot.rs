@@ -98,9 +98,16 @@ pub struct TableRobot<
 
 /// The type of a [`TableRobot`] with as much memory as its tables and its tree take: of the tables,
 /// the hardware, the skills, the number of nodes, and the set of nodes unless that is
-/// [`Basic`](iibt_core::tree::Basic).
+/// [`Basic`](iibt_core::tree::Basic); with `page` before the number, of a tree of at most so many
+/// nodes from a [`PageTree`](crate::page::PageTree).
 #[macro_export]
 macro_rules! table_robot {
+    ($tables:expr, $hardware:ty, $skills:ty, page $nodes:expr) => {
+        $crate::TableRobot<
+            'static, $hardware, $skills, $crate::page::TreeMemory<{ $nodes }>,
+            { $tables.states() }, { $tables.robots() }, { $tables.policies() }, $crate::prelude::Full
+        >
+    };
     ($tables:expr, $hardware:ty, $skills:ty, $nodes:literal $(, $set:ty)?) => {
         $crate::TableRobot<
             'static, $hardware, $skills, $crate::prelude::Memory<$nodes $(, $set)?>,
@@ -196,7 +203,7 @@ fn check<L, Set: Kinds>(
     let (aims, facts) = tables.role(robot.index()).map_or((0, 0), |role| (role.aims.len(), role.facts.len()));
     for node in tree.nodes() {
         let (table, row, rows) = match node.leaf() {
-            Some(TaskLeaf::Aim(aim)) => ("aims", *aim, aims),
+            Some(TaskLeaf::Aim(aim)) => ("aims", usize::from(*aim), aims),
             Some(TaskLeaf::Fact(fact)) => ("facts", usize::from(*fact), facts),
             Some(TaskLeaf::Own(_)) | None => continue,
         };

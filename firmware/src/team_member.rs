@@ -8,7 +8,7 @@
 use crate::adapters::{Absent, Body, Chassis, Counted, DeadReckoning, OutsideMap};
 use crate::hardware::{Battery, Clock, Drive, Link};
 use crate::missions::{ALL_PATHS, CELLS, LAYERS, NODES, POLICIES, WORDS};
-use crate::page::{Page, Refused};
+use crate::page::{Origin, Page, Refused, TreeReader};
 use crate::{Controller, EpochError, LinkReport, Navigator, Storage};
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
@@ -69,6 +69,28 @@ pub fn configure<const S: usize, const W: usize, const P: usize>(
     storage: &mut Storage<impl NorFlash>,
 ) -> Result<(&'static Page<S, W, P>, u32), Standing> {
     let origin = storage.load(page).map_err(Standing::NoPage)?;
+    take_epoch(page, storage, origin)
+}
+
+/// The same for a robot with a table task, whose page has a tree in place of a mission.
+///
+/// # Errors
+/// As [`configure`].
+pub fn configure_task<const S: usize, const W: usize, const P: usize, L: Copy, const T: usize>(
+    page: &'static mut Page<S, W, P>,
+    tree: &mut TreeReader<'_, L, T>,
+    storage: &mut Storage<impl NorFlash>,
+) -> Result<(&'static Page<S, W, P>, u32), Standing> {
+    let origin = storage.load_task(page, tree).map_err(Standing::NoPage)?;
+    take_epoch(page, storage, origin)
+}
+
+/// Takes the epoch of this start, once the page is read.
+fn take_epoch<const S: usize, const W: usize, const P: usize>(
+    page: &'static Page<S, W, P>,
+    storage: &mut Storage<impl NorFlash>,
+    origin: Origin,
+) -> Result<(&'static Page<S, W, P>, u32), Standing> {
     if let Some(other) = origin.other {
         defmt::warn!("page {=u32} is the {} copy; the other: {}", origin.generation, origin.which, other);
     }

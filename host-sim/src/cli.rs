@@ -163,6 +163,9 @@ struct RunArgs {
     /// The tree that flies the robots: the inference node, or a conventional tree of the paper
     #[arg(long, value_name = "TREE", value_enum, default_value_t)]
     tree: Pilot,
+    /// The trees of the robots of a task: for each the one with its name, else the main tree
+    #[arg(long, value_name = "FILE.xml")]
+    task_tree: Option<String>,
     /// Keep a log of every move that a robot was told to make
     #[arg(long, value_name = "FILE.csv")]
     log: Option<PathBuf>,
@@ -236,6 +239,7 @@ impl RunArgs {
         if let Some(text) = task::text_of(&self.scenario)? {
             return task::run(self, &text);
         }
+        self.has_no_task_tree()?;
         let scenario = self.disturbance.applied(&scenario(&self.scenario)?, self.seed);
         if self.tree == Pilot::Figure5 && scenario.goals.len() != 2 {
             let goals = scenario.goals.len();
@@ -258,6 +262,13 @@ impl RunArgs {
         kept.finish()?;
         print(&self.report(&record)?)?;
         Ok(exit_status(record.outcome.is_success()))
+    }
+
+    fn has_no_task_tree(&self) -> Result<(), String> {
+        match &self.task_tree {
+            Some(file) => Err(format!("{}: a scenario is flown without --task-tree {file}", self.scenario)),
+            None => Ok(()),
+        }
     }
 
     /// Flies the missions of a scenario that has several, a line each.

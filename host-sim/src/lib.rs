@@ -83,7 +83,7 @@ pub use input::FileError;
 pub use learn::{Learned, MoveRatio, RobotRatios};
 pub use log::{Attempt, ExecutionLog, Logbook};
 pub use phases::{Chosen, Phase};
-pub use provision::{AnyPage, Provision, ProvisionError};
+pub use provision::{ANY_SKILL, AnyPage, AnyPageTree, Provision, ProvisionError};
 pub use radio::{KEY, Traffic};
 pub use random::Random;
 pub use record::{Activity, Record, RobotRecord, TimedEvent};

@@ -1,20 +1,35 @@
 //! Pages of configuration for robots that are flashed, as [`firmware::page`] reads them.
 
 use crate::scenario::{MAX_CELLS, Scenario};
+use crate::task::{TableMission, TaskError, TaskTree};
 use crate::team::{TeamError, on_mission};
 use firmware::Thresholds;
 use firmware::adapters::Chassis;
-use firmware::page::{CHECKSUM, HEADER, MAGIC, Page, Refused, Section, VERSION};
+use firmware::page::{CHECKSUM, HEADER, MAGIC, Page, PageTree, Refused, Section, VERSION, node_bytes};
 use iibt_core::grid::{Cell, words};
 use iibt_core::navigation::Mission;
-use iibt_core::team::{Key, RobotId};
+use iibt_core::team::{Key, Member, RobotId};
 use std::num::NonZero;
 use thiserror::Error;
 
 /// A page of any scenario.
 pub type AnyPage = Page<MAX_CELLS, { words(MAX_CELLS, 1) }, 128>;
 
-/// What a robot's page says beside its mission.
+/// A tree of any page, with skills by their numbers in [`ANY_SKILL`].
+pub type AnyPageTree = PageTree<u8, 255>;
+
+/// All skills that a page can name.
+pub const ANY_SKILL: [u8; 256] = {
+    let mut skills = [0; 256];
+    let mut number = 0;
+    while number < skills.len() {
+        skills[number] = number as u8;
+        number += 1;
+    }
+    skills
+};
+
+/// What a robot's page says beside its mission or its tree.
 ///
 /// ```
 /// use firmware::page::Page;
@@ -60,6 +75,12 @@ pub enum ProvisionError {
     /// The robots cannot fly the mission.
     #[error(transparent)]
     Team(#[from] TeamError),
+    /// The robots cannot work on the task.
+    #[error(transparent)]
+    Task(#[from] TaskError),
+    /// The tree has more nodes than a page can count.
+    #[error("a tree of {0} nodes: a page has room for 255")]
+    Nodes(usize),
     /// No robot could read the page.
     #[error(transparent)]
     Refused(#[from] Refused),
@@ -105,25 +126,58 @@ impl Provision {
         checked(self.bytes(mission))
     }
 
+    /// Returns the page for a task, with the robot's tree. The task's budget counts where there is
+    /// no other.
+    ///
+    /// # Errors
+    /// [`ProvisionError`], for a robot that is not in the team for example.
+    pub fn page_of_task(&self, task: &TableMission<'_>) -> Result<Vec<u8>, ProvisionError> {
+        let member = Member::new(self.robot, task.tables.robots()).map_err(TaskError::from)?;
+        let tree = task.tree(member.robot().index())?;
+        let nodes = u8::try_from(tree.len()).map_err(|_| ProvisionError::Nodes(tree.len()))?;
+        let budget = self.budget.or_else(|| task.budget.and_then(NonZero::new));
+        let own = Self { budget, ..self.clone() };
+        let mut page = own.begin(member.team() as u8, Sizes { nodes, ..Sizes::default() });
+        page.section(Section::TREE, |page| write_tree(task.tables.mission(), &tree, page));
+        own.write_chassis(&mut page);
+        let (page, mut read, mut any_tree) = (page.finish(), AnyPage::EMPTY, AnyPageTree::EMPTY);
+        read.load_task_bytes(&page, &mut any_tree.of(&task.tables, &ANY_SKILL))?;
+        Ok(page)
+    }
+
     fn bytes<const W: usize>(&self, mission: &Mission<'_, W>) -> Vec<u8> {
         let paths = mission.paths.unwrap_or(&[]);
-        let all_paths: usize = paths.iter().map(|own| own.len()).sum();
-        let mut page = Bytes(MAGIC.to_vec());
-        page.u8(VERSION).u8(mission.team()).u16(mission.map.len() as u16);
-        page.u16(all_paths as u16).u8(mission.goals.len() as u8).u8(0);
-        page.u32(self.generation).u32(0);
-        page.section(Section::ROBOT, |page| self.write_robot(mission.team(), page));
-        page.section(Section::KEYS, |page| self.write_keys(mission.team(), page));
+        let sizes = Sizes {
+            cells: mission.map.len() as u16,
+            paths: paths.iter().map(|own| own.len()).sum::<usize>() as u16,
+            goals: mission.goals.len() as u8,
+            nodes: 0,
+        };
+        let mut page = self.begin(mission.team(), sizes);
         page.section(Section::MISSION, |page| write_mission(mission, page));
         if !paths.is_empty() {
             page.section(Section::PATHS, |page| write_paths(mission, page));
         }
+        self.write_chassis(&mut page);
+        page.finish()
+    }
+
+    /// The header, and the sections that every page has.
+    fn begin(&self, team: u8, sizes: Sizes) -> Bytes {
+        let mut page = Bytes(MAGIC.to_vec());
+        page.u8(VERSION).u8(team).u16(sizes.cells).u16(sizes.paths).u8(sizes.goals).u8(sizes.nodes);
+        page.u32(self.generation).u32(0);
+        page.section(Section::ROBOT, |page| self.write_robot(team, page));
+        page.section(Section::KEYS, |page| self.write_keys(team, page));
+        page
+    }
+
+    fn write_chassis(&self, page: &mut Bytes) {
         if let Some(Chassis { cell, track, speed, duty }) = self.chassis {
             page.section(Section::CHASSIS, |page| {
                 page.f32(cell).f32(track).f32(speed).u8(duty);
             });
         }
-        page.finish()
     }
 
     fn write_robot(&self, team: u8, page: &mut Bytes) {
@@ -143,6 +197,15 @@ impl Provision {
             }
         }
     }
+}
+
+/// What an image needs room for beside the team.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sizes {
+    cells: u16,
+    paths: u16,
+    goals: u8,
+    nodes: u8,
 }
 
 /// A page that the firmware reads.
@@ -180,6 +243,16 @@ fn write_paths<const W: usize>(mission: &Mission<'_, W>, page: &mut Bytes) {
             page
         });
     }
+}
+
+/// The tables for which the tree is, and its nodes.
+fn write_tree(tables: u64, tree: &TaskTree, page: &mut Bytes) {
+    page.0.extend(tables.to_le_bytes());
+    let nodes: Vec<_> = tree.by_ref().nodes().copied().collect();
+    page.list(&nodes, |page, node| {
+        page.0.extend(node_bytes(node));
+        page
+    });
 }
 
 /// Bytes of a page, little-endian.

@@ -18,6 +18,7 @@ mod read;
 mod robot;
 mod room;
 mod station;
+mod tree;
 mod waiting;
 mod world;
 
@@ -26,6 +27,7 @@ pub use flight::{Flown, Operated};
 pub(crate) use mission::{Beside, TaskShadow};
 pub use mission::{TaskError, Trouble, outcome_line};
 pub use read::TableMission;
+pub use tree::{SKILLS, TaskTree};
 pub use world::{Goal, Truth};
 
 pub(crate) use flight::{TaskFlight, Worker};

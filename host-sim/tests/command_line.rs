@@ -232,6 +232,41 @@ fn a_page_is_written_for_a_robot_and_printed_without_its_keys() {
 }
 
 #[test]
+fn the_page_of_a_robot_with_a_task_has_its_tree() {
+    let page = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("task-robot.bin");
+    let write = |arguments: &str| {
+        let mut command =
+            host_sim("provision bottle-and-plate --team-key 000102030405060708090a0b0c0d0e0f -o");
+        command.arg(&page).args(arguments.split_whitespace());
+        command
+    };
+    let shown = || {
+        let shown = host_sim("provision --show").arg(&page).assert().success().stderr(is_empty());
+        String::from_utf8_lossy(&shown.get_output().stdout).into_owned()
+    };
+    write("--robot 2").assert().success();
+    let aims = "  Sequence(3)\n                 Inference aim 0\n                 Inference aim 1\n";
+    let text = shown();
+    assert!(text.contains("2 of 2") && text.contains("6 nodes") && text.contains(aims), "{text}");
+
+    let trees = concat!(env!("CARGO_MANIFEST_DIR"), "/tasks/bottle-and-plate.xml");
+    write(&format!("--robot R2 --task-tree {trees}")).assert().success();
+    let text = shown();
+    assert!(text.contains("RetryUntilSuccessful(5)\n") && text.contains("Delay(2 ms)\n"), "{text}");
+    assert!(text.contains("Condition fact 2\n"), "by the name of the fact: {text}");
+
+    let other =
+        file("other-trees.xml", &fs::read_to_string(trees).unwrap().replace("aim=\"bring\"", "aim=\"fly\""));
+    let other = other.display();
+    let reason = "other-trees.xml:30:13: error: there is no aim 'fly': there are hold, bring, or 0 to 1";
+    refuses(&mut write(&format!("--robot R2 --task-tree {other}")), reason);
+    refuses(&mut write("--robot R3"), "bottle-and-plate: no robot R3: there are R1, R2, or 1 to 2");
+    let two_goals = "provision two-goals --robot 1 -o nowhere.bin --task-tree trees.xml";
+    refuses(&mut host_sim(two_goals), "two-goals: --task-tree is for tasks");
+    refuses(&mut host_sim("run factory --task-tree trees.xml"), "factory: a scenario is flown without");
+}
+
+#[test]
 fn nothing_to_do_is_its_own_word_and_success() {
     let scenario = file("there.toml", "title = 't'\nmap = '''\n1..\n2..\n'''\ngoals = [0, 3]\n");
     let run = host_sim("run --quiet").arg(&scenario).assert().success();

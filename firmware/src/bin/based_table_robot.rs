@@ -3,7 +3,7 @@
 //! base's readings arrive.
 //!
 //! The tables of both roles are those that `host-sim export bottle-and-plate` writes. Which robot
-//! it is, its page says; of the page's mission it needs no more than the size of the team.
+//! it is and its behavior tree, the page says that `host-sim provision bottle-and-plate` writes.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -25,32 +25,23 @@ mod image {
     use firmware::adapters::{Base, Chassis};
     use firmware::board::{self, BasePort, Board, ChipWatchdog, Guard, Milliseconds, TeamLink};
     use firmware::hardware::Clock;
-    use firmware::missions::{ALL_PATHS, CELLS, WORDS};
-    use firmware::page::Page;
-    use firmware::team_member::configure;
-    use firmware::{Controller, Finished, TaskLeaf, table_robot};
+    use firmware::missions::TREE_NODES;
+    use firmware::page::{self, PageTree};
+    use firmware::team_member::configure_task;
+    use firmware::{Controller, Finished, table_robot};
     use iibt_core::time::Duration;
-    use iibt_core::tree;
-    use iibt_core::tree::Tree;
 
     /// The ticks for which a precondition may stay unmet.
     const TIMEOUT: Duration = Duration(50);
 
     type Hardware = Base<TeamLink, BasePort>;
 
-    type Robot = Controller<table_robot!(TABLES, Hardware, Finished, 6), Hardware>;
+    /// Without a mission: no map, no paths.
+    type Page = page::Page<1, 1, 0>;
 
-    /// Both roles have two aims.
-    static TREE: Tree<TaskLeaf<()>, 6> = tree! {
-        Fallback {
-            Condition(TaskLeaf::Own(())),
-            Sequence {
-                Inference(TaskLeaf::Aim(0)),
-                Inference(TaskLeaf::Aim(1)),
-                Action(TaskLeaf::Own(())),
-            },
-        }
-    };
+    type TableRobot = table_robot!(TABLES, Hardware, Finished, page TREE_NODES);
+
+    type Robot = Controller<TableRobot, Hardware>;
 
     #[board::entry]
     fn main() -> ! {
@@ -65,22 +56,24 @@ mod image {
     #[inline(never)]
     fn start() -> Option<(&'static mut Robot, Milliseconds, ChipWatchdog)> {
         let mut board = Board::take(Chassis::STANDING)?;
-        let page = singleton!(: Page<CELLS, WORDS, ALL_PATHS> = Page::EMPTY)?;
-        let configured = configure(page, &mut board.storage);
+        let page = singleton!(: Page = Page::EMPTY)?;
+        let tree = singleton!(: PageTree<(), TREE_NODES> = PageTree::EMPTY)?;
+        let configured = configure_task(page, &mut tree.of(&TABLES, &[()]), &mut board.storage);
         let (page, epoch) = match configured {
             Ok(configured) => configured,
             Err(reason) => board::stand(&reason, board.watchdog),
         };
         let base = Base::new(board.link, board.base, SILENCE, board.clock.now());
         let settings = page.settings(epoch).ok()?;
-        let robot = <table_robot!(TABLES, Hardware, Finished, 6)>::new(
-            &TABLES,
-            &settings,
-            &TREE,
-            Finished::default(),
-            TIMEOUT,
-        );
-        let robot = robot.ok()?;
+        let (memory, tree) = (tree.memory(), tree.by_ref()?);
+        let built = TableRobot::with_memory(&TABLES, &settings, tree, memory, Finished::default(), TIMEOUT);
+        let mut robot = match built {
+            Ok(robot) => robot,
+            Err(reason) => board::stand(&reason, board.watchdog),
+        };
+        if let Some(units) = page.budget() {
+            robot = robot.with_budget(units.get());
+        }
         defmt::info!("boot: robot {=u8} of {=usize}, epoch {=u32}", page.robot().0, TABLES.robots(), epoch);
         let robot = singleton!(: Robot = Controller::new(robot, settings, base))?;
         Some((robot, board.clock, board.watchdog))

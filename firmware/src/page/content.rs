@@ -1,7 +1,8 @@
 //! What a page holds, as the robot uses it.
 
+use super::tree::{NoTree, ReadTree};
 use super::{Fault, Origin, PageError, Refused, Slots};
-use super::{slots::Bytes, source::Source};
+use super::{TreeReader, slots::Bytes, source::Source};
 use crate::adapters::Chassis;
 use crate::{Navigator, Settings, Thresholds};
 use core::num::NonZero;
@@ -11,6 +12,9 @@ use iibt_core::grid::{Cell, Map, Path};
 use iibt_core::inference::learning::Rates;
 use iibt_core::navigation::{MAX_GOALS, Mission};
 use iibt_core::team::{Keys, MAX_TEAM, Member, MemberError, RobotId};
+
+/// Where the copies of a page in memory lie: nothing is in the place of the second.
+const IN_MEMORY: Slots = Slots { first: 0, second: super::MAX_PAGE };
 
 /// The page of a robot: for maps of up to `S` cells in `W` words, and up to `P` paths given by hand
 /// of all robots together.
@@ -94,8 +98,30 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
     /// # Errors
     /// [`Refused`]; this page is then of no use.
     pub fn load(&mut self, flash: &mut impl ReadNorFlash, slots: Slots) -> Result<Origin, Refused> {
+        self.load_as(flash, slots, &mut NoTree)
+    }
+
+    /// Reads the page of a robot with a table task: a tree in place of a mission.
+    ///
+    /// # Errors
+    /// [`Refused`]; this page and the tree are then of no use.
+    pub fn load_task<L: Copy, const T: usize>(
+        &mut self,
+        flash: &mut impl ReadNorFlash,
+        slots: Slots,
+        tree: &mut TreeReader<'_, L, T>,
+    ) -> Result<Origin, Refused> {
+        self.load_as(flash, slots, tree)
+    }
+
+    fn load_as(
+        &mut self,
+        flash: &mut impl ReadNorFlash,
+        slots: Slots,
+        tree: &mut impl ReadTree,
+    ) -> Result<Origin, Refused> {
         let (origin, start, whole) = slots.choose(flash)?;
-        let read = self.read(&mut Source::new(flash, start), whole.length);
+        let read = self.read(&mut Source::new(flash, start), whole.length, tree);
         read.map_err(|error| Refused::Content { which: origin.which, error }).map(|()| origin)
     }
 
@@ -104,7 +130,19 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
     /// # Errors
     /// [`Refused`], where the second copy is missing.
     pub fn load_bytes(&mut self, page: &[u8]) -> Result<Origin, Refused> {
-        self.load(&mut Bytes(page), Slots { first: 0, second: super::MAX_PAGE })
+        self.load(&mut Bytes(page), IN_MEMORY)
+    }
+
+    /// Reads one copy of a page of a robot with a table task from memory.
+    ///
+    /// # Errors
+    /// [`Refused`], where the second copy is missing.
+    pub fn load_task_bytes<L: Copy, const T: usize>(
+        &mut self,
+        page: &[u8],
+        tree: &mut TreeReader<'_, L, T>,
+    ) -> Result<Origin, Refused> {
+        self.load_task(&mut Bytes(page), IN_MEMORY, tree)
     }
 
     /// Returns the settings of the robot in an epoch.
@@ -120,6 +158,12 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
     #[must_use]
     pub const fn robot(&self) -> RobotId {
         self.robot
+    }
+
+    /// Returns the number of robots of its team.
+    #[must_use]
+    pub const fn team(&self) -> u8 {
+        self.team
     }
 
     /// Returns the least epoch of a start; on a board that cannot count its starts, the epoch. Zero

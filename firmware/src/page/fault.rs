@@ -1,7 +1,9 @@
 //! Why a page is refused: what is wrong, and where.
 
 use super::Which;
+use crate::TaskLeaf;
 use iibt_core::navigation::MissionError;
+use iibt_core::tree::TreeRule;
 use thiserror::Error;
 
 /// A fault of one copy of a page.
@@ -67,6 +69,18 @@ pub enum Fault {
     /// The mission cannot be flown.
     #[error("{0}")]
     Mission(MissionError),
+    /// The tree is for other tables than the image has, or for another team.
+    #[error("the tree is for the tables of another task")]
+    OtherTask,
+    /// No node is written so.
+    #[error("no node of a tree is written {0:02x?}")]
+    Node([u8; 4]),
+    /// The robot has no such leaf.
+    #[error("the robot has no {0}")]
+    Leaf(TaskLeaf<u8>),
+    /// The nodes are no tree: the one at this byte breaks a rule.
+    #[error("{0}")]
+    Tree(TreeRule),
 }
 
 /// A size of the image.
@@ -81,6 +95,10 @@ pub enum Size {
     Goals,
     /// The paths given by hand, of all robots together.
     Paths,
+    /// The nodes of the tree.
+    Nodes,
+    /// The nodes of the tree that one tick may visit.
+    Visits,
 }
 
 impl core::fmt::Display for Size {
@@ -90,6 +108,8 @@ impl core::fmt::Display for Size {
             Self::Robots => "robots",
             Self::Goals => "goals",
             Self::Paths => "paths",
+            Self::Nodes => "nodes of a tree",
+            Self::Visits => "visits of nodes in a tick",
         })
     }
 }

@@ -1,6 +1,7 @@
 //! Reading the header and the sections of a page.
 
 use super::source::Source;
+use super::tree::ReadTree;
 use super::{Fault, HEADER, Page, PageError, Section, Size};
 use crate::Thresholds;
 use crate::adapters::Chassis;
@@ -15,10 +16,16 @@ use iibt_core::team::{Keys, MAX_TEAM, RobotId};
 const NO_CELL: u16 = u16::MAX;
 
 impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
-    /// Reads a copy whose checksum is right; `length` is that without the checksum.
-    pub(super) fn read(&mut self, source: &mut Source<'_>, length: u32) -> Result<(), PageError> {
+    /// Reads a copy whose checksum is right; `length` is that without the checksum. With room for a
+    /// tree it is the page of a robot with a table task.
+    pub(super) fn read<R: ReadTree>(
+        &mut self,
+        source: &mut Source<'_>,
+        length: u32,
+        tree: &mut R,
+    ) -> Result<(), PageError> {
         self.clear();
-        read_sizes(source, [MAX_TEAM, S.min(32 * W), P, MAX_GOALS]);
+        read_sizes(source, [MAX_TEAM, S.min(32 * W), P, MAX_GOALS, R::ROOM]);
         source.read_from(HEADER, length);
         let (mut last, mut seen) = (0, 0_u8);
         while !source.is_at_end() {
@@ -28,18 +35,19 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
                 source.refuse(source.at(), Fault::Order(kind));
             }
             (last, seen) = (kind, seen | 1_u8.checked_shl(kind.into()).unwrap_or(0));
-            self.read_section(source, kind, length);
+            self.read_section(source, kind, length, tree);
         }
-        for kind in [Section::ROBOT, Section::KEYS, Section::MISSION] {
+        let task = if R::ROOM > 0 { Section::TREE } else { Section::MISSION };
+        for kind in [Section::ROBOT, Section::KEYS, task] {
             if seen & (1 << kind) == 0 {
                 source.refuse(source.at(), Fault::Missing(kind));
             }
         }
         source.outcome()?;
-        self.check(source.at())
+        if R::ROOM > 0 { Ok(()) } else { self.check(source.at()) }
     }
 
-    fn read_section(&mut self, source: &mut Source<'_>, kind: u8, end: u32) {
+    fn read_section<R: ReadTree>(&mut self, source: &mut Source<'_>, kind: u8, end: u32, tree: &mut R) {
         let spare = source.u8();
         source.require("a spare byte", spare == 0);
         let length = source.u16();
@@ -52,9 +60,10 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
         match kind {
             Section::ROBOT => self.read_robot(source),
             Section::KEYS => self.read_keys(source),
-            Section::MISSION => self.read_mission(source),
-            Section::PATHS => self.read_paths(source),
+            Section::MISSION if R::ROOM == 0 => self.read_mission(source),
+            Section::PATHS if R::ROOM == 0 => self.read_paths(source),
             Section::CHASSIS => self.chassis = Some(read_chassis(source)),
+            Section::TREE if R::ROOM > 0 => tree.read(source, self.robot, self.team),
             Section::OPTIONAL.. => source.read_from(stop, stop),
             unknown => source.refuse(begin, Fault::Unknown(unknown)),
         }
@@ -148,15 +157,19 @@ impl<const S: usize, const W: usize, const P: usize> Page<S, W, P> {
 }
 
 /// The sizes in the header, so that a page for a larger image is refused by the name of the size.
-/// `room` has those of the image: robots, cells, paths and goals.
-fn read_sizes(source: &mut Source<'_>, room: [usize; 4]) {
+/// `room` has those of the image: robots, cells, paths, goals and nodes of a tree.
+fn read_sizes(source: &mut Source<'_>, room: [usize; 5]) {
     source.read_from(5, HEADER);
     let robots = u16::from(source.u8());
     let (cells, paths) = (source.u16(), source.u16());
-    let goals = u16::from(source.u8());
-    let spare = source.u8();
-    source.require("a spare byte", spare == 0);
-    let sizes = [(Size::Robots, robots), (Size::Cells, cells), (Size::Paths, paths), (Size::Goals, goals)];
+    let (goals, nodes) = (u16::from(source.u8()), u16::from(source.u8()));
+    let sizes = [
+        (Size::Robots, robots),
+        (Size::Cells, cells),
+        (Size::Paths, paths),
+        (Size::Goals, goals),
+        (Size::Nodes, nodes),
+    ];
     for ((size, needed), room) in sizes.into_iter().zip(room) {
         fits(source, 5, size, needed.into(), room);
     }
@@ -167,7 +180,7 @@ const fn too_large(size: Size, needed: usize, room: usize) -> Fault {
 }
 
 /// Whether there is room; where there is none, that is a fault at this byte.
-fn fits(source: &mut Source<'_>, at: u32, size: Size, needed: usize, room: usize) -> bool {
+pub(super) fn fits(source: &mut Source<'_>, at: u32, size: Size, needed: usize, room: usize) -> bool {
     if needed > room {
         source.refuse(at, too_large(size, needed, room));
     }

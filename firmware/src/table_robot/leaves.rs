@@ -38,7 +38,7 @@ impl<'r, 't, 'k, H, K: Skills<H>, const S: usize, const N: usize, const P: usize
         Self { parts, turn, hardware: PhantomData }
     }
 
-    fn pursue(&mut self, aim: usize) -> Status {
+    fn pursue(&mut self, aim: u8) -> Status {
         let (Parts { task, node, .. }, Turn { percept, peers, now, .. }) = (&mut *self.parts, &self.turn);
         if task.pursue(aim) { node.tick(task, percept, *peers, *now) } else { Status::Failure }
     }

@@ -7,14 +7,25 @@ use iibt_core::tree::{Halt, Status};
 
 /// A leaf of the tree of a [`TableRobot`](crate::TableRobot).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TaskLeaf<L> {
     /// The aim with this number in the robot's role. As an inference node, it pursues the aim; as a
     /// condition, it holds when the aim is reached.
-    Aim(usize),
+    Aim(u8),
     /// The fact with this number in the robot's role: a condition.
     Fact(u8),
     /// One of the robot's own [`Skills`].
     Own(L),
+}
+
+impl core::fmt::Display for TaskLeaf<u8> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Aim(number) => write!(f, "aim {number}"),
+            Self::Fact(number) => write!(f, "fact {number}"),
+            Self::Own(number) => write!(f, "skill {number}"),
+        }
+    }
 }
 
 /// What a robot has beside its tables: leaves and a part of the message of its own.

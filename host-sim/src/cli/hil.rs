@@ -7,7 +7,7 @@ use host_sim::hil::{
     Bench, Compared, Difference, HilRecord, build_image, build_task_image, fly_emulated, fly_emulated_task,
 };
 use host_sim::show::{outcome_line, summary};
-use host_sim::task::{TableMission, Trouble, outcome_line as task_line};
+use host_sim::task::{Trouble, outcome_line as task_line};
 use host_sim::{Conditions, Pilot, Scenario};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -20,6 +20,7 @@ Examples:
   host-sim hil factory --restart R2@12   R2's machine is reset before tick 12
   host-sim hil factory --frames a.bin, then --replay a.bin --starts 1   a recording is played back
   host-sim hil bottle-and-plate     two robots with a table task, of which the image has the tables
+  host-sim hil bottle-and-plate --task-tree my-trees.xml   with other trees in their pages
   host-sim hil factory --image robot.elf --logs logs   with an image that is built already
 From a checkout, `host-sim hil ...` is `cargo run --release -- hil ...`.
 
@@ -65,6 +66,7 @@ impl Hil {
         if let Some(text) = task::text_of(&self.run.scenario)? {
             return self.run_task(&text);
         }
+        self.run.has_no_task_tree()?;
         if !matches!(self.run.tree, Pilot::Inference | Pilot::Image) {
             return Err(
                 format!("--tree {}: the image has the tree with inference", self.run.tree.name()).into()
@@ -91,7 +93,7 @@ impl Hil {
             return Err(format!("{name}: {reason}").into());
         }
         let arena = Bump::new();
-        let mission = TableMission::parse(&arena, name, text)?;
+        let mission = task::mission(&arena, name, text, self.run.task_tree.as_deref())?;
         let image = self.image.clone().map_or_else(build_task_image, Ok)?;
         let bench = Bench { image, logs: self.logs.clone(), ..Bench::default() };
         let since = Instant::now();

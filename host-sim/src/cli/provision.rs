@@ -1,12 +1,17 @@
 //! `provision`: pages of configuration for robots that are flashed.
 
 use super::frames::key;
-use super::{Failure, about, print, read, scenario};
+use super::{Failure, about, print, read, scenario, task};
+use bumpalo::Bump;
 use clap::Args;
 use firmware::adapters::Chassis;
-use firmware::page::{MAX_PAGE, Slots};
-use host_sim::{AnyPage, KEY, Provision, Scenario};
+use firmware::page::{Fault, MAX_PAGE, Origin, PageError, Refused, Size, Slots};
+use firmware::{TaskLeaf, Thresholds};
+use host_sim::{ANY_SKILL, AnyPage, AnyPageTree, KEY, Provision};
+use iibt_core::grid::Cell;
 use iibt_core::team::{Key, RobotId};
+use iibt_core::tree::{Full, Node, TreeRef};
+use std::fmt::Display;
 use std::fs;
 use std::num::NonZero;
 use std::path::PathBuf;
@@ -16,6 +21,7 @@ Examples:
   host-sim provision factory --robot 1 --team-key team.key -o robot-1.bin
   host-sim provision my-warehouse.toml --robot R2 --team-key team.key --board stm32f405 -o robot-2.bin
   host-sim provision factory --robot 1 --team-key team.key --rotation 1 --accept 0 --generation 2 -o robot-1.bin
+  host-sim provision bottle-and-plate --robot R2 --team-key team.key --task-tree trees.xml -o robot-2.bin
   host-sim provision --show robot-1.bin
 
 A team's key is 32 hexadecimal digits, for example of `openssl rand -hex 16`. The page has the keys of all senders
@@ -28,12 +34,16 @@ Exit status:
 
 #[derive(Args, Debug)]
 pub(super) struct WritePage {
-    /// The mission that the team flies: a built-in scenario, or a scenario file
+    /// What the team does: a built-in scenario or task, or a file with one
     #[arg(value_name = "NAME|FILE.toml", required_unless_present = "show")]
     mission: Option<String>,
-    /// The robot, by its number on the map, from 1, or by its name
+    /// The robot, by its number from 1, or by its name
     #[arg(long, value_name = "N|NAME", required_unless_present = "show")]
     robot: Option<String>,
+    /// The tree of the robot of a task: the one with its name in this file, else the main tree; its
+    /// aims one after the other if left out
+    #[arg(long, value_name = "FILE.xml")]
+    task_tree: Option<String>,
     /// The file to write
     #[arg(long, short, value_name = "FILE", required_unless_present = "show")]
     output: Option<PathBuf>,
@@ -90,10 +100,12 @@ impl WritePage {
             return show(file);
         }
         let (Some(mission), Some(robot), Some(output)) = (&self.mission, &self.robot, &self.output) else {
-            return Err("a mission, --robot and --output are needed".into());
+            return Err("a mission or a task, --robot and --output are needed".into());
         };
-        let scenario = scenario(mission)?;
-        let page = self.provision(robot, &scenario)?.page(&scenario).map_err(about(&scenario.name))?;
+        let page = match task::text_of(mission)? {
+            Some(text) => self.page_of_task(mission, &text, robot)?,
+            None => self.page_of_mission(mission, robot)?,
+        };
         fs::write(output, &page).map_err(about(output.display()))?;
         let mut text = format!("{} bytes in {}\n", page.len(), output.display());
         if let Some((_, chip, begin, slots)) = self.board {
@@ -107,7 +119,25 @@ impl WritePage {
         Ok(print(&text)?)
     }
 
-    fn provision(&self, robot: &str, scenario: &Scenario) -> Result<Provision, Failure> {
+    fn page_of_mission(&self, mission: &str, robot: &str) -> Result<Vec<u8>, Failure> {
+        let scenario = scenario(mission)?;
+        if self.task_tree.is_some() {
+            return Err(format!("{mission}: --task-tree is for tasks, and this is a scenario").into());
+        }
+        let names: Vec<_> = scenario.robots.iter().map(|robot| robot.name.as_str()).collect();
+        let provision = self.provision(robot_of(robot, &scenario.name, &names)?)?;
+        Ok(provision.page(&scenario).map_err(about(&scenario.name))?)
+    }
+
+    fn page_of_task(&self, name: &str, text: &str, robot: &str) -> Result<Vec<u8>, Failure> {
+        let arena = Bump::new();
+        let task = task::mission(&arena, name, text, self.task_tree.as_deref())?;
+        let names: Vec<_> = task.tables.roles().iter().map(|role| role.name).collect();
+        let provision = self.provision(robot_of(robot, name, &names)?)?;
+        Ok(provision.page_of_task(&task).map_err(about(name))?)
+    }
+
+    fn provision(&self, robot: RobotId) -> Result<Provision, Failure> {
         Ok(Provision {
             rotation: self.rotation,
             accepts: self.accept,
@@ -117,7 +147,7 @@ impl WritePage {
             budget: self.budget,
             chassis: self.chassis,
             generation: self.generation,
-            ..Provision::new(robot_of(robot, scenario)?, self.key()?)
+            ..Provision::new(robot, self.key()?)
         })
     }
 
@@ -134,75 +164,130 @@ impl WritePage {
     }
 }
 
-/// A robot by its name, or by its number on the map.
-fn robot_of(text: &str, scenario: &Scenario) -> Result<RobotId, String> {
-    let by_name = scenario.robots.iter().position(|robot| robot.name == text);
-    let by_number = || text.parse::<usize>().ok()?.checked_sub(1).filter(|&at| at < scenario.robots.len());
+/// A robot by its name, or by its number from 1.
+fn robot_of(text: &str, team: &str, names: &[&str]) -> Result<RobotId, String> {
+    let by_name = names.iter().position(|&name| name == text);
+    let by_number = || text.parse::<usize>().ok()?.checked_sub(1).filter(|&at| at < names.len());
     let robot = by_name.or_else(by_number).ok_or_else(|| {
-        let names: Vec<_> = scenario.robots.iter().map(|robot| robot.name.as_str()).collect();
-        format!("{}: no robot {text}: there are {}, or 1 to {}", scenario.name, names.join(", "), names.len())
+        format!("{team}: no robot {text}: there are {}, or 1 to {}", names.join(", "), names.len())
     })?;
     Ok(RobotId(robot as u8))
 }
 
+/// What a page holds, a row each.
+#[derive(Default)]
+struct Rows(String);
+
+impl Rows {
+    fn push(&mut self, name: &str, value: impl Display) {
+        self.0 += &format!("{name:<12} {value}\n");
+    }
+
+    /// Which robot it is, and of how many.
+    fn push_robot(&mut self, page: &AnyPage, origin: &Origin, team: u8) {
+        self.push("generation", origin.generation);
+        self.push("robot", format!("{} of {team}", page.robot().0 + 1));
+    }
+
+    fn push_mission(&mut self, page: &AnyPage) {
+        let lists = page.path_lists();
+        let mission = page.mission(&lists);
+        let (map, need) = (&mission.map, mission.need);
+        self.push("mission", format!("{:016x}", mission.id()));
+        let free = map.free_cells().len();
+        self.push("map", format!("{} x {} cells, {free} free", map.width(), map.height()));
+        let some = |list: &[Cell]| cells(&list.iter().copied().map(Some).collect::<Vec<_>>());
+        self.push("starts", some(mission.starts));
+        self.push("goals", some(mission.goals));
+        self.push("own goals", cells(mission.own_goals));
+        self.push("chargers", cells(mission.chargers));
+        self.push("need", need.map_or("as many as there are".to_owned(), |need| need.to_string()));
+        self.push("paces", format!("{:?}", mission.paces));
+        self.push("sensors", format!("{} {:?}", mission.sensor, mission.sensors));
+        self.push("policies", format!("{}, precision {}", mission.policies, mission.precision));
+        self.push("paths", format!("{:?}", lists.iter().map(|own| own.len()).collect::<Vec<_>>()));
+    }
+
+    /// The tree, a line for each node.
+    fn push_tree(&mut self, task: u64, tree: TreeRef<'_, TaskLeaf<u8>, Full>) {
+        self.push("task", format!("{task:016x}"));
+        let visits = tree.visits(&mut vec![(0, 0); tree.nodes().len()]);
+        self.push("tree", format!("{} nodes, at most {visits} visits in a tick", tree.nodes().len()));
+        for (number, node) in (0..).zip(tree.nodes()) {
+            let depth = std::iter::successors(tree.parent(number), |&parent| tree.parent(parent)).count();
+            self.push("", "  ".repeat(depth) + &node_text(node));
+        }
+    }
+
+    /// What every page has.
+    fn push_settings(&mut self, page: &AnyPage) {
+        let (rotation, accepts) = page.rotations();
+        let also = accepts.map_or_else(String::new, |also| format!(" and {also}"));
+        self.push("keys", format!("rotation {rotation}{also}, hidden"));
+        self.push("channel", page.channel());
+        self.push("tick", format!("{} ms", page.tick()));
+        self.push(
+            "epoch",
+            match page.epoch() {
+                0 => "counted by the board".to_owned(),
+                epoch => format!("at least {epoch}"),
+            },
+        );
+        self.push(
+            "budget",
+            page.budget().map_or("the image's own".to_owned(), |units| format!("{units} units")),
+        );
+        let Thresholds { low, charged } = page.thresholds();
+        self.push("battery", format!("leaves below {low} %, back at {charged} %"));
+        self.push("chassis", page.chassis().map_or("the board's own".to_owned(), |own| format!("{own:?}")));
+    }
+}
+
+/// A node and what it holds.
+fn node_text(node: &Node<TaskLeaf<u8>>) -> String {
+    let debug = format!("{node:?}");
+    let kind = debug.split(['(', ' ']).next().unwrap_or_default();
+    match node {
+        Node::Action(leaf) | Node::Inference(leaf) | Node::Condition(leaf) => format!("{kind} {leaf}"),
+        Node::Switch(children, leaf) => format!("{kind}({children}) by {leaf}"),
+        Node::Precondition { condition, otherwise } => format!("{kind} {condition}, else {otherwise:?}"),
+        Node::RetryUntilSuccessful(times) | Node::Repeat(times) => format!("{kind}({})", times.get()),
+        Node::Timeout(time) | Node::Delay(time) | Node::RateController(time) | Node::Sleep(time) => {
+            format!("{kind}({} ms)", time.get())
+        }
+        _ => debug,
+    }
+}
+
+fn cells(cells: &[Option<Cell>]) -> String {
+    let cells = cells.iter().map(|cell| cell.map_or("-".to_owned(), |cell| cell.0.to_string()));
+    cells.collect::<Vec<_>>().join(" ")
+}
+
 fn show(file: &str) -> Result<(), Failure> {
     let bytes = read(file, MAX_PAGE.into())?;
-    let mut page = AnyPage::EMPTY;
-    let origin = page.load_bytes(&bytes).map_err(about(file))?;
-    let lists = page.path_lists();
-    let mission = page.mission(&lists);
-    let (rotation, accepts) = page.rotations();
-    let cells = |cells: &[Option<iibt_core::grid::Cell>]| {
-        let cells = cells.iter().map(|cell| cell.map_or("-".to_owned(), |cell| cell.0.to_string()));
-        cells.collect::<Vec<_>>().join(" ")
-    };
-    let some = |list: &[iibt_core::grid::Cell]| cells(&list.iter().copied().map(Some).collect::<Vec<_>>());
-    let mut text = format!("generation   {}\n", origin.generation);
-    let mut row = |name: &str, value: String| text += &format!("{name:<12} {value}\n");
-    row("robot", format!("{} of {}", page.robot().0 + 1, mission.team()));
-    row("mission", format!("{:016x}", mission.id()));
-    row(
-        "map",
-        format!(
-            "{} x {} cells, {} free",
-            mission.map.width(),
-            mission.map.height(),
-            mission.map.free_cells().len()
-        ),
-    );
-    row("starts", some(mission.starts));
-    row("goals", some(mission.goals));
-    row("own goals", cells(mission.own_goals));
-    row("chargers", cells(mission.chargers));
-    row("need", mission.need.map_or("as many as there are".to_owned(), |need| need.to_string()));
-    row("paces", format!("{:?}", mission.paces));
-    row("sensors", format!("{} {:?}", mission.sensor, mission.sensors));
-    row("policies", format!("{}, precision {}", mission.policies, mission.precision));
-    row("paths", format!("{:?}", lists.iter().map(|own| own.len()).collect::<Vec<_>>()));
-    row(
-        "keys",
-        format!(
-            "rotation {rotation}{}, hidden",
-            accepts.map_or_else(String::new, |also| format!(" and {also}"))
-        ),
-    );
-    row("channel", page.channel().to_string());
-    row("tick", format!("{} ms", page.tick()));
-    row(
-        "epoch",
-        if page.epoch() == 0 {
-            "counted by the board".to_owned()
-        } else {
-            format!("at least {}", page.epoch())
-        },
-    );
-    row("budget", page.budget().map_or("the image's own".to_owned(), |units| format!("{units} units")));
-    row(
-        "battery",
-        format!("leaves below {} %, back at {} %", page.thresholds().low, page.thresholds().charged),
-    );
-    row("chassis", page.chassis().map_or("the board's own".to_owned(), |own| format!("{own:?}")));
-    Ok(print(&text)?)
+    let (mut page, mut tree, mut rows) = (AnyPage::EMPTY, AnyPageTree::EMPTY, Rows::default());
+    match page.load_bytes(&bytes) {
+        Ok(origin) => {
+            rows.push_robot(&page, &origin, page.team());
+            rows.push_mission(&page);
+        }
+        // A page with a tree is one of a robot with a table task.
+        Err(Refused::Content {
+            error: PageError { fault: Fault::TooLarge { size: Size::Nodes, .. }, .. },
+            ..
+        }) => {
+            let mut reader = tree.of_any_task(&ANY_SKILL);
+            let origin = page.load_task_bytes(&bytes, &mut reader).map_err(about(file))?;
+            rows.push_robot(&page, &origin, page.team());
+            if let Some((task, tree)) = tree.task().zip(tree.by_ref()) {
+                rows.push_tree(task, tree);
+            }
+        }
+        Err(refused) => return Err(format!("{file}: {refused}").into()),
+    }
+    rows.push_settings(&page);
+    Ok(print(&rows.0)?)
 }
 
 fn chassis(text: &str) -> Result<Chassis, String> {

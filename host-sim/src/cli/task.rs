@@ -1,6 +1,6 @@
 //! Task files under the verbs that take scenarios and models.
 
-use super::{Failure, MAX_BYTES, RunArgs, about, created, exit_status, print, read, report};
+use super::{Failure, MAX_BYTES, RunArgs, about, created, exit_status, print, read, report, tree};
 use bumpalo::Bump;
 use host_sim::Pilot;
 use host_sim::campaign::Disturbance;
@@ -27,6 +27,21 @@ pub(super) fn title(name: &str) -> Result<String, Failure> {
     Ok(TableMission::parse(&arena, name, built_in(name).unwrap_or_default())?.title)
 }
 
+/// A task, with the trees of a file if one is named.
+pub(super) fn mission<'a>(
+    arena: &'a Bump,
+    name: &str,
+    text: &str,
+    trees: Option<&str>,
+) -> Result<TableMission<'a>, Failure> {
+    let mission = TableMission::parse(arena, name, text)?;
+    let Some(trees) = trees else { return Ok(mission) };
+    mission.with_trees(&tree::load(trees, &[])?).map_err(|remarks| {
+        let lines: Vec<_> = remarks.iter().map(ToString::to_string).collect();
+        lines.join("\n").into()
+    })
+}
+
 pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
     let name = &of.scenario;
     if of.is_more_than_a_task() {
@@ -35,7 +50,7 @@ pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
         );
     }
     let arena = Bump::new();
-    let mission = TableMission::parse(&arena, name, text)?;
+    let mission = mission(&arena, name, text, of.task_tree.as_deref())?;
     let trouble = Trouble { loss: of.loss, ..Trouble::default() };
     let mut recording = of.frames.as_deref().map(created).transpose()?;
     let mut written = Ok(());

@@ -247,25 +247,27 @@ impl Tree {
     }
 }
 
-impl TreeSource {
-    fn load(&self, leaves: &[String]) -> Result<Document, LoadError> {
-        if let Some(document) = library::find(&self.source) {
-            return Ok(document?);
-        }
-        if !is_path(&self.source) {
-            let nearest = library::nearest(&self.source);
-            let reason = unknown("none", &self.source, nearest, library::names()) + "xml";
-            return Err(LoadError::Unreadable("tree".into(), reason));
-        }
-        let files = |path: &Path| {
-            let bytes = read_up_to(path, MAX_BYTES)?;
-            String::from_utf8(bytes).map_err(|_| std::io::Error::other("this is no UTF-8 text"))
-        };
-        Document::load(Path::new(&self.source), &files, &Extras { leaves })
+/// A built-in document by its name, else a file with what it includes. `leaves` need no
+/// declaration.
+pub(super) fn load(source: &str, leaves: &[String]) -> Result<Document, LoadError> {
+    if let Some(document) = library::find(source) {
+        return Ok(document?);
     }
+    if !is_path(source) {
+        let nearest = library::nearest(source);
+        let reason = unknown("none", source, nearest, library::names()) + "xml";
+        return Err(LoadError::Unreadable("tree".into(), reason));
+    }
+    let files = |path: &Path| {
+        let bytes = read_up_to(path, MAX_BYTES)?;
+        String::from_utf8(bytes).map_err(|_| std::io::Error::other("this is no UTF-8 text"))
+    };
+    Document::load(Path::new(source), &files, &Extras { leaves })
+}
 
+impl TreeSource {
     fn check(&self) -> Result<ExitCode, Failure> {
-        let document = match self.load(&[]) {
+        let document = match load(&self.source, &[]) {
             Ok(document) => document,
             Err(LoadError::Malformed(error)) => {
                 print(&format!("{error}\n{}: 1 error, 0 warnings\n", self.source))?;
@@ -287,7 +289,7 @@ impl TreeSource {
     }
 
     fn instance(&self, leaves: &[String]) -> Result<Result<Instance, Vec<tree::Diagnostic>>, Failure> {
-        let document = self.load(leaves)?;
+        let document = load(&self.source, leaves)?;
         let main = match document.main_tree(self.tree.as_deref()) {
             Ok(main) => main,
             Err(error) => return Ok(Err(vec![error])),
@@ -309,7 +311,7 @@ impl TreeSource {
     }
 
     fn export(&self) -> Result<ExitCode, Failure> {
-        let document = self.load(&[])?;
+        let document = load(&self.source, &[])?;
         let remarks: Vec<_> = document.remarks().cloned().collect();
         if remarks.iter().any(|remark| remark.severity == Severity::Error) {
             return Ok(refuse(&remarks));

@@ -3,13 +3,13 @@
 use super::difference::{Difference, Done};
 use super::machine::Machine;
 use super::{Bench, Compared, HilError, Watch, has_emulator, is_readable, start_with};
-use crate::library;
 use crate::provision::Provision;
 use crate::radio::KEY;
 use crate::task::{Beside, Flown, HostRobot, Station, TableMission, TaskError, TaskShadow, Trouble, Worker};
 use crate::testbed::Shadow;
 use firmware::Finished;
 use firmware::adapters::base::{BaseRequest, Decision, Operation, Sensed, first};
+use firmware::missions::TREE_NODES;
 use iibt_core::team::{Keys, RobotId};
 use serde::Serialize;
 use std::collections::VecDeque;
@@ -48,14 +48,21 @@ pub fn fly_emulated_task(
         return Err(HilError::Scenario(format!("{}: the image has the tables of {TASK}", mission.name)));
     }
     let names = mission.tables.roles().iter().map(|role| role.name.to_owned()).collect();
+    for robot in 0..mission.tables.robots() {
+        let nodes = mission.tree(robot).map_err(HilError::Task)?.len();
+        if nodes > TREE_NODES {
+            let reason =
+                format!("{}: a tree of {nodes} nodes, but the image has room for {TREE_NODES}", mission.name);
+            return Err(HilError::Scenario(reason));
+        }
+    }
     let watch = Rc::new(Watch::new(names, None));
     let keys = Keys::of_team(&KEY, 0, 0);
-    let flown =
-        Machines::start(mission.tables.robots(), bench, &watch).ok_or(TaskError::Halted).and_then(|shadow| {
-            let (shadow, has_halted) = (Some(Box::new(shadow) as TaskShadow), || watch.has_halted());
-            let beside = Beside { keys, shadow, has_halted: &has_halted, record: &mut |_| () };
-            mission.fly_with(seed, trouble, beside)
-        });
+    let flown = Machines::start(mission, bench, &watch).ok_or(TaskError::Halted).and_then(|shadow| {
+        let (shadow, has_halted) = (Some(Box::new(shadow) as TaskShadow), || watch.has_halted());
+        let beside = Beside { keys, shadow, has_halted: &has_halted, record: &mut |_| () };
+        mission.fly_with(seed, trouble, beside)
+    });
     let difference = watch.difference()?;
     Ok(HilFlown { compared: watch.compared.take(), difference, flown: flown.map_err(HilError::Task)? })
 }
@@ -69,20 +76,18 @@ struct Machines {
 
 impl Machines {
     /// `None` where the flight has halted because one does not start.
-    fn start(robots: usize, bench: &Bench, watch: &Rc<Watch>) -> Option<Self> {
+    fn start(mission: &TableMission<'_>, bench: &Bench, watch: &Rc<Watch>) -> Option<Self> {
         let machine = |robot: usize| {
-            // Of a page's mission the image needs no more than the size of the team.
-            let mission = library::built_in("two-goals");
             let provision = Provision {
                 tick: NonZero::<u16>::MIN,
                 epoch: 1,
                 ..Provision::new(RobotId(robot as u8), KEY)
             };
-            let page = provision.page(&mission).map_err(io::Error::other);
+            let page = provision.page_of_task(mission).map_err(io::Error::other);
             let machine = page.and_then(|page| start_with(bench, &watch.name(robot), 1, page));
             machine.inspect_err(|error| watch.fail(robot, error)).ok()
         };
-        let machines = (0..robots).map(machine).collect::<Option<_>>()?;
+        let machines = (0..mission.tables.robots()).map(machine).collect::<Option<_>>()?;
         Some(Self { machines, watch: Rc::clone(watch), tick: 0 })
     }
 

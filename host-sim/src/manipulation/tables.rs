@@ -49,9 +49,9 @@ pub const PUT_DOWN: u8 = 2;
 pub const IDLE: u8 = 3;
 
 /// The aim IsHolding(object).
-pub const TO_HOLD: usize = 0;
+pub const TO_HOLD: u8 = 0;
 /// The aim IsPlaced(object).
-pub const TO_PLACE: usize = 1;
+pub const TO_PLACE: u8 = 1;
 
 /// The facts. What is not held is fetched before it is brought anywhere, so holding comes first.
 const HOLDING: u8 = 0;

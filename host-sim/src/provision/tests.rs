@@ -1,5 +1,7 @@
 //! Pages as they are written and read: round trips, damage, sizes.
 
+mod tree;
+
 use super::*;
 use crate::missions::{Ground, RandomMissions};
 use crate::{KEY, library};

@@ -1,10 +1,11 @@
-//! Flights of a task file: each robot's tree is a sequence of its aims, an inference node each.
+//! Flights of a task file.
 
 use super::HostTask;
 use super::Station;
 use super::flight::{Flown, TaskFlight};
 use super::read::TableMission;
-use super::robot::{HostRobot, TIMEOUT, tree_of};
+use super::robot::{HostRobot, TIMEOUT};
+use super::tree::flown;
 use crate::radio::KEY;
 use crate::testbed::{Shadow, settings};
 use firmware::Finished;
@@ -38,6 +39,12 @@ pub enum TaskError {
     /// There is no such team.
     #[error(transparent)]
     Team(#[from] MemberError),
+    /// The tree has a skill that robots in simulation do not have.
+    #[error("the robots in simulation have the skill 0, which is finished, and no skill {0}")]
+    NoSkill(u8),
+    /// The nodes are no tree.
+    #[error("the nodes of a robot are no tree")]
+    NoTree,
     /// What was to run beside the robots has not started.
     #[error("the flight has not begun")]
     Halted,
@@ -59,7 +66,7 @@ pub(crate) struct Beside<'a> {
 pub(crate) type TaskShadow = Box<dyn for<'x> Shadow<HostRobot<'x, Finished>, Station>>;
 
 impl TableMission<'_> {
-    /// Flies the task until all robots have reached their last aim, or to the limit.
+    /// Flies the task until the trees of all robots have succeeded, or to the limit.
     ///
     /// # Errors
     /// [`TaskError`] when the simulator has no room for it.
@@ -102,8 +109,8 @@ impl TableMission<'_> {
             }
         }
         let radio = crate::scenario::Radio { loss: trouble.loss.unwrap_or(self.radio.loss), ..self.radio };
-        let trees =
-            self.tables.roles().iter().map(|role| tree_of(role.aims)).collect::<Result<Vec<_>, _>>()?;
+        let trees = (0..self.tables.robots()).map(|robot| flown(&self.tree(robot)?));
+        let trees = trees.collect::<Result<Vec<_>, TaskError>>()?;
         // Emulated robots have the budget of images.
         let default_budget = if beside.shadow.is_some() { HostTask::BUDGET } else { u32::MAX };
         let robots = (0..).zip(&trees).map(|(robot, tree)| {

@@ -6,6 +6,7 @@ use super::names::{
     texts, unknown,
 };
 use super::room;
+use super::tree::TaskTree;
 use super::world::{Goal, Truth};
 use crate::input::{
     Fault, FileError, Read, RealNumber, Text, line_of_text, optional, real, refuse, share, whole,
@@ -38,6 +39,8 @@ pub struct TableMission<'a> {
     pub radio: Radio,
     /// The work units of a robot's tick; no limit if left out.
     pub budget: Option<u32>,
+    /// The trees of the robots; `None` where each pursues its aims one after the other.
+    pub(crate) trees: Option<Vec<TaskTree>>,
 }
 
 impl<'a> TableMission<'a> {
@@ -80,6 +83,7 @@ impl<'a, 'f> Reader<'a, 'f> {
             limit: whole("limit", file.limit.as_ref(), 1..=100_000, 1000)?,
             radio: file.radio.check()?,
             budget: optional("budget", file.budget.as_ref(), 1..=1_000_000_000)?,
+            trees: None,
         })
     }
 

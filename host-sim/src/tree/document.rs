@@ -179,6 +179,11 @@ impl Document {
         }
     }
 
+    /// Returns the names of the trees in the order in which they are written.
+    pub fn tree_names(&self) -> impl Iterator<Item = &str> {
+        self.order.iter().map(String::as_str)
+    }
+
     /// The tree to execute: the one that is asked for, else the one that the file names, else its
     /// only one.
     ///

@@ -92,6 +92,16 @@ impl Instance {
         }
     }
 
+    /// Checks that every node can be ticked, whatever the leaves return.
+    ///
+    /// # Errors
+    /// As [`lower`](Self::lower), and the first node that no tick can reach.
+    pub(crate) fn check_reach(&self) -> Result<(), Diagnostic> {
+        let lowered = self.lower(Rules::Ours)?;
+        let never = lowered.never_ticked().map(|row| self.place_of(&lowered, row));
+        never.map_or(Ok(()), |place| Err(Diagnostic::error(&place, "no tick can reach this node")))
+    }
+
     fn place_of(&self, lowered: &Lowered, row: u16) -> Place {
         let node = lowered.nodes.get(usize::from(row)).and_then(|&node| self.nodes.get(node));
         node.or(self.nodes.first()).map_or_else(|| Place::start_of(&self.main), |node| node.place.clone())

@@ -381,7 +381,13 @@ impl TreeRule {
 
 impl core::fmt::Display for TreeError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "node {}: {}", self.node, self.rule.message())
+        write!(f, "node {}: {}", self.node, self.rule)
+    }
+}
+
+impl core::fmt::Display for TreeRule {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(self.message())
     }
 }
 

@@ -205,8 +205,8 @@ impl<'a, const S: usize, const N: usize, const P: usize, X> TableTask<'a, S, N, 
     }
 
     /// Sets the aim by its number; returns whether there is one.
-    pub fn pursue(&mut self, aim: usize) -> bool {
-        let found = self.role.aims.get(aim);
+    pub fn pursue(&mut self, aim: u8) -> bool {
+        let found = self.role.aims.get(usize::from(aim));
         self.aim = found.unwrap_or(self.aim);
         found.is_some()
     }
