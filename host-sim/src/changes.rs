@@ -23,9 +23,10 @@ pub(crate) fn between(before: &[Report], after: &[Report], world: &World) -> Vec
     events
 }
 
-/// A choice is an event when it is another one, or belongs to another round.
+/// A choice is an event when it is another one, or belongs to another round. A robot that charges
+/// or does not get on has chosen no goal.
 fn choice(robot: usize, old: &Report, new: &Report, floor: &Floor) -> Option<FlightEvent> {
-    let goal = new.goal.filter(|_| !matches!(new.stage, Stage::Deciding | Stage::Away))?;
+    let goal = new.goal.filter(|_| !matches!(new.stage, Stage::Deciding | Stage::Away | Stage::Stuck))?;
     if old.round == new.round && old.path == new.path && old.goal == new.goal {
         return None;
     }

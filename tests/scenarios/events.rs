@@ -1,7 +1,8 @@
 //! The effects of events and drives on a team.
 
 use super::*;
-use host_sim::FlightEvent;
+use host_sim::{FlightEvent, Observer, Snapshot};
+use iibt_core::navigation::Stage;
 
 fn factory_with(more: &str) -> Scenario {
     let text = include_str!("../../host-sim/scenarios/factory.toml");
@@ -161,4 +162,34 @@ fn a_way_point_that_is_not_visited_because_of_an_obstacle_is_named() {
     assert!(record.outcome.is_success(), "{:?}", record.outcome);
     assert!(record.events.iter().any(|timed| is_named(&timed)));
     assert_eq!(record.robots[0].visited, [Cell(17)]);
+}
+
+/// The ticks in which robots were stuck, and the goals that they were said to have chosen then.
+#[derive(Default)]
+struct Stuck {
+    ticks: u32,
+    chosen: u32,
+}
+
+impl Observer for Stuck {
+    fn observe(&mut self, snapshot: &Snapshot<'_>) {
+        let is_stuck = |robot: usize| snapshot.reports[robot].stage == Stage::Stuck;
+        self.ticks += (0..snapshot.reports.len()).filter(|&robot| is_stuck(robot)).count() as u32;
+        let chose =
+            |event: &FlightEvent| matches!(event, FlightEvent::Chose { robot, .. } if is_stuck(*robot));
+        self.chosen += snapshot.events.iter().filter(|timed| chose(&timed.event)).count() as u32;
+    }
+}
+
+/// R1 is on its goal when it gets a way-point, and its localiser freezes there: it stands, and its
+/// team decides without it, on a cell that it reads as its goal.
+#[test]
+fn a_robot_that_does_not_get_on_is_not_said_to_have_chosen_a_goal() {
+    let text = "title = 't'\nlimit = 80\nmap = '''\n1.....\n......\n......\n2.....\n'''\ngoals = [0, 23]\n\
+                [[event]]\ntick = 14\nwho = 'R1'\nvisit = 15\n\
+                [[event]]\ntick = 15\nwho = 'R1'\nfreeze = 'localiser'\n";
+    let scenario = Scenario::parse("t", text).expect("it is sound");
+    let mut stuck = Stuck::default();
+    fly(&scenario, Conditions::default(), &mut stuck).expect("it is sound");
+    assert!(stuck.ticks > 40 && stuck.chosen == 0, "{} in {} ticks", stuck.chosen, stuck.ticks);
 }
