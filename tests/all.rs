@@ -16,6 +16,7 @@ mod fail_safe;
 mod figures;
 mod flash;
 mod frames;
+mod guards;
 mod hil;
 #[path = "inference/main.rs"]
 mod inference;

@@ -3,7 +3,6 @@
 
 mod exploration;
 mod grid;
-mod guards;
 mod members;
 mod model;
 mod moves;
