@@ -5,6 +5,7 @@
 //! twice, and a lost frame does no harm. What a robot no longer sees yields to what the others have
 //! seen since.
 
+use crate::bounded::up_to;
 use crate::grid::Cell;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -124,7 +125,7 @@ impl Obstacles {
     pub(super) fn with_claims(&self, cells: &[Cell]) -> Self {
         let mut with = self.clone();
         for &cell in cells {
-            with.seen.retain(|known| known.cell != cell);
+            with.keep(|known| known.cell != cell);
             with.remember(Known { cell, weight: CLAIM, is_in_view: false });
         }
         with
@@ -178,14 +179,20 @@ impl Obstacles {
     fn remember(&mut self, new: Known) {
         if self.seen.is_full() {
             let weakest = self.seen.iter().min_by_key(|known| known.weight.unsigned_abs()).copied();
-            self.seen.retain(|known| Some(*known) != weakest);
+            self.keep(|known| Some(*known) != weakest);
         }
         // There is room now.
         let _ = self.seen.push(new);
     }
 
     fn drop_empty(&mut self) {
-        self.seen.retain(|known| known.weight != 0);
+        self.keep(|known| known.weight != 0);
+    }
+
+    /// Keeps some, in their order. `Vec::retain` would link a function for overlapping copies, of
+    /// over a kilobyte on the smallest chips.
+    fn keep(&mut self, is_kept: impl Fn(&Known) -> bool) {
+        self.seen = up_to(self.seen.iter().copied().filter(is_kept));
     }
 }
 

@@ -215,10 +215,9 @@ impl<const N: usize> JointPlan<N> {
         map: &Map<W>,
         kind: impl Fn(&Step<'_>) -> Option<(JointConflictKind, usize)>,
     ) -> Option<JointConflict> {
-        let mut before = [Cell::default(); N];
-        let mut now = before;
+        let mut now = [Cell::default(); N];
         (0..=self.steps()).find_map(|step| {
-            before = now;
+            let before = now;
             for (cell, path) in now.iter_mut().zip(self.paths()) {
                 let code = step.checked_sub(1).and_then(|before| path.actions.get(before));
                 let here = if step == 0 { path.start } else { *cell };
