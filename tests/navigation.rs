@@ -3,6 +3,7 @@
 
 mod errands;
 mod fallbacks;
+mod given_paths;
 mod lines;
 mod look_outs;
 mod members;

@@ -1,10 +1,11 @@
 //! Joint policies that are combined from paths given by hand.
 
+use super::fact::Fact;
 use super::mission::Mission;
 use super::policies::{Members, TeamPlan};
 use crate::bounded::up_to;
 use crate::grid::joint::Arrival;
-use crate::grid::{CellSet, Path};
+use crate::grid::{Cell, CellSet, Map, Path};
 use crate::team::{MAX_TEAM, RobotId};
 use heapless::Vec;
 
@@ -26,7 +27,8 @@ impl Combinations {
     }
 
     /// Looks at the next combination of open paths: `Some(None)` when it is no plan without
-    /// conflicts to goals, `None` when there are no more.
+    /// conflicts to goals, `None` when there are no more. With `rests`, what is left of a path from
+    /// any of its cells is a path as well.
     ///
     /// Cost: that of looking for conflicts once.
     pub(super) fn next<const W: usize>(
@@ -34,15 +36,17 @@ impl Combinations {
         mission: &Mission<'_, W>,
         members: &Members<'_, W>,
         closed: &CellSet<W>,
+        rests: bool,
     ) -> Option<Option<TeamPlan>> {
-        if self.looked_at == MOST || !self.turn(mission, members, closed) {
+        if self.looked_at == MOST || !self.turn(mission, members, closed, rests) {
             return None;
         }
         self.looked_at += 1;
-        let places = members.iter().zip(self.places);
-        let paths: Vec<Path, MAX_TEAM> = up_to(
-            places.filter_map(|((robot, _), place)| list(mission, robot).get(usize::from(place)).copied()),
-        );
+        let path = |((robot, fact), place): ((RobotId, &Fact<W>), u16)| {
+            let whole = list(mission, robot).get(usize::from(place))?;
+            from(whole, fact.anchor, &mission.map, rests)
+        };
+        let paths: Vec<Path, MAX_TEAM> = up_to(members.iter().zip(self.places).filter_map(path));
         let are_goals = members
             .iter()
             .zip(&paths)
@@ -57,17 +61,20 @@ impl Combinations {
         mission: &Mission<'_, W>,
         members: &Members<'_, W>,
         closed: &CellSet<W>,
+        rests: bool,
     ) -> bool {
         let is_first = self.looked_at == 0;
         for index in (0..members.iter().count()).rev() {
             let Some(((robot, fact), place)) = members.iter().zip(&mut self.places).nth(index) else {
                 return false;
             };
-            let is_open = |&(_, path): &(usize, &Path)| {
-                let mut cells = path.cells(&mission.map).skip(1);
-                path.start == fact.anchor
-                    && path.is_open(&mission.map)
-                    && cells.all(|cell| !closed.contains(cell))
+            let left_of = |path: &Path| from(path, fact.anchor, &mission.map, rests);
+            let is_open = |&(index, path): &(usize, &Path)| {
+                let Some(left) = left_of(path) else { return false };
+                let mut earlier = list(mission, robot).iter().take(if rests { index } else { 0 });
+                left.is_open(&mission.map)
+                    && left.cells(&mission.map).skip(1).all(|cell| !closed.contains(cell))
+                    && earlier.all(|other| left_of(other) != Some(left))
             };
             let open_from =
                 |first| list(mission, robot).iter().take(MOST.into()).enumerate().skip(first).find(is_open);
@@ -80,6 +87,13 @@ impl Combinations {
         }
         is_first && mission.paths.is_some()
     }
+}
+
+/// What is left of a path for a robot on a cell: all of it where it begins there, and with `rests`
+/// what comes after the cell.
+fn from<const W: usize>(path: &Path, at: Cell, map: &Map<W>, rests: bool) -> Option<Path> {
+    let done = if rests { path.cells(map).position(|cell| cell == at)? } else { 0 };
+    (path.start == at || done > 0).then(|| path.rest(map, done))
 }
 
 /// The paths given by hand for a robot.
@@ -96,7 +110,7 @@ fn arrival(plan: &TeamPlan) -> Arrival {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fact::{Fact, Purpose};
+    use super::super::fact::Purpose;
     use super::*;
     use crate::grid::{Cell, Map};
     use crate::team::rounds::View;
@@ -119,7 +133,7 @@ mod tests {
         let look = |closed: &CellSet<1>| {
             let mut combinations = Combinations::new();
             let mut seen = std::vec::Vec::new();
-            while let Some(plan) = combinations.next(&mission, &members, closed) {
+            while let Some(plan) = combinations.next(&mission, &members, closed, false) {
                 seen.push(plan.map_or(std::vec![], |plan| plan.paths().to_vec()));
             }
             seen
@@ -142,5 +156,39 @@ mod tests {
         );
         let closed = [Cell(6)].into_iter().collect();
         assert_eq!(look(&closed).len(), 4);
+    }
+
+    #[test]
+    fn what_is_left_of_paths_is_combined_once_from_where_the_members_stand() {
+        let map = Map::<1>::new(5, 3).unwrap();
+        let through = |cells: &[u16]| {
+            let cells: std::vec::Vec<Cell> = cells.iter().copied().map(Cell).collect();
+            Path::through(&map, &cells).unwrap()
+        };
+        // From cell 1 on, the first and the third are one.
+        let first = [through(&[0, 1, 2]), through(&[0, 1, 6, 7, 2]), through(&[5, 0, 1, 2])];
+        let second = [through(&[10, 11, 12])];
+        let lists: [&[Path]; 2] = [&first, &second];
+        let starts = [Cell(0), Cell(10)];
+        let goals = [Cell(2), Cell(12)];
+        let mission = Mission { paths: Some(&lists), ..Mission::new(map, &starts, &goals) };
+        let look = |anchors: [u16; 2], closed: &[u16]| {
+            let facts = anchors.map(|anchor| Fact {
+                anchor: Cell(anchor),
+                purpose: Purpose::Goal,
+                evidence: Vec::new(),
+            });
+            let members = Members::new(View::full(2), |robot| facts.get(robot.index()));
+            let closed: CellSet<1> = closed.iter().copied().map(Cell).collect();
+            let mut combinations = Combinations::new();
+            let next = || combinations.next(&mission, &members, &closed, true);
+            let plans: std::vec::Vec<_> = core::iter::from_fn(next).flatten().collect();
+            plans.iter().map(|plan| plan.paths().to_vec()).collect::<std::vec::Vec<_>>()
+        };
+        let left = [through(&[1, 2]), through(&[1, 6, 7, 2])].map(|own| std::vec![own, through(&[11, 12])]);
+        assert_eq!(look([1, 11], &[]), left);
+        assert_eq!(look([1, 11], &[2, 7]), std::vec::Vec::<std::vec::Vec<Path>>::new());
+        assert_eq!(look([2, 12], &[]), [[Path::at(Cell(2)), Path::at(Cell(12))]], "at the ends");
+        assert_eq!(look([3, 11], &[]).len(), 0, "on no path");
     }
 }

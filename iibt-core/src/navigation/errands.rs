@@ -23,6 +23,9 @@ pub enum VisitError {
     /// No way of the map leads there from where the robot is.
     #[error("no way of the map leads to the way-point p{}", .0.0)]
     Unreachable(Cell),
+    /// The robot has [no planner](super::Navigation) that would find a way there.
+    #[error("a robot without a planner takes no way-points")]
+    NoPlanner,
     /// It has as many as it can keep in mind.
     #[error("a robot has at most {MAX_WAYPOINTS} way-points")]
     TooMany,

@@ -118,6 +118,10 @@ pub enum MissionError {
     /// A number of the model is out of its range.
     #[error("a probability, pace, precision or number of policies is out of range")]
     Number,
+    /// The robot has [no planner](super::Navigation), and the mission has no paths, or it has
+    /// chargers or unknown cells to which no path leads.
+    #[error("a robot without a planner needs a mission with paths, without chargers and unknown cells")]
+    NoPlanner,
     /// The robot has been started already.
     #[error("the robot has been started already")]
     Started,
@@ -201,6 +205,11 @@ impl<'m, const W: usize> Mission<'m, W> {
             Some(own) => own == cell,
             None => self.open_goals(view).any(|goal| goal == cell),
         }
+    }
+
+    /// Whether paths given by hand are all that its robots may need.
+    pub(super) fn needs_no_planner(&self) -> bool {
+        self.paths.is_some() && self.unknowns.is_empty() && self.chargers.iter().all(Option::is_none)
     }
 
     /// The probability that a robot's own localiser is right.

@@ -157,7 +157,9 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
             return;
         }
         let closed = blocked::<W>(members.facts()).union(walls);
-        self.open = Open::of(mission, members);
+        if L > 0 {
+            self.open = Open::of(mission, members);
+        }
         if self.combinations.is_some() {
             if self.combine(mission, members, &closed, most, budget).is_none() {
                 return;
@@ -165,10 +167,24 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
             self.is_done = !self.plans().is_empty();
         }
         if !self.is_done {
-            let targets = Targets::of(mission, members, &closed, self.open);
-            let count = usize::from(mission.policies).min(most);
-            self.is_done = self.list.work(&targets.problem(mission, closed), count, budget);
+            self.is_done = match L {
+                0 => self.stand(mission, members),
+                _ => {
+                    let targets = Targets::of(mission, members, &closed, self.open);
+                    let count = usize::from(mission.policies).min(most);
+                    self.list.work(&targets.problem(mission, closed), count, budget)
+                }
+            };
         }
+    }
+
+    /// Lets all members stand, where nothing plans for them; returns whether there is room.
+    fn stand(&mut self, mission: &Mission<'_, W>, members: &Members<'_, W>) -> bool {
+        let is_missing =
+            |(robot, fact): &(_, &Fact<W>)| !mission.is_goal_of(members.view, *robot, fact.anchor);
+        let missed = members.iter().filter(is_missing).count();
+        let plan = TeamPlan::standing(members.facts().map(|fact| fact.anchor));
+        plan.is_some_and(|plan| self.list.offer(plan.with_short_by(missed)))
     }
 
     /// Takes the combinations of paths given by hand, one for each work unit; returns whether it
@@ -185,7 +201,7 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
         let is_for_goals = members.facts().all(|fact| fact.purpose == Purpose::Goal);
         while let Some(combinations) = self.combinations.as_mut().filter(|_| is_for_goals) {
             *budget = budget.checked_sub(1)?;
-            let Some(plan) = combinations.next(mission, members, closed) else { break };
+            let Some(plan) = combinations.next(mission, members, closed, L == 0) else { break };
             let has_room = self.plans().len() < most;
             if plan.is_some_and(|plan| !has_room || !self.list.offer(plan)) {
                 break;

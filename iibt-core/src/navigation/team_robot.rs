@@ -49,6 +49,11 @@ impl GridPercept {
 /// nodes and up to `K` joint policies. Robots of a team have the same `L`, `M` and `K`: what they
 /// plan depends on them, and others reject their frames. The team has at most
 /// [`MAX_TEAM`](crate::team::MAX_TEAM) robots.
+///
+/// With `L` = 0 a robot has no planner: it and its teammates choose among the
+/// [paths given by hand](Mission::paths), and what is left of them from where they stand. Where
+/// these have no conflict-free combination to goals, all stand. The planner, a third of the code of
+/// an image, is then not linked.
 #[doc(alias = "multi-agent path finding")]
 #[doc(alias = "multi-robot navigation")]
 #[derive(Clone, Debug)]
@@ -98,6 +103,9 @@ pub struct Navigation<'m, const S: usize, const W: usize, const L: usize, const 
 impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
     Navigation<'m, S, W, L, M, K>
 {
+    /// Whether the robot has a planner, and with it errands.
+    const PLANS: bool = L > 0;
+
     /// The work units of a tick unless [`set_budget`](Self::set_budget) says otherwise.
     pub const BUDGET: u32 = 1_000;
 
@@ -166,6 +174,9 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         mission.check::<S>()?;
         if mission.unknowns.len() > Intention::<W, K>::PLACES {
             return Err(MissionError::UnknownCount);
+        }
+        if !Self::PLANS && !mission.needs_no_planner() {
+            return Err(MissionError::NoPlanner);
         }
         if member.team() != mission.starts.len() {
             return Err(MissionError::TeamSize);
@@ -320,7 +331,11 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             return Purpose::Stand;
         }
         if self.charges {
-            return self.mission.charger(self.robot()).map_or(Purpose::Stand, Purpose::Charge);
+            let charger = self.mission.charger(self.robot()).filter(|_| Self::PLANS);
+            return charger.map_or(Purpose::Stand, Purpose::Charge);
+        }
+        if !Self::PLANS {
+            return Purpose::Goal;
         }
         self.waypoints.next(|cell| self.is_blocked(cell)).map_or(Purpose::Goal, Purpose::Visit)
     }

@@ -99,7 +99,7 @@ pub(super) struct Flow<const W: usize, const L: usize, const N: usize> {
 impl<const W: usize, const L: usize, const N: usize> Flow<W, L, N> {
     /// The most steps of a plan.
     pub(super) const LATEST: usize =
-        if L > crate::actions::HORIZON { crate::actions::HORIZON } else { L - 1 };
+        if L > crate::actions::HORIZON { crate::actions::HORIZON } else { L.saturating_sub(1) };
 
     /// Memory in which a search is to be [begun](Self::begin).
     pub(super) const fn new() -> Self {

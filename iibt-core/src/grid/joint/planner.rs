@@ -16,7 +16,7 @@ use super::{Failure, JointPlan, Lacam, Prioritised, Problem, assignment};
 /// unless a path would be longer than [`HORIZON`](crate::actions::HORIZON).
 ///
 /// `W` are the words of a set of cells, `L` one more than the most steps, `N` the most robots, `M`
-/// the nodes of the search for targets that several robots own.
+/// the nodes of the search for targets that several robots own. With `L` = 0 it has no plan.
 ///
 /// ```
 /// use iibt_core::grid::joint::{Errand, JointPlanner, Problem, Target};
@@ -68,7 +68,7 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize> JointPlanne
     pub(super) const LATEST: usize = FlowPlanner::<W, L, N>::LATEST;
     /// The most successors that the search over joint states tries.
     pub(super) const MOST_CALLS: u32 = 16 * M as u32;
-    const SIZES: () = assert!(L >= 2 && L <= 256 && N >= 1 && N <= 32);
+    const SIZES: () = assert!(L != 1 && L <= 256 && N >= 1 && N <= 32);
 
     /// A planner, ready for the first problem.
     #[must_use]

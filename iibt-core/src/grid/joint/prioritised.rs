@@ -108,7 +108,7 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     /// An arena.
     #[must_use]
     pub const fn new() -> Self {
-        const { assert!(N > 0 && N <= 255 && L > 0 && L <= HORIZON + 1, "a robot, and a path for it") }
+        const { assert!(N > 0 && N <= 255 && L <= HORIZON + 1, "a robot, and no path longer than any") }
         Self {
             reached: [CellSet::EMPTY; L],
             planned: [[Cell(0); L]; N],

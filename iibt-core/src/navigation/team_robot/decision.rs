@@ -25,6 +25,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let list = self.policies.on_map(self.mission, rounds.proposal().view);
         let protocol = rounds.protocol();
         if let Purpose::Visit(cell) = fact.purpose
+            && Self::PLANS
             && protocol.is_vetoed()
             && *protocol.fact() == fact
         {
@@ -74,6 +75,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let announced = self.announced().map_or(Purpose::Goal, |fact| fact.purpose);
         if let (Purpose::Visit(cell), Some(end)) = (announced, end)
             && end != cell
+            && Self::PLANS
             && !self.mission.waits_for_charging
         {
             let rivals = self.busy(teammates).difference(View::full(MAX_TEAM).difference(view));

@@ -19,8 +19,11 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     ///
     /// # Errors
     /// [`VisitError`] when the cell is blocked or no way of the map leads there, or when the robot
-    /// has enough to visit.
+    /// has enough to visit or no planner.
     pub fn visit(&mut self, cell: Cell) -> Result<(), VisitError> {
+        if !Self::PLANS {
+            return Err(VisitError::NoPlanner);
+        }
         let map = &self.mission.map;
         if !map.is_free(cell) || self.is_blocked(cell) {
             return Err(VisitError::Blocked(cell));
@@ -66,7 +69,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let is_busy = |robot: &RobotId| {
             let heard = teammates.get(*robot).filter(|_| self.has_answered(*robot));
             let purpose = heard.map(|heard| heard.message.fact.purpose);
-            !view.contains(*robot) || matches!(purpose, Some(Purpose::Visit(_) | Purpose::Charge(_)))
+            let has_errand = matches!(purpose, Some(Purpose::Visit(_) | Purpose::Charge(_)));
+            !view.contains(*robot) || (Self::PLANS && has_errand)
         };
         team.iter().filter(is_busy).collect()
     }
@@ -112,6 +116,9 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// The way-points to announce beside a fact: those that it does not name, as far as there is
     /// room.
     pub(super) fn pending(&self, fact: &Fact<W>) -> PendingWaypoints {
+        if !Self::PLANS {
+            return PendingWaypoints::new();
+        }
         let others = self.waypoints.all().iter().copied().filter(|&cell| fact.purpose.cell() != Some(cell));
         up_to(others.take(Intention::<W, K>::room(fact)))
     }

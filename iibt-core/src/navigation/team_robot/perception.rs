@@ -24,12 +24,16 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         (self.moving, self.has_twin) = (percept.moving, peers.has_twin());
         let teammates = Teammates::from(peers);
         let busy = self.busy(&teammates);
-        self.waypoints.pass(busy);
+        if Self::PLANS {
+            self.waypoints.pass(busy);
+        }
         self.locate(percept.reading);
         self.look(percept, peers, &teammates);
         if let Some(here) = self.standing() {
-            let obstacles = &self.obstacles;
-            self.waypoints.tick_off(here, |cell| obstacles.is_blocked(cell));
+            if Self::PLANS {
+                let obstacles = &self.obstacles;
+                self.waypoints.tick_off(here, |cell| obstacles.is_blocked(cell));
+            }
             if self.rounds.is_none() {
                 let fact = self.fact(here, self.purpose());
                 let number = self.mission_id();
@@ -38,7 +42,9 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         }
         self.attend(&teammates, busy);
         self.mind_doubt(&teammates);
-        self.hand_over(peers, &teammates);
+        if Self::PLANS {
+            self.hand_over(peers, &teammates);
+        }
     }
 
     fn locate(&mut self, reading: Option<Cell>) {
