@@ -25,8 +25,9 @@ fn main() {
 
 /// The folders of `boards`, which the features of the package have the names of, and the arguments
 /// of the linker.
-const BOARDS: [(&str, &[&str]); 5] = [
+const BOARDS: [(&str, &[&str]); 6] = [
     ("stm32f405", CORTEX_M),
+    ("nrf51822", CORTEX_M),
     ("nrf52840", NRF52840),
     ("rp2040", CORTEX_M),
     ("esp32c3", ESP32C3),

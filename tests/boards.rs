@@ -1,12 +1,13 @@
 //! The boards: what the image takes on each of them, packages of one's own that depend on the
 //! firmware, and the examples.
 
+use firmware::page::Slots;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::{env, fs};
 use tests::budgets::assert_within;
 use tests::elf::Elf;
-use tests::qemu::{Robot, image_for};
+use tests::qemu::{Robot, image_for, reduced_image};
 use tests::rig::demo_page;
 
 const CORTEX_M4F: &str = "thumbv7em-none-eabihf";
@@ -21,6 +22,22 @@ fn the_image_is_within_budget_on_each_board() {
         assert_within(board, "ram", elf.ram);
         assert_eq!(elf.symbols_with(&["panick"]).collect::<Vec<_>>(), Vec::<&str>::new(), "{board}");
     }
+}
+
+/// 64 KiB of flash and 20 KiB of RAM, the page and the stack included. Compiled for size alone,
+/// `postcard` keeps a check of an index that is always in range; there is no other.
+#[test]
+fn the_reduced_image_fits_the_smallest_board() {
+    let elf = Elf::read(&reduced_image());
+    assert_within("nrf51822", "flash", elf.flash);
+    assert_within("nrf51822", "ram", elf.ram);
+    let panics: Vec<_> = elf.symbols_with(&["panick"]).collect();
+    assert!(matches!(panics[..], [only] if only.ends_with("9panic_fmt")), "{panics:?}");
+    let mut checks = elf.symbols_with(&["SliceIndex"]);
+    assert!(checks.all(|check| check.contains("RangeToInclusive")));
+    let [bottom, top] = ["_stack_end", "_stack_start"].map(|symbol| elf.value_of(symbol));
+    assert!(elf.flash <= u64::from(Slots::NRF51822.first) && Slots::NRF51822.second + 1024 == 64 << 10);
+    assert!(top - bottom + elf.ram + 16 <= 20 << 10, "the stack, the statics, and why the last run ended");
 }
 
 /// The HAL of the ESP32-C3 panics where it finds the chip or its own calls wrong. Nothing else in

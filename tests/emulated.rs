@@ -2,22 +2,28 @@
 //! together.
 
 use firmware::adapters::Chassis;
-use firmware::missions::SECTION_5_1;
+use firmware::missions::{SECTION_5_1, WORDS};
+use firmware::page::Slots;
 use host_sim::{Provision, Random, library};
 use iibt_core::grid::Cell;
-use iibt_core::navigation::Stage;
-use iibt_core::team::rounds::Answer;
+use iibt_core::navigation::{Intention, Stage};
+use iibt_core::team::rounds::{Answer, Choice, Digest, Scores};
 use iibt_core::team::{Envelope, RobotId, SipHash64, decode};
 use std::num::NonZero;
-use tests::qemu::{RISC_V, Robot, image_for, number, team_member};
-use tests::rig::{DEMO_KEY, Message, OnHost, demo_keys, demo_page};
+use tests::budgets::assert_stack_within;
+use tests::qemu::{MICROBIT, RISC_V, Robot, image_for, number, reduced_image, team_member};
+use tests::rig::{DEMO_KEY, OnHost, ReducedOnHost, SizedOnHost, demo_keys, demo_page};
 
 /// Flies section 5.1 with the image: robot 2 hears every frame of it and answers each with what
 /// `disturb` makes of its own.
-fn fly(image: &mut Robot, second: &mut OnHost, mut disturb: impl FnMut(Vec<u8>) -> Vec<u8>) {
+fn fly<const L: usize, const M: usize, const K: usize>(
+    image: &mut Robot,
+    second: &mut SizedOnHost<L, M, K>,
+    mut disturb: impl FnMut(Vec<u8>) -> Vec<u8>,
+) -> Vec<Envelope<Intention<WORDS, K>>> {
     let (auth, context) = (SipHash64::with(demo_keys()), second.context());
-    let mut said: Vec<Envelope<Message>> = vec![];
-    let has_arrived = |said: &Envelope<Message>| matches!(said.message.rounds.answer, Answer::Decided { step, .. } if step == 6);
+    let mut said: Vec<Envelope<Intention<WORDS, K>>> = vec![];
+    let has_arrived = |said: &Envelope<Intention<WORDS, K>>| matches!(said.message.rounds.answer, Answer::Decided { step, .. } if step == 6);
     while stage(second) != Stage::Arrived || !said.last().is_some_and(has_arrived) {
         let frame = image.receive();
         let inside = &frame[1..frame.len() - 1];
@@ -25,9 +31,10 @@ fn fly(image: &mut Robot, second: &mut OnHost, mut disturb: impl FnMut(Vec<u8>) 
         image.send(&disturb(second.tick(&frame)));
         assert!(said.len() < 2000, "no arrival after {} frames: {:#?}", said.len(), image.seen());
     }
+    said
 }
 
-fn stage(robot: &OnHost) -> Stage {
+fn stage<const L: usize, const M: usize, const K: usize>(robot: &SizedOnHost<L, M, K>) -> Stage {
     robot.navigation().report().stage
 }
 
@@ -50,15 +57,62 @@ fn the_image_decides_with_the_same_bits_as_the_host_and_arrives_with_a_robot_on_
 /// are those of the host, so it ticks and drives faster.
 #[test]
 fn the_image_on_a_risc_v_decides_with_the_same_bits_as_the_host_and_arrives() {
+    let image = image_for("team_member", "firmware", "riscv32imc-unknown-none-elf", "riscv-virt");
+    decides_and_arrives(Robot::boot_on(RISC_V, &image, (0x8020_0000, &fast_page())));
+}
+
+/// The page that makes it robot 1, which ticks five times as often and drives twenty times as fast.
+fn fast_page() -> Vec<u8> {
     let provision = Provision {
         epoch: 1,
         tick: NonZero::new(20).expect("not zero"),
         chassis: Some(Chassis { cell: 0.5, track: 0.1, speed: 5.0, duty: 60 }),
         ..Provision::new(RobotId(0), DEMO_KEY)
     };
-    let page = provision.page_of(&SECTION_5_1).expect("it fits");
-    let image = image_for("team_member", "firmware", "riscv32imc-unknown-none-elf", "riscv-virt");
-    decides_and_arrives(Robot::boot_on(RISC_V, &image, (0x8020_0000, &page)));
+    provision.page_of(&SECTION_5_1).expect("it fits")
+}
+
+/// The reduced configuration on the smallest chip, whose image has no log: what it says is what its
+/// twin in process says, which hears the same.
+#[test]
+fn the_reduced_image_on_a_cortex_m0_decides_as_its_twin_in_process_and_arrives() {
+    let page = (Slots::NRF51822.first, &fast_page()[..]);
+    let mut image = Robot::boot_stopped_on(MICROBIT, &reduced_image(), page);
+    let top = image.pause().paint();
+    let mut second = ReducedOnHost::robot(1);
+    let mut twin = ReducedOnHost::robot(0);
+    let context = twin.context();
+    let mut twin_said = vec![];
+    let said = fly(&mut image, &mut second, |frame| {
+        twin_said.push(twin.tick(&frame));
+        frame
+    });
+    let used = top - image.pause().lowest_used();
+    assert_stack_within("nrf51822", "stack", used.into());
+    let auth = SipHash64::with(demo_keys());
+    let twin_said = twin_said.iter().map(|frame| decode(&frame[1..frame.len() - 1], &auth, context));
+    let twin_said: Vec<_> = twin_said.map(|said| said.expect("it sends authentic frames")).collect();
+    let (own, twins) = (decision(&said), decision(&twin_said));
+    assert!(own.1.len() > 4, "{own:?}");
+    assert_eq!(own, twins);
+
+    let other = second.navigation().report().goal.expect("it has a goal");
+    let own = twin.navigation().report().goal.expect("it has a goal");
+    let mut goals = [own, other];
+    goals.sort_unstable();
+    assert_eq!(goals, SECTION_5_1.goals, "each has a goal of its own");
+}
+
+/// What a robot has decided from, its scores, and its choice, by what it said.
+fn decision<const K: usize>(said: &[Envelope<Intention<WORDS, K>>]) -> (Digest, Scores<K>, Choice) {
+    let answers = said.iter().map(|said| &said.message.rounds.answer);
+    let mut decided = answers.filter_map(|answer| match answer {
+        Answer::Decided { digest, scores: Some(scores), choice: Some(choice), .. } => {
+            Some((*digest, scores.clone(), *choice))
+        }
+        _ => None,
+    });
+    decided.next().expect("it has decided")
 }
 
 fn decides_and_arrives(mut image: Robot) {

@@ -16,7 +16,7 @@ mod fail_safe;
 #[cfg(target_arch = "arm")]
 mod fault;
 mod line;
-#[cfg(not(feature = "rtt"))]
+#[cfg(not(any(feature = "rtt", feature = "reduced")))]
 mod log;
 mod mapped_flash;
 mod port;
@@ -25,6 +25,8 @@ mod risc_v;
 #[cfg(feature = "rtt")]
 mod rtt;
 mod shared;
+#[cfg(any(feature = "rtt", feature = "reduced"))]
+mod silent;
 #[cfg(target_arch = "arm")]
 pub mod systick;
 
@@ -37,6 +39,10 @@ pub use stm32f405::*;
 mod rp2040;
 #[cfg(feature = "rp2040")]
 pub use rp2040::*;
+#[cfg(feature = "nrf51822")]
+mod nrf51822;
+#[cfg(feature = "nrf51822")]
+pub use nrf51822::*;
 #[cfg(feature = "nrf52840")]
 mod nrf52840;
 #[cfg(feature = "nrf52840-radio")]
@@ -62,7 +68,7 @@ pub use arm::{IoPort, Irq, enable, entry, sleep};
 pub use clock::{count_millisecond, next_millisecond, now};
 pub use fail_safe::{Guard, LATEST, begin, restart, stop_motors};
 pub use line::Line;
-#[cfg(not(feature = "rtt"))]
+#[cfg(not(any(feature = "rtt", feature = "reduced")))]
 pub use log::{LogPort, dropped as dropped_log_frames};
 pub use mapped_flash::{MappedFlash, mapped};
 pub use port::{Disturbed, Port};
@@ -70,12 +76,15 @@ pub use port::{Disturbed, Port};
 pub use risc_v::{entry, sleep};
 #[cfg(feature = "rtt")]
 use rtt as log;
-#[cfg(feature = "rtt")]
-pub use rtt::LogPort;
+#[cfg(all(feature = "reduced", not(feature = "rtt")))]
+use silent as log;
+#[cfg(any(feature = "rtt", feature = "reduced"))]
+pub use silent::LogPort;
 
 #[cfg(any(
     feature = "stm32f405",
     feature = "rp2040",
+    feature = "nrf51822",
     feature = "nrf52840",
     feature = "esp32c3",
     feature = "riscv-virt"

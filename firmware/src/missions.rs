@@ -79,6 +79,54 @@ pub mod compact {
     pub type Robot<'m> = Navigator<'m, CELLS, WORDS, LAYERS, NODES, POLICIES>;
 }
 
+/// The reduced configuration, for chips with 64 KiB of flash and 20 KiB of RAM: teams without a
+/// planner, which choose among paths given by hand.
+///
+/// A robot goes by one of its paths, or by what is left of one from where it stands, so a team also
+/// decides anew when an obstacle is on its way or a robot is lost. Where no combination of such
+/// paths is free of conflicts and obstacles, all stand. There are no chargers, way-points and
+/// unknown cells: a robot whose battery is low stands, and its team with it.
+///
+/// ```
+/// use firmware::Settings;
+/// use firmware::missions::{SECTION_5_1, reduced};
+/// use iibt_core::navigation::{Mission, MissionError};
+/// use iibt_core::team::{Key, Member, RobotId};
+/// use core::num::NonZero;
+///
+/// let member = Member::new(RobotId(0), 2)?;
+/// let settings = Settings::new(member, Key::new(*b"sixteen bytes..."), 1, NonZero::<u16>::MIN);
+/// assert!(reduced::Robot::new(&SECTION_5_1, &settings).is_ok());
+/// let without_paths = Mission { paths: None, ..SECTION_5_1 };
+/// assert_eq!(reduced::Robot::new(&without_paths, &settings).err(), Some(MissionError::NoPlanner));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub mod reduced {
+    use crate::Navigator;
+    use iibt_core::grid::words;
+
+    /// The most cells of a map, such as eight rows of eight.
+    pub const CELLS: usize = 64;
+
+    /// The words of such a map.
+    pub const WORDS: usize = words(8, 8);
+
+    /// There are no plans.
+    pub const LAYERS: usize = 0;
+
+    /// There are no searches; an arena has one node at least.
+    pub const NODES: usize = 1;
+
+    /// The joint policies that are weighed.
+    pub const POLICIES: usize = 8;
+
+    /// The paths that a page may give all robots together.
+    pub const ALL_PATHS: usize = 16;
+
+    /// A robot of such a team.
+    pub type Robot<'m> = Navigator<'m, CELLS, WORDS, LAYERS, NODES, POLICIES>;
+}
+
 /// The paths of each robot in [`SECTION_5_1`].
 const PATHS: usize = 4;
 

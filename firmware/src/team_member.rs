@@ -5,19 +5,28 @@
 //! what it does. Without a positioning system it reckons its place from its own moves, and after a
 //! restart stands until it is placed again.
 
+#[cfg(feature = "reduced")]
+#[path = "team_member/no_log.rs"]
+mod tick_log;
+#[cfg(not(feature = "reduced"))]
+mod tick_log;
+
 use crate::adapters::{Absent, Body, Chassis, Counted, DeadReckoning, OutsideMap};
 use crate::hardware::{Battery, Clock, Drive, Link};
+#[cfg(feature = "reduced")]
+use crate::missions::reduced::{ALL_PATHS, CELLS, LAYERS, NODES, POLICIES, WORDS};
+#[cfg(not(feature = "reduced"))]
 use crate::missions::{ALL_PATHS, CELLS, LAYERS, NODES, POLICIES, WORDS};
 use crate::page::{Origin, Page, Refused, TreeReader};
-use crate::{Controller, EpochError, LinkReport, Navigator, Storage};
+use crate::{Controller, EpochError, Navigator, Storage};
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
-use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Path};
-use iibt_core::navigation::{Mission, MissionError, Report, Stage};
+use iibt_core::navigation::{Mission, MissionError};
 use iibt_core::team::MAX_TEAM;
 use iibt_core::time::{Duration, Instant};
 use static_cell::StaticCell;
+use tick_log::TickLog;
 
 /// The measures of the robot, unless its page has others.
 pub const CHASSIS: Chassis = Chassis { cell: 0.5, track: 0.1, speed: 0.25, duty: 60 };
@@ -192,16 +201,14 @@ pub fn run<L: Link, C: Clock, D: Drive, B: Battery>(
 pub struct Program<L: Link + 'static, C: Clock + 'static, D: Drive + 'static, B: Battery + 'static> {
     started: Started<L, C, D, B>,
     due: Instant,
-    ticks: u32,
-    longest: u32,
-    before: (Report, LinkReport),
+    log: TickLog,
 }
 
 impl<L: Link, C: Clock, D: Drive, B: Battery> Program<L, C, D, B> {
     /// The program of a robot that was started.
     pub fn new(started: Started<L, C, D, B>) -> Self {
-        let (due, before) = (started.robot.hardware_mut().now(), state_of(started.robot));
-        Self { started, due, ticks: 0, longest: 0, before }
+        let (due, log) = (started.robot.hardware_mut().now(), TickLog::of(started.robot));
+        Self { started, due, log }
     }
 
     /// Whether the numbers of this epoch's frames are used up and the robot stands: restart it, and
@@ -223,94 +230,15 @@ impl<L: Link, C: Clock, D: Drive, B: Battery> Program<L, C, D, B> {
     /// Ticks the robot if it is time. Call it every millisecond: asking the drive is what ends a
     /// turn or a move. `cycles` counts those of the core.
     pub fn poll(&mut self, cycles: impl Fn() -> u32) {
-        let Self { started: Started { robot, mission, period, .. }, due, ticks, longest, before } = self;
+        let Self { started: Started { robot, mission, period, .. }, due, log } = self;
         robot.hardware_mut().is_moving();
         let now = robot.hardware_mut().now();
         if !now.has_reached(*due) {
             return;
         }
         *due = now.after(*period);
-        *ticks = ticks.wrapping_add(1);
         let started = cycles();
         robot.tick();
-        let took = cycles().wrapping_sub(started);
-        let state = state_of(robot);
-        tell(robot.robot(), mission, *ticks, before, &state);
-        if took > *longest || state.0.stage != before.0.stage {
-            defmt::info!("tick {=u32}: took {=u32} cycles", *ticks, took);
-            *longest = took.max(*longest);
-        }
-        *before = state;
+        log.tell(robot, mission, cycles().wrapping_sub(started));
     }
-}
-
-/// The state of the robot and of its link.
-fn state_of<L: Link, C: Clock, D: Drive, B: Battery>(robot: &TeamMember<L, C, D, B>) -> (Report, LinkReport) {
-    (robot.robot().navigation().report(), robot.link_report())
-}
-
-/// Logs what has changed in a tick.
-fn tell(
-    navigator: &Agent,
-    mission: &OwnMission,
-    tick: u32,
-    before: &(Report, LinkReport),
-    now: &(Report, LinkReport),
-) {
-    let ((before, heard_before), (now, heard)) = (before, now);
-    #[cfg(feature = "explain")]
-    if let Some(entry) = navigator.tree_entry() {
-        defmt::info!("tick {=u32}: {}", tick, entry);
-    }
-    if heard.received.accepted > 0 && heard_before.received.accepted == 0 {
-        defmt::info!("tick {=u32}: heard the team", tick);
-    }
-    if now.waiting != before.waiting
-        && let Some(waiting) = now.waiting.filter(|waiting| waiting.outlasts_round())
-    {
-        defmt::warn!("tick {=u32}: waits: {}", tick, waiting);
-    }
-    if now.step != before.step {
-        defmt::info!("tick {=u32}: step {=usize} done, on p{=u16}", tick, now.step, now.cell.0);
-    }
-    if let Some(cell) = now.obstructed.filter(|_| now.obstructed != before.obstructed) {
-        defmt::warn!("tick {=u32}: does not visit p{=u16}: an obstacle is on it", tick, cell.0);
-    }
-    if now.stage != before.stage {
-        if now.stage == Stage::Agreed {
-            tell_decision(navigator, mission, tick, now);
-        }
-        defmt::info!("tick {=u32}: {} in round {=u32}", tick, now.stage, now.round);
-    }
-}
-
-/// Logs the posterior over the joint policies, bit by bit, and the choice.
-fn tell_decision(navigator: &Agent, mission: &OwnMission, tick: u32, now: &Report) {
-    let weighed = navigator.navigation().weighed();
-    for (policy, (p, cost)) in weighed.posterior().iter().zip(weighed.costs()).enumerate() {
-        defmt::info!(
-            "tick {=u32}: posterior of {=usize}: {=u32:08x}, cost {=u32}",
-            tick,
-            policy,
-            p.to_bits(),
-            cost.total()
-        );
-    }
-    #[cfg(feature = "explain")]
-    if let Some(why) = weighed.explain() {
-        defmt::info!("tick {=u32}: why {}", tick, why);
-    }
-    let mut cells = Vec::<u16, { HORIZON + 1 }>::new();
-    for cell in now.path.cells(&mission.map) {
-        // There is room for every cell of the longest path.
-        let _ = cells.push(cell.0);
-    }
-    let goal = now.goal.map_or(0, |goal| goal.0);
-    defmt::info!(
-        "tick {=u32}: chose p{=u16} with {=f32} by {}",
-        tick,
-        goal,
-        now.probability,
-        cells.as_slice()
-    );
 }

@@ -21,6 +21,9 @@ const MACHINE: &str = "netduinoplus2";
 /// QEMU's machine with a RISC-V.
 pub const RISC_V: &str = "virt";
 
+/// QEMU's machine with an nRF51822, whose only serial port is the link.
+pub const MICROBIT: &str = "microbit";
+
 /// Where a robot on an STM32F405 looks for the first copy of its page.
 const PAGE: u32 = 0x0800_0000 + Slots::STM32F405.first;
 
@@ -81,6 +84,7 @@ fn build(package: &str, name: &str, profile: &str, target: &str, board: Option<&
         .args(["build", "-p", package, "--profile", profile, "--target", target])
         .args(board.map(|board| ["--features", board]).iter().flatten())
         .args(["--bin", name, "--message-format", "json-render-diagnostics"])
+        .envs((profile == "reduced").then_some(("DEFMT_LOG", "off")))
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
         .stderr(Stdio::inherit())
         .output()
@@ -101,6 +105,15 @@ fn build(package: &str, name: &str, profile: &str, target: &str, board: Option<&
 pub fn team_member() -> &'static Path {
     static IMAGE: OnceLock<PathBuf> = OnceLock::new();
     IMAGE.get_or_init(|| image("team_member"))
+}
+
+/// The image `team_member` in the reduced configuration, without a log.
+///
+/// # Panics
+/// As [`image`].
+#[must_use]
+pub fn reduced_image() -> PathBuf {
+    image_for("team_member", "reduced", "thumbv6m-none-eabi", "nrf51822")
 }
 
 /// The executable that a message of cargo announces.
@@ -163,7 +176,7 @@ impl Robot {
     }
 
     /// Starts an image on another machine of QEMU, with a page at an address. The log leaves
-    /// [`RISC_V`] by semihosting; of other machines the first serial port is the log. The next one
+    /// [`RISC_V`] by semihosting, and [`MICROBIT`] has none; of other machines the first serial port is the log. The next one
     /// is the link.
     ///
     /// # Panics
@@ -180,7 +193,16 @@ impl Robot {
     /// As [`Robot::boot`].
     #[must_use]
     pub fn boot_stopped(image: &Path, page: &[u8]) -> Self {
-        Self::boot_with(image, MACHINE, &["-S"], Some((PAGE, page)))
+        Self::boot_stopped_on(MACHINE, image, (PAGE, page))
+    }
+
+    /// The same on another machine, with a page at an address.
+    ///
+    /// # Panics
+    /// As [`Robot::boot`].
+    #[must_use]
+    pub fn boot_stopped_on(machine: &str, image: &Path, page: (u32, &[u8])) -> Self {
+        Self::boot_with(image, machine, &["-S"], Some(page))
     }
 
     /// Starts an image that takes a nanosecond of its own time for each instruction, so that its
@@ -364,6 +386,8 @@ fn emulator(machine: &str) -> (&'static str, &'static [&'static str]) {
             "qemu-system-riscv32",
             &["-bios", "none", "-semihosting-config", SEMIHOSTING, "-serial", "chardev:link"],
         ),
+        // With the RAM of the QFAC; QEMU's own board has the QFAA.
+        MICROBIT => ("qemu-system-arm", &["-global", "nrf51-soc.sram-size=32768", "-serial", "chardev:link"]),
         _ => ("qemu-system-arm", &["-serial", "chardev:log", "-serial", "chardev:link"]),
     }
 }

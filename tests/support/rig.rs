@@ -1,7 +1,7 @@
 //! A robot of section 5.1 on the host whose teammate is the image in the emulator, and forged
 //! frames.
 
-use firmware::missions::{CELLS, LAYERS, NODES, POLICIES, SECTION_5_1, WORDS};
+use firmware::missions::{CELLS, LAYERS, NODES, POLICIES, SECTION_5_1, WORDS, reduced};
 use host_sim::{AnyRobot, EventEffect, Faults, Flight, KEY, NavigatorFlight, Provision};
 use iibt_core::navigation::{Intention, Navigation};
 use iibt_core::team::{Context, Envelope, Key, Keys, MAX_FRAME, RobotId, SipHash64, encode};
@@ -25,19 +25,22 @@ pub fn demo_page(robot: u8) -> Vec<u8> {
     provision.page_of(&SECTION_5_1).expect("it fits")
 }
 
-/// The task of a robot of section 5.1, with the sizes of the image.
-pub type Task = Navigation<'static, CELLS, WORDS, LAYERS, NODES, POLICIES>;
-
 /// What a robot of section 5.1 announces.
 pub type Message = Intention<WORDS, POLICIES>;
 
-/// One of the robots of section 5.1; the others have stopped.
-pub struct OnHost {
-    flight: NavigatorFlight<'static, CELLS, WORDS, LAYERS, NODES, POLICIES>,
+/// One of the robots of section 5.1, with any sizes; the others have stopped.
+pub struct SizedOnHost<const L: usize, const M: usize, const K: usize> {
+    flight: NavigatorFlight<'static, CELLS, WORDS, L, M, K>,
     number: usize,
 }
 
-impl OnHost {
+/// One with the sizes of the image.
+pub type OnHost = SizedOnHost<LAYERS, NODES, POLICIES>;
+
+/// One in the reduced configuration.
+pub type ReducedOnHost = SizedOnHost<{ reduced::LAYERS }, { reduced::NODES }, { reduced::POLICIES }>;
+
+impl<const L: usize, const M: usize, const K: usize> SizedOnHost<L, M, K> {
     /// The robot with this number, from zero.
     ///
     /// # Panics
@@ -60,7 +63,7 @@ impl OnHost {
 
     /// Its task.
     #[must_use]
-    pub fn navigation(&self) -> &Task {
+    pub fn navigation(&self) -> &Navigation<'static, CELLS, WORDS, L, M, K> {
         self.flight.robot(self.number).robot().navigation()
     }
 

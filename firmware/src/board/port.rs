@@ -46,7 +46,7 @@ pub(super) fn feed<const N: usize>(port: &mut impl Port, queue: &mut FrameQueue<
 }
 
 /// Sends all that is queued, waiting for the port.
-#[cfg(not(feature = "rtt"))]
+#[cfg(not(any(feature = "rtt", feature = "reduced")))]
 pub(super) fn drain<const N: usize>(port: &mut impl Port, queue: &mut FrameQueue<N>) {
     while let Some(byte) = queue.pop() {
         while !port.has_room() {}

@@ -6,10 +6,8 @@
 
 #[cfg(target_arch = "arm")]
 use super::arm::reset;
-use super::port::Port;
 #[cfg(target_arch = "riscv32")]
 use super::risc_v::reset;
-use core::marker::PhantomData;
 use core::sync::atomic::{AtomicBool, Ordering};
 use defmt_rtt as _;
 
@@ -17,30 +15,6 @@ use defmt_rtt as _;
 const READING: u32 = 1_000_000;
 
 static HAS_FAILED: AtomicBool = AtomicBool::new(false);
-
-/// The serial port that the log leaves by in images without the feature `rtt`; here it is silent.
-#[derive(Debug)]
-pub struct LogPort<P>(PhantomData<fn() -> P>);
-
-impl<P: Port> LogPort<P> {
-    /// A log without a port.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self(PhantomData)
-    }
-
-    /// Leaves the port silent.
-    pub fn start(&'static self, _: P) {}
-
-    /// Does nothing: the port has nothing to send.
-    pub fn serve(&self) {}
-}
-
-impl<P: Port> Default for LogPort<P> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
 
 /// Prepares to log a failure. One that occurs while another is logged restarts the robot at once:
 /// the logger refuses a frame within a frame by a panic.

@@ -58,6 +58,10 @@ impl Slots {
     /// Those of the STM32F405: sectors 8 and 9 of its flash, of 128 KiB each.
     pub const STM32F405: Self = Self { first: 0x8_0000, second: 0xa_0000 };
 
+    /// Those of the nRF51822: the last two pages of the first 64 KiB of its flash, of 1 KiB each. A
+    /// page is no longer there.
+    pub const NRF51822: Self = Self { first: 0xf800, second: 0xfc00 };
+
     /// Those of the nRF52840: the last four pages of its flash, of 4 KiB each.
     pub const NRF52840: Self = Self { first: 0xf_c000, second: 0xf_e000 };
 
