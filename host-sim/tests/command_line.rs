@@ -231,6 +231,26 @@ fn a_page_is_written_for_a_robot_and_printed_without_its_keys() {
     refuses(host_sim("provision --show").arg(&cut), "wrong checksum: damaged, or a write was cut off");
 }
 
+/// What the robot would refuse, with its motors off, is refused before it is written.
+#[test]
+fn a_page_for_the_smallest_board_has_given_paths_and_fits_a_kilobyte() {
+    let page = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("small.bin");
+    let write = |mission: &str| {
+        let mut command = host_sim(&format!("provision {mission} --robot 1 --board nrf51822"));
+        command.args(["--team-key", "000102030405060708090a0b0c0d0e0f", "-o"]).arg(&page);
+        command
+    };
+    let commands = contains("--chip nRF51822_xxAC").and(contains("0x0000f800")).and(contains("0x0000fc00"));
+    write("two-goals").assert().success().stdout(commands);
+    let _ = fs::remove_file(&page);
+    refuses(
+        &mut write("factory"),
+        "factory, board nrf51822: a robot without a planner needs a mission with paths",
+    );
+    refuses(&mut write("courtyard"), "courtyard, board nrf51822: ");
+    assert!(!page.exists(), "nothing was written");
+}
+
 #[test]
 fn the_page_of_a_robot_with_a_task_has_its_tree() {
     let page = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("task-robot.bin");

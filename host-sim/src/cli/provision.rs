@@ -5,7 +5,8 @@ use super::{Failure, about, print, read, scenario, task};
 use bumpalo::Bump;
 use clap::Args;
 use firmware::adapters::Chassis;
-use firmware::page::{Fault, MAX_PAGE, Origin, PageError, Refused, Size, Slots};
+use firmware::missions::reduced;
+use firmware::page::{Fault, MAX_PAGE, Origin, Page, PageError, Refused, Size, Slots};
 use firmware::{TaskLeaf, Thresholds};
 use host_sim::{ANY_SKILL, AnyPage, AnyPageTree, KEY, Provision};
 use iibt_core::grid::Cell;
@@ -85,14 +86,18 @@ pub(super) struct WritePage {
 
 /// The boards: the name, the chip, where the flash begins in memory, and where the copies lie in
 /// it.
-const BOARDS: [Board; 4] = [
+const BOARDS: [Board; 5] = [
     ("stm32f405", "STM32F405RG", 0x0800_0000, Slots::STM32F405),
+    (REDUCED, "nRF51822_xxAC", 0, Slots::NRF51822),
     ("nrf52840", "nRF52840_xxAA", 0, Slots::NRF52840),
     ("rp2040", "RP2040", 0x1000_0000, Slots::RP2040),
     ("esp32c3", "esp32c3", 0, Slots::ESP32C3),
 ];
 
 type Board = (&'static str, &'static str, u32, Slots);
+
+/// The board whose image is the reduced one.
+const REDUCED: &str = "nrf51822";
 
 impl WritePage {
     pub(super) fn run(&self) -> Result<(), Failure> {
@@ -106,6 +111,9 @@ impl WritePage {
             Some(text) => self.page_of_task(mission, &text, robot)?,
             None => self.page_of_mission(mission, robot)?,
         };
+        if let Some((name @ REDUCED, _, _, slots)) = self.board {
+            fits_reduced(&page, slots).map_err(about(format_args!("{mission}, board {name}")))?;
+        }
         fs::write(output, &page).map_err(about(output.display()))?;
         let mut text = format!("{} bytes in {}\n", page.len(), output.display());
         if let Some((_, chip, begin, slots)) = self.board {
@@ -162,6 +170,21 @@ impl WritePage {
         };
         Ok(Key::new(key(digits.trim()).map_err(about(given))?))
     }
+}
+
+/// Whether the reduced image flies what is in a page, which lies in a slot of its flash.
+fn fits_reduced(bytes: &[u8], slots: Slots) -> Result<(), String> {
+    let room = slots.second - slots.first;
+    if bytes.len() > room as usize {
+        return Err(format!("a page of {} bytes, and there is room for {room}", bytes.len()));
+    }
+    let mut page = Page::<{ reduced::CELLS }, { reduced::WORDS }, { reduced::ALL_PATHS }>::EMPTY;
+    page.load_bytes(bytes).map_err(|refused| refused.to_string())?;
+    let lists = page.path_lists();
+    let mission = page.mission(&lists);
+    let settings = page.settings(1).map_err(|error| error.to_string())?;
+    let robot = reduced::Robot::new(&mission, &settings);
+    robot.map(drop).map_err(|error| error.to_string())
 }
 
 /// A robot by its name, or by its number from 1.
