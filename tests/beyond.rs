@@ -6,7 +6,7 @@ use host_sim::beyond::{LearnedPreferences, Mixed, Unlike};
 use host_sim::campaign::Score;
 use host_sim::{Conditions, Faults, NavigatorFlight, Scenario, Series, fly_series, library};
 use iibt_core::grid::{Cell, Map};
-use iibt_core::navigation::Mission;
+use iibt_core::navigation::{MAX_GOALS, Mission};
 
 fn built_in(name: &str) -> Scenario {
     library::find(name).expect("built in").expect("sound")
@@ -64,7 +64,7 @@ fn a_radio_that_loses_three_frames_in_ten_makes_nobody_collide_while_they_learn(
 }
 
 /// A robot between two goals, one step from each.
-fn goal_with(values: &[f32; 8]) -> Cell {
+fn goal_with(values: &[f32; MAX_GOALS]) -> Cell {
     let (starts, goals) = ([Cell(25)], [Cell(24), Cell(26)]);
     let mission = Mission::new(Map::<2>::new(7, 7).expect("49 cells fit two words"), &starts, &goals);
     let flight = NavigatorFlight::<49, 2, LAYERS, NODES, POLICIES>::over(&mission, Faults::default(), 0);
@@ -79,7 +79,7 @@ fn goal_with(values: &[f32; 8]) -> Cell {
 #[test]
 fn of_two_goals_as_near_the_one_that_serves_more_often_is_chosen() {
     let with = |first: f32, second: f32| {
-        let mut values = [1.0; 8];
+        let mut values = [1.0; MAX_GOALS];
         (values[0], values[1]) = (first, second);
         goal_with(&values)
     };

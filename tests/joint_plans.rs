@@ -3,7 +3,7 @@
 use checker::{executed, fault, fewest_steps};
 use host_sim::Random;
 use iibt_core::grid::joint::{
-    Errand, Failure, JointPlan, JointPlanner, LookOut, PolicyList, Prefix, Problem, ProblemError, Target,
+    Errand, Failure, JointPlan, JointPlanner, PolicyList, Prefix, Problem, ProblemError, Target,
 };
 use iibt_core::grid::{Cell, CellSet, Map};
 use std::collections::{BTreeMap, HashSet};
@@ -23,18 +23,17 @@ struct Case {
     goals: Vec<Cell>,
     need: usize,
     prefixes: Vec<Prefix>,
-    look_outs: Vec<LookOut>,
 }
 
 impl Case {
     fn on(map: Map<4>, errands: Vec<Errand>) -> Self {
-        let (goals, prefixes, look_outs) = (Vec::new(), Vec::new(), Vec::new());
-        Self { map, closed: CellSet::EMPTY, errands, goals, need: 0, prefixes, look_outs }
+        let (goals, prefixes) = (Vec::new(), Vec::new());
+        Self { map, closed: CellSet::EMPTY, errands, goals, need: 0, prefixes }
     }
 
     fn problem(&self) -> Problem<'_, 4> {
-        let Self { map, closed, errands, goals, need, prefixes, look_outs } = self;
-        Problem { map, closed: *closed, errands, goals, need: *need, prefixes, look_outs }
+        let Self { map, closed, errands, goals, need, prefixes } = self;
+        Problem { map, closed: *closed, errands, goals, need: *need, prefixes }
     }
 
     /// A map of up to `side` x `side` cells of which up to half are blocked, with up to `robots`

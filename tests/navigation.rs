@@ -5,16 +5,16 @@ mod errands;
 mod fallbacks;
 mod given_paths;
 mod lines;
-mod look_outs;
 mod members;
 mod obstacles;
 mod progress;
 mod twins;
+mod unknowns;
 
 use firmware::missions::{LAYERS, NODES, POLICIES};
 use host_sim::{EventEffect, Faults, NavigatorFlight, Radio, Reading, reproduce};
 use iibt_core::grid::{Cell, Map};
-use iibt_core::navigation::{Cause, Mission, Navigation, Purpose, Report, Stage, VisitError};
+use iibt_core::navigation::{Cause, MAX_GOALS, Mission, Navigation, Purpose, Report, Stage, VisitError};
 use iibt_core::team::RobotId;
 use iibt_core::team::rounds::{Protocol, View, Waiting};
 use iibt_core::tree::Status;

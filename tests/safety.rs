@@ -355,7 +355,8 @@ fn nonsense(random: &mut Random, sequence: u32, digest: Option<Digest>) -> Said 
         view,
         walls: (0..left_out).map(|_| Cells(wall(random)).to_wire(left_out)).collect(),
     };
-    let fact = Fact { anchor: cell(random), purpose: purpose(random), evidence: evidence(random) };
+    let (anchor, purpose, evidence) = (cell(random), purpose(random), evidence(random));
+    let fact = Fact { anchor, purpose, evidence, ..Fact::default() };
     let room = MAX_EVIDENCE - fact.evidence.len();
     let waypoints = (0..random.below(room + 1)).map(|_| cell(random)).collect();
     let answer = answer(random, digest);

@@ -280,6 +280,8 @@ fn both_refuse_to_write_what_is_no_message() {
         ("/message/rounds/fact/purpose", json!("Visit")),
         ("/message/rounds/fact/purpose", json!({ "Rest": 1 })),
         ("/message/rounds/fact", json!({ "anchor": 8, "purpose": "Goal" })),
+        ("/message/rounds/fact/readings", json!(vec![0; 9])),
+        ("/message/rounds/fact/readings", json!([256])),
         ("/message/rounds/answer", json!({ "Scored": { "digest": [1, 2, 3], "scores": [] } })),
         ("/message/rounds/answer", json!({ "Listing": 256 })),
         ("/message/waypoints/0", json!(1 << 16)),
@@ -350,6 +352,7 @@ fn example() -> Said {
         anchor: Cell(8),
         purpose: Purpose::Visit(Cell(200)),
         evidence: evidence.into_iter().collect(),
+        ..Fact::default()
     };
     let scores = [Score { delay: 8, price: 0 }, Score { delay: 0, price: 3 }, Score::CANNOT];
     let answer = Answer::Decided {

@@ -7,6 +7,7 @@
 
 use iibt_core::grid::{Cell, Move};
 use iibt_core::iibt::table::Command;
+use iibt_core::navigation::Reading;
 use iibt_core::time::Instant;
 
 /// A broadcast link to and from all teammates, of bytes or of packets.
@@ -100,6 +101,17 @@ pub trait Scanner {
     /// The team avoids such a cell until it is told that it is clear. A teammate is no obstacle,
     /// but may be reported as one: the robots know where it can be.
     fn scan(&mut self) -> Option<Cell>;
+
+    /// Returns what is read of the [unknowns](iibt_core::navigation::Unknown) of the mission from
+    /// where the robot stands, one reading at a time; `None` when there is no more. A sensor that
+    /// can read none leaves this out.
+    ///
+    /// Asked up to [`MAX_READINGS`](iibt_core::navigation::MAX_READINGS) times a tick, when the
+    /// robot stands. Readings of different ticks count as independent: one that cannot be wrong in
+    /// another way than the one before it is worth no second reading.
+    fn recognise(&mut self) -> Option<Reading> {
+        None
+    }
 
     /// Returns whether a cell is in view and free: evidence that an obstacle is gone. Asked at
     /// every tick for the obstacles that the robot remembers. A sensor that cannot tell leaves this

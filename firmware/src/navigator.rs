@@ -202,6 +202,12 @@ where
             // There is room: the list is not full.
             let _ = self.percept.hazards.push(hazard);
         }
+        self.percept.readings.clear();
+        while !self.percept.moving && !self.percept.readings.is_full() {
+            let Some(reading) = hardware.recognise() else { break };
+            // There is room: the list is not full.
+            let _ = self.percept.readings.push(reading);
+        }
         self.percept.clear.clear();
         for cell in self.blackboard.navigation.watched().filter(|&cell| hardware.is_clear(cell)) {
             // Without room, a cell that is still clear is told at a later tick.

@@ -5,6 +5,7 @@
 
 use firmware::{adapters, hardware};
 use iibt_core::grid::{Cell, Move};
+use iibt_core::navigation::Reading;
 use iibt_core::time::Instant;
 use std::collections::VecDeque;
 
@@ -51,6 +52,8 @@ pub struct Scanner {
     in_view: Vec<Cell>,
     unreported: VecDeque<Cell>,
     clear: Vec<Cell>,
+    /// What is read of the unknowns of the mission in this tick.
+    pub(crate) readings: VecDeque<Reading>,
 }
 
 /// The battery and its charge in percent.
@@ -123,6 +126,10 @@ impl hardware::Scanner for Scanner {
 
     fn is_clear(&mut self, cell: Cell) -> bool {
         self.clear.contains(&cell)
+    }
+
+    fn recognise(&mut self) -> Option<Reading> {
+        self.readings.pop_front()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::random::{Random, Stream};
 use crate::robot::resized;
-use crate::scenario::{Device, EventEffect, InferenceSpec, Radio, RobotSpec, Scenario};
+use crate::scenario::{Device, EventEffect, InferenceSpec, Radio, RobotSpec, Scenario, UnknownSpec};
 use crate::team::TeamError;
 use crate::world::World;
 use iibt_core::grid::Cell;
@@ -146,7 +146,7 @@ impl Scenario {
             limit: u32::MAX,
             map: resized(&mission.map).ok_or(MissionError::MapTooLarge)?,
             serves: vec![1.0; goals.len()],
-            unknowns: mission.unknowns.to_vec(),
+            unknowns: mission.unknowns.iter().map(UnknownSpec::from).collect(),
             need: mission.need.map_or(goals.len().min(mission.starts.len()), usize::from),
             goals,
             waits_for_charging: mission.waits_for_charging,

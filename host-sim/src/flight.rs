@@ -19,10 +19,11 @@ use crate::scenario::{Device, DriveFault, EventEffect, Floor, Scenario, parts};
 use crate::team::{Boot, Navigating, TeamError, UNLIMITED, navigating};
 use crate::world::World;
 use iibt_core::grid::{Cell, Move};
-use iibt_core::navigation::{Mission, Report};
+use iibt_core::navigation::{self as sight, Mission, Report, Says, Tells};
 use iibt_core::team::Keys;
 use iibt_core::time::Instant;
 use iibt_core::tree::Status;
+use std::collections::VecDeque;
 
 /// The reading of a localiser.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,6 +79,7 @@ pub struct Flight<'m, R: AnyRobot + ?Sized> {
     localisers: Random,
     drive_faults: Random,
     slips: Random,
+    sights: Random,
     readings: Vec<Reading>,
     /// How far each robot's clock has been turned.
     turned: Vec<u32>,
@@ -137,7 +139,8 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
         let robots: Vec<_> = (0..size as u8).map(|robot| boot(robot, 1)).collect::<Result<_, _>>()?;
         Ok(Self {
             epochs: vec![1; size],
-            world: World::new(&scenario),
+            world: World::new(&scenario, seed),
+            sights: Random::of(seed, Stream::Sight),
             radio: RadioChannel::new(scenario.radio, size, seed),
             trouble: FaultInjector::new(faults, size, seed),
             localisers: Random::of(seed, Stream::Localiser),
@@ -253,17 +256,40 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
                 }
             }
             let clear = self.world.clear_in_view(index, self.scenario.robots[index].view).collect();
+            let readings = self.read(index);
             let body = self.robots[index].body();
             body.clock.now = self.began.wrapping_add(self.tick).wrapping_add(self.turned[index]);
             body.battery.charge = self.world.battery(index).percent();
             body.localiser.reading = reading;
             body.drive.moving = self.world.is_moving(index);
             body.scanner.look(in_view, clear);
+            body.scanner.readings = readings;
         }
         for (receiver, frame) in self.radio.arrivals(self.tick) {
             self.deliver(receiver, &frame);
         }
         events
+    }
+
+    /// What a robot reads of the unknowns from where it stands.
+    fn read(&mut self, robot: usize) -> VecDeque<sight::Reading> {
+        let here = self.world.cells()[robot];
+        let unknowns = self.scenario.unknowns.iter().zip(self.world.values()).zip(0..);
+        let mut readings = VecDeque::new();
+        for ((unknown, &value), number) in unknowns {
+            for sight in unknown.sights.iter().filter(|sight| sight.from == here) {
+                let is_right = self.sights.bernoulli(sight.right.into());
+                let other = self.sights.below(unknown.prior.len() - 1) as u8;
+                let says = match sight.tells {
+                    Tells::Value if is_right => Says::Value(value),
+                    Tells::Value => Says::Value(other + u8::from(other >= value)),
+                    Tells::Whether(asked) if is_right == (asked == value) => Says::Is(asked),
+                    Tells::Whether(asked) => Says::IsNot(asked),
+                };
+                readings.push_back(sight::Reading { unknown: number, says });
+            }
+        }
+        readings
     }
 
     fn locate(&mut self, robot: usize) -> Option<Cell> {

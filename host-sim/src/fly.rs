@@ -263,6 +263,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
             history: &self.history,
             moving,
             members,
+            useless: self.flight.world().useless(),
             has_errand: (0..members.len()).any(has_errand),
         }
     }

@@ -61,9 +61,8 @@ pub struct Way {
     pub moves: u16,
     /// The moves that its newest frame of the round says are made.
     pub made: u16,
-    /// The look-outs that its path leads by, to see cells of which no member knows whether they are
-    /// blocked.
-    pub look_outs: Vec<Cell>,
+    /// The first cell of its path from where it sees something of what no member knows.
+    pub look_out: Option<Cell>,
     /// The way-points that its newest frame of the round says it visits later.
     pub waypoints: Vec<Cell>,
 }
@@ -98,14 +97,19 @@ fn read<const S: usize, const W: usize>(
         let accepts = |message: &Intention<W, POLICIES>| navigation.accepts(message);
         let heard = Heard::<Fact<W>, _>::read(bytes, key, context, accepts);
         let name = |robot: RobotId| scenario.robots[robot.index()].name.clone();
-        Ok(HeardFrames::of(heard, name, |round| round.chosen(round.choice?, scenario, mission)))
+        Ok(HeardFrames::of(heard, name, |round| round.chosen::<S>(round.choice?, scenario, mission)))
     })
 }
 
 impl<const W: usize> Round<Fact<W>, Intention<W, POLICIES>> {
-    fn chosen(&self, choice: Choice, scenario: &Scenario, mission: &Mission<'_, W>) -> Option<ChosenPolicy> {
+    fn chosen<const S: usize>(
+        &self,
+        choice: Choice,
+        scenario: &Scenario,
+        mission: &Mission<'_, W>,
+    ) -> Option<ChosenPolicy> {
         let fact = |robot: RobotId| self.facts[robot.index()].as_ref();
-        let list = Policies::<W, LAYERS, NODES, POLICIES>::of_round(mission, &self.proposal, fact)?;
+        let list = Policies::<S, W, LAYERS, NODES, POLICIES>::of_round(mission, &self.proposal, fact)?;
         let plan = list.plans().get(usize::from(choice.policy))?;
         let way = |(robot, path): (RobotId, &iibt_core::grid::Path)| Way {
             robot: scenario.robots[robot.index()].name.clone(),
@@ -113,10 +117,7 @@ impl<const W: usize> Round<Fact<W>, Intention<W, POLICIES>> {
             path: path.cells(&mission.map).collect(),
             moves: path.moves().filter(|&step| step != Move::Wait).count() as u16,
             made: self.made[robot.index()],
-            look_outs: list
-                .look_outs(mission)
-                .filter(|at| path.cells(&mission.map).any(|cell| cell == *at))
-                .collect(),
+            look_out: list.look_out(&mission.map, path, 0),
             waypoints: self.newest[robot.index()].iter().flat_map(|said| said.waypoints.to_vec()).collect(),
         };
         Some(ChosenPolicy {
@@ -156,7 +157,7 @@ impl fmt::Display for Way {
         let steps = counted(self.path.len().max(1) - 1, "step");
         let moves = format!("{} of {} made", self.made.min(self.moves), counted(self.moves, "move"));
         write!(f, "{:<4} to {end}{errand} in {steps}, {moves}: {}", self.robot, route(&self.path))?;
-        self.look_outs.iter().try_for_each(|cell| write!(f, ", by the look-out {}", cell.0))?;
+        self.look_out.iter().try_for_each(|cell| write!(f, ", by the look-out {}", cell.0))?;
         self.waypoints.iter().try_for_each(|cell| write!(f, ", later by way of {}", cell.0))
     }
 }

@@ -75,6 +75,9 @@ pub enum ProvisionError {
     /// The robots cannot fly the mission.
     #[error(transparent)]
     Team(#[from] TeamError),
+    /// Something is unknown in the mission.
+    #[error("the mission has an [[unknown]], which a page does not carry yet")]
+    Unknowns,
     /// The robots cannot work on the task.
     #[error(transparent)]
     Task(#[from] TaskError),
@@ -114,6 +117,9 @@ impl Provision {
     pub fn page(&self, scenario: &Scenario) -> Result<Vec<u8>, ProvisionError> {
         let budget = self.budget.or_else(|| scenario.inference.budget.and_then(NonZero::new));
         let own = Self { budget, ..self.clone() };
+        if !scenario.unknowns.is_empty() {
+            return Err(ProvisionError::Unknowns);
+        }
         let page = on_mission::<{ words(MAX_CELLS, 1) }, _>(scenario, |mission| Ok(own.bytes(mission)))?;
         checked(page)
     }
@@ -123,6 +129,9 @@ impl Provision {
     /// # Errors
     /// [`ProvisionError`].
     pub fn page_of<const W: usize>(&self, mission: &Mission<'_, W>) -> Result<Vec<u8>, ProvisionError> {
+        if !mission.unknowns.is_empty() {
+            return Err(ProvisionError::Unknowns);
+        }
         checked(self.bytes(mission))
     }
 

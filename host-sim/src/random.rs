@@ -38,6 +38,10 @@ pub(crate) enum Stream {
     Action = 17,
     /// The hidden states at the start.
     Start = 18,
+    /// The values of the unknowns of a mission.
+    Unknown = 19,
+    /// What robots read of them.
+    Sight = 20,
 }
 
 /// A generator of random numbers (PCG-32): the same seed draws the same numbers on every machine.

@@ -10,11 +10,12 @@ mod event;
 mod file;
 mod reach;
 mod team;
+mod unknown;
 pub(crate) use reach::parts;
 
 use crate::input::{Fault, FileError, utf8};
 use iibt_core::grid::{Cell, Map, Move, Path};
-use iibt_core::navigation::Unknown;
+use iibt_core::navigation::{Effect, Place, Sight, Unknown};
 use serde::Serialize;
 
 /// The most cells a map has.
@@ -75,8 +76,8 @@ pub struct Scenario {
     /// The probability with which each goal serves a robot that stands there at the end of a
     /// mission.
     pub serves: Vec<f64>,
-    /// Cells that may be blocked, from where a robot sees them, and what that is worth.
-    pub unknowns: Vec<Unknown>,
+    /// What the robots do not know.
+    pub unknowns: Vec<UnknownSpec>,
     /// The number of missions flown in a row.
     pub missions: u32,
     /// The team, in the order of the robots' numbers.
@@ -89,6 +90,38 @@ pub struct Scenario {
     pub radio: Radio,
     /// The parameters of the robots' inference.
     pub inference: InferenceSpec,
+}
+
+/// What the robots of a mission do not know, and how it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnknownSpec {
+    /// What its value means for its cells.
+    pub effect: Effect,
+    /// Its cells, and the value to which each belongs.
+    pub cells: Vec<Place>,
+    /// The probability of each value.
+    pub prior: Vec<f32>,
+    /// From where it is seen, and how well.
+    pub sights: Vec<Sight>,
+    /// Its value; `None` for one that is drawn from the prior by the seed of the flight.
+    pub real: Option<u8>,
+}
+
+impl UnknownSpec {
+    /// The unknown as the robots know it.
+    #[must_use]
+    pub fn as_known(&self) -> Unknown<'_> {
+        let Self { effect, cells, prior, sights, .. } = self;
+        Unknown { effect: *effect, cells, prior, sights }
+    }
+}
+
+impl From<&Unknown<'_>> for UnknownSpec {
+    /// One whose value is drawn.
+    fn from(unknown: &Unknown<'_>) -> Self {
+        let Unknown { effect, cells, prior, sights } = *unknown;
+        Self { effect, cells: cells.to_vec(), prior: prior.to_vec(), sights: sights.to_vec(), real: None }
+    }
 }
 
 /// One robot of the team, as the scenario specifies it.

@@ -7,7 +7,7 @@ use crate::body::{Body, body};
 use crate::conventional::{ConventionalRobot, ConventionalTree, period};
 use crate::radio::KEY;
 use crate::robot::{AnyRobot, shrunk};
-use crate::scenario::{MAX_CELLS, Scenario};
+use crate::scenario::{MAX_CELLS, Scenario, UnknownSpec};
 use clap::ValueEnum;
 use firmware::{Controller, Navigator, Settings, missions};
 use iibt_core::grid::{Cell, Path, words};
@@ -188,7 +188,8 @@ pub(crate) fn on_mission<const W: usize, T>(
     if paths.iter().all(|paths| !paths.is_empty()) {
         mission.paths = Some(&paths);
     }
-    mission.unknowns = &scenario.unknowns;
+    let unknowns: Vec<_> = scenario.unknowns.iter().map(UnknownSpec::as_known).collect();
+    mission.unknowns = &unknowns;
     tune(&mut mission, scenario);
     let paces: Vec<u8> = scenario.robots.iter().map(crate::scenario::RobotSpec::steps).collect();
     let sensor = mission.sensor;

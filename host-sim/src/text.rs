@@ -47,6 +47,7 @@ pub(crate) const fn cause_words(cause: Cause) -> &'static str {
         Cause::Position => "off its path",
         Cause::Teammate => "a teammate",
         Cause::Shortfall => "a goal missed",
+        Cause::Reading => "what it has read",
         Cause::NoProgress => "no progress",
     }
 }

@@ -50,6 +50,8 @@ pub(crate) struct Evidence<'f> {
     pub moving: &'f [bool],
     /// Whether each robot takes part at the end: goals that others hold do not count.
     pub members: &'f [bool],
+    /// The goals that do not serve.
+    pub useless: &'f [Cell],
     /// Whether a robot that takes part has a way-point left.
     pub has_errand: bool,
 }
@@ -92,7 +94,10 @@ impl Evidence<'_> {
             None => self.scenario.goals.contains(&cell) && !is_owned(cell),
         };
         let cells = self.history.last().into_iter().flatten().copied().enumerate();
-        cells.filter(move |&(robot, cell)| self.members[robot] && holds(robot, cell)).map(|(_, cell)| cell)
+        let serves = |cell: Cell| !self.useless.contains(&cell);
+        let held =
+            cells.filter(move |&(robot, cell)| self.members[robot] && holds(robot, cell) && serves(cell));
+        held.map(|(_, cell)| cell)
     }
 
     /// The ticks between the first and the last arrival of the robots that moved and take part;
@@ -161,6 +166,7 @@ mod tests {
                 history: &history,
                 moving: &moving,
                 members: &self.members,
+                useless: &[],
                 has_errand: self.has_errand,
             };
             evidence.outcome()
@@ -228,6 +234,7 @@ mod tests {
             history: &history,
             moving: &[false],
             members: &[true],
+            useless: &[],
             has_errand: false,
         };
         assert_eq!(evidence.outcome(), Outcome::Collided);

@@ -3,8 +3,10 @@
 use crate::battery::BatteryState;
 use crate::flight_event::FlightEvent;
 use crate::progress::Progress;
-use crate::scenario::{Device, Event, EventEffect, Floor, Scenario, Trigger};
+use crate::random::{Random, Stream};
+use crate::scenario::{Device, Event, EventEffect, Floor, Scenario, Trigger, UnknownSpec};
 use iibt_core::grid::{Cell, Move};
+use iibt_core::navigation::Effect;
 
 /// The truth of a flight.
 #[derive(Debug)]
@@ -23,6 +25,10 @@ pub(crate) struct World {
     frozen: Vec<[Option<u32>; Device::ALL.len()]>,
     to_come: Vec<Event>,
     due: Vec<Cell>,
+    /// The goals that do not serve.
+    useless: Vec<Cell>,
+    /// The value of each unknown.
+    values: Vec<u8>,
 }
 
 /// A move that takes more than a tick.
@@ -35,10 +41,22 @@ struct Passage {
 }
 
 impl World {
-    pub(crate) fn new(scenario: &Scenario) -> Self {
+    pub(crate) fn new(scenario: &Scenario, seed: u64) -> Self {
+        let mut random = Random::of(seed, Stream::Unknown);
+        let values: Vec<u8> = scenario.unknowns.iter().map(|unknown| value(unknown, &mut random)).collect();
+        let all = || scenario.unknowns.iter().zip(&values);
+        let cells = |effect: Effect, is_real: bool| {
+            let of = all().filter(move |(unknown, _)| unknown.effect == effect);
+            of.flat_map(move |(unknown, &value)| {
+                let places = unknown.cells.iter().filter(move |place| (place.value == value) == is_real);
+                places.map(|place| place.cell)
+            })
+        };
         Self {
             known: scenario.map,
-            floor: scenario.map,
+            floor: scenario.map.avoiding(cells(Effect::Blocks, true)),
+            useless: cells(Effect::Serves, false).collect(),
+            values,
             cells: scenario.robots.iter().map(|robot| robot.start).collect(),
             under_way: vec![None; scenario.robots.len()],
             paces: scenario.robots.iter().map(|robot| robot.pace).collect(),
@@ -48,6 +66,16 @@ impl World {
             to_come: scenario.events.clone(),
             due: Vec::new(),
         }
+    }
+
+    /// The value of each unknown.
+    pub(crate) fn values(&self) -> &[u8] {
+        &self.values
+    }
+
+    /// The goals that do not serve.
+    pub(crate) fn useless(&self) -> &[Cell] {
+        &self.useless
     }
 
     /// Where the robots stand.
@@ -256,6 +284,18 @@ impl World {
     }
 }
 
+/// The value of an unknown: as it is written, or drawn. A number is drawn in any case, so that the
+/// others do not depend on what is written of this one.
+fn value(unknown: &UnknownSpec, random: &mut Random) -> u8 {
+    let mut drawn = f64::from(random.bits()) / 4_294_967_296.0;
+    let less = |p: &&f32| {
+        drawn -= f64::from(**p);
+        drawn >= 0.0
+    };
+    let value = unknown.prior.iter().take_while(less).count();
+    unknown.real.unwrap_or(value.min(unknown.prior.len() - 1) as u8)
+}
+
 /// The end of what begins in a tick and lasts so many ticks, or for good.
 fn end(tick: u32, ticks: Option<u32>) -> u32 {
     ticks.map_or(u32::MAX, |ticks| tick + ticks)
@@ -272,7 +312,7 @@ mod tests {
 
     fn world(events: &str) -> World {
         let text = format!("title = 't'\nmap = '''\n1..\n.#.\nG.2\n...\n'''\ngoals = [6, 11]\n{events}");
-        World::new(&Scenario::parse("test", &text.replace('G', ".")).unwrap())
+        World::new(&Scenario::parse("test", &text.replace('G', ".")).unwrap(), 1)
     }
 
     #[test]

@@ -391,7 +391,7 @@ fn missions_that_cannot_be_drawn_or_flown_are_refused_with_a_reason() {
     refuses(&mut host_sim("missions --robots 9"), "a number of robots is 1 to 8");
     refuses(&mut host_sim("missions --size 33x32"), "a size is WxH or WxH..WxH, with 2 to 1024 cells");
     refuses(&mut host_sim("missions --walls 1"), "a share of walls is a number from 0 to below 1");
-    refuses(&mut host_sim("missions --goals 9"), "9 is not in 1..=8");
+    refuses(&mut host_sim("missions --goals 17"), "17 is not in 1..=16");
     refuses(&mut host_sim("missions --owned --goals 2"), "cannot be used with");
     refuses(&mut host_sim("missions --map factory --walls 0.1"), "cannot be used with");
     refuses(&mut host_sim("missions --count 2"), "--out");

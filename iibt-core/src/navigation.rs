@@ -3,19 +3,23 @@
 //! | file | what it is |
 //! |---|---|
 //! | `mission` | what all robots of a team know from the beginning |
-//! | `unknown` | cells that may be blocked, and look-outs from which a robot sees them |
+//! | `unknown`, `readings` | what the team does not know, and what a robot has read of it |
 //! | `localisation` | where a robot believes it is, and how reliable its drive is |
 //! | `progress` | whether its readings follow its moves |
 //! | `obstacles`, `errands` | what it has seen; what it is to do before it goes to a goal |
 //! | `handover` | the way-points of lost teammates |
 //! | `fact`, `claim`, `intention` | what it announces |
 //! | `frame_size` | how much of it fits small frames |
+//! | `targets`, `alternatives` | what the planner is asked for: by the facts, and in different worlds |
+//! | `prospects`, `ways` | the worlds that are possible, and how long a team takes in each that cannot tell them apart |
+//! | `outlook` | how long a plan is expected to take, and what is seen on the way |
 //! | `policies` | the joint policies that all robots make from the same facts |
 //! | `team_robot` | a tick: rounds, the list, the choice, the next move |
 //! | `task` | the lines of Algorithm 1 |
 //! | `report`, `cause` | what logs and displays show |
 //! | `experience` | learned preferences for goals |
 
+mod alternatives;
 mod cause;
 mod claim;
 mod combinations;
@@ -28,12 +32,17 @@ mod intention;
 mod localisation;
 mod mission;
 mod obstacles;
+mod outlook;
 mod policies;
 mod progress;
+mod prospects;
+mod readings;
 mod report;
+mod targets;
 mod task;
 mod team_robot;
 mod unknown;
+mod ways;
 
 pub use cause::Cause;
 pub use claim::{Blocks, Cells};
@@ -47,7 +56,12 @@ pub use localisation::{Localisation, MOVES};
 pub use mission::{MAX_GOALS, MAX_PACE, Mission, MissionError};
 pub use obstacles::{Announced, CellEvidence, MAX_EVIDENCE, MAX_OBSTACLES};
 pub use policies::{Policies, TeamPlan};
+pub use readings::AnnouncedReadings;
 pub use report::{Report, Stage};
-pub use task::{BLOCKED, CHARGED, JointPolicy, ON_COURSE, PRECONDITION, PROGRESS, REACHED, SERVED, VISITED};
-pub use team_robot::{GridPercept, MAX_HAZARDS, Navigation};
-pub use unknown::{MAX_UNKNOWNS, Unknown};
+pub use task::{
+    BLOCKED, CHARGED, CURRENT, JointPolicy, ON_COURSE, PRECONDITION, PROGRESS, REACHED, SERVED, VISITED,
+};
+pub use team_robot::{GridPercept, MAX_HAZARDS, MAX_READINGS, Navigation};
+pub use unknown::{
+    Effect, MAX_UNKNOWNS, MAX_VALUES, MAX_WORLDS, Place, Reading, Says, Sight, Tells, Unknown,
+};

@@ -46,7 +46,7 @@ fn in_the_published_layout_while_a_robot_decides_without_another() {
     let view = View::full(3).without(RobotId(1));
     let wall: CellSet<2> = [9, 12, 16].map(Cell).into_iter().collect();
     let proposal = Proposal { round: 7, view, walls: [Cells(wall).to_wire(1)].into_iter().collect() };
-    let fact = Fact { anchor: Cell(8), purpose: Purpose::Visit(Cell(40)), evidence: Announced::new() };
+    let fact = Fact { anchor: Cell(8), purpose: Purpose::Visit(Cell(40)), ..Fact::default() };
     let scores = [Score { delay: 8, price: 0 }, Score::CANNOT].into_iter().collect();
     let answer = Answer::Scored { digest: Digest([1, 2, 3, 4]), scores };
     let waypoints = [41, 42].map(Cell).into_iter().collect();

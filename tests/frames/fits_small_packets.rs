@@ -4,7 +4,9 @@ use super::*;
 use firmware::missions::compact::{CELLS, LAYERS, LONGEST_PACKET, NODES, POLICIES, WORDS};
 use host_sim::{Faults, NavigatorFlight, Radio};
 use iibt_core::grid::{Map, Planner};
-use iibt_core::navigation::{Mission, MissionError, Navigation, Unknown, longest_packet};
+use iibt_core::navigation::{
+    Effect, Mission, MissionError, Navigation, Place, Sight, Tells, Unknown, longest_packet,
+};
 
 type Compact = iibt_core::navigation::Intention<WORDS, POLICIES>;
 
@@ -29,7 +31,7 @@ fn longest(left_out: usize, policies: usize, round: u32) -> RoundMessage<Fact<WO
     let evidence = [CellEvidence { cell: last, weight: i8::MIN }; Compact::PLACES].into_iter().collect();
     RoundMessage {
         proposal: Proposal { round, view, walls: (0..left_out).map(|_| wall()).collect() },
-        fact: Fact { anchor: last, purpose: Purpose::Charge(last), evidence },
+        fact: Fact { anchor: last, purpose: Purpose::Charge(last), evidence, ..Fact::default() },
         answer: Answer::Decided {
             digest: Digest([0xff; 4]),
             scores: Some((0..policies).map(|_| Score::CANNOT).collect()),
@@ -51,17 +53,16 @@ fn the_longest_packet_is_as_long_as_its_type_says() {
 }
 
 #[test]
-fn a_third_unknown_cell_and_a_third_place_are_refused_by_name() {
+fn a_ninth_value_of_unknowns_and_a_third_place_are_refused_by_name() {
     let map = Map::<WORDS>::drawn("....\n....").unwrap();
     let (starts, goals) = ([Cell(0), Cell(4)], [Cell(3), Cell(7)]);
-    let unknown = |cell| Unknown { cell: Cell(cell), look_out: Cell(cell + 4), worth: 1 };
-    let unknowns = [1, 2, 3].map(unknown);
-    let start = |unknowns| {
-        let mission = Mission { unknowns, ..Mission::new(map, &starts, &goals) };
+    let start = |prior| {
+        let unknowns = [Unknown { effect: Effect::Blocks, cells: &[], prior, sights: &[] }];
+        let mission = Mission { unknowns: &unknowns, ..Mission::new(map, &starts, &goals) };
         let member = Member::new(RobotId(0), 2).unwrap();
         Navigation::<CELLS, WORDS, LAYERS, NODES, POLICIES>::new(&mission, member, 1).map(|_| ())
     };
-    assert_eq!((start(&unknowns[..2]), start(&unknowns)), (Ok(()), Err(MissionError::UnknownCount)));
+    assert_eq!((start(&[0.125; 8]), start(&[0.1; 10])), (Ok(()), Err(MissionError::UnknownCount)));
     let mut message = Compact { rounds: longest(0, 8, 1), waypoints: PendingWaypoints::new() };
     assert_eq!(message.validate(), Ok(()));
     message.waypoints = [Cell(1)].into_iter().collect();
@@ -92,10 +93,19 @@ fn ground(random: &mut Random, wanted: usize) -> (Map<WORDS>, Vec<Cell>) {
 fn fly(seed: u64, longest: &mut [usize; 5]) -> bool {
     let mut random = Random::new(seed);
     let (map, cells) = ground(&mut random, 8);
-    let unknowns: Vec<Unknown> = cells[..2]
+    // A cell that may be blocked, and is not, seen from beside it.
+    let look_outs: Vec<Vec<Sight>> = cells[..2]
         .iter()
-        .filter_map(|&cell| map.free_neighbours(cell).next().map(|(_, look_out)| (cell, look_out)))
-        .map(|(cell, look_out)| Unknown { cell, look_out, worth: 2 })
+        .map(|&cell| {
+            map.free_neighbours(cell).map(|(_, from)| Sight { from, tells: Tells::Value, right: 0.9 })
+        })
+        .map(Iterator::collect)
+        .collect();
+    let places = [cells[0], cells[1]].map(|cell| [Place::new(cell, 1)]);
+    let unknowns: Vec<Unknown<'_>> = places
+        .iter()
+        .zip(&look_outs)
+        .map(|(cells, sights)| Unknown { effect: Effect::Blocks, cells, prior: &[1.0 - 1e-3, 1e-3], sights })
         .collect();
     let (starts, goals) = cells.split_at(4);
     let mission = Mission { policies: 8, unknowns: &unknowns, ..Mission::new(map, starts, goals) };

@@ -116,7 +116,7 @@ fn line_12_what_a_policy_costs_one_robot_counts_for_the_team() {
     let usual = agreed(&mission);
     let end = |team: &Team<'_>| report(team, 0).goal.expect("a goal");
     let disliked = GOALS.iter().position(|&goal| goal == end(&usual)).expect("a goal of the mission");
-    let mut values = [1.0; 8];
+    let mut values = [1.0; MAX_GOALS];
     values[disliked] = 0.01;
     let mut team = team(&mission);
     team.robot_mut(0).robot_mut().navigation_mut().set_goal_preferences(&values);

@@ -17,7 +17,8 @@ fn described() -> BTreeSet<String> {
     let rows = README.lines().skip_while(|line| !line.starts_with("| key ")).skip(2);
     let cells = rows.take_while(|line| line.starts_with('|')).filter_map(|row| row.split('|').nth(1));
     let names = cells.flat_map(|cell| cell.split('`').skip(1).step_by(2));
-    names.map(|name| name.trim_matches(['[', ']']).to_owned()).collect()
+    let key = |name: &'static str| name.trim_matches(['[', ']']).rsplit('.').next().unwrap_or(name);
+    names.map(|name| key(name).to_owned()).collect()
 }
 
 #[test]
@@ -29,7 +30,8 @@ fn every_key_is_described_and_no_other() {
         "[[robot]]",
         "[[event]]",
         "[[goal]]\ncell = 2\nserves = 1",
-        "[[unknown]]\ncell = 1\nlook_out = 2\nworth = 1",
+        "[[unknown]]\nprior = [1.0]",
+        "[[unknown]]\nprior = [1.0]\n[[unknown.sight]]\nfrom = 1",
         "[[wear]]\nrobot = 'R1'\nmove = 'up'\nfails = 1",
     ]
     .into_iter()

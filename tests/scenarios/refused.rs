@@ -51,10 +51,11 @@ fn with_file_line_and_reason() {
         (".#..", ".#1.", "10", "the map draws R1 as '1' already"),
         (".#..", ".#1.\n1...", "6", "row 2, column 0 of the map: robot 1 is drawn at 6 already"),
         (".#..", ".#G.", "8", "the map draws goals as 'G' already"),
-        ("[[event]]", "[[unknown]]\ncell = 5\nlook_out = 1\nworth = 1\n[[event]]", "20", "the unknown cell 5 is blocked"),
-        ("[[event]]", "[[unknown]]\ncell = 6\nlook_out = 12\nworth = 1\n[[event]]", "21", "look_out 12 is outside"),
-        ("[[event]]", "[[unknown]]\ncell = 6\nlook_out = 1\nworth = 0\n[[event]]", "22", "worth = 0 is not between 1 and 255"),
-        ("[[event]]", "[[unknown]]\ncell = 6\nlook_out = 1\n[[event]]", "19", "missing field `worth`"),
+        ("[[event]]", "[[unknown]]\nblocks = [[5]]\nprior = [0.5, 0.5]\n[[event]]", "20", "a cell of an unknown 5 is blocked"),
+        ("[[event]]", "[[unknown]]\nblocks = [[12]]\nprior = [0.5, 0.5]\n[[event]]", "20", "a cell of an unknown 12 is outside"),
+        ("[[event]]", "[[unknown]]\nserves = [[3], [6]]\nprior = [0.5, 0.5]\n[[event]]", "20", "6 is no goal"),
+        ("[[event]]", "[[unknown]]\nserves = [[3], [11]]\nprior = [0.5, 0.6]\n[[event]]", "21", "the probabilities of the values add up to 1.1"),
+        ("[[event]]", "[[unknown]]\nblocks = [[6]]\n[[event]]", "19", "missing field `prior`"),
         ("limit = 100", "need = 0", "2", "need = 0 is not between 1 and 2"),
         ("limit = 100", "need = 3", "2", "need = 3 is not between 1 and 2"),
         ("limit = 100", "need = 'all'", "2", "expected a whole number"),
@@ -189,8 +190,8 @@ fn when_the_team_or_the_map_is_too_large() {
     assert_eq!(team, "a.toml:20: 9 robots, but a team has at most 8");
     let map = refusal("a.toml", &format!("title = 't'\nmap = '''\n{}'''", "1.......G\n".repeat(114)));
     assert!(map.starts_with("a.toml:2: the map has 9 x 114 cells: draw 2 to 1024"), "{map}");
-    let goals = refusal("a.toml", "title = 't'\nmap = '1GGGGGGGGG'");
-    assert_eq!(goals, "a.toml:2: 9 goals, but a mission has at most 8");
+    let goals = refusal("a.toml", "title = 't'\nmap = '1GGGGGGGGGGGGGGGGG'");
+    assert_eq!(goals, "a.toml:2: 17 goals, but a mission has at most 16");
     let no_goal = refusal("a.toml", "title = 't'\nmap = '1...'");
     assert_eq!(no_goal, "a.toml:2: no goal for 1 robot: draw 'G' on the map or list them");
     let nobody = refusal("a.toml", "title = 't'\nmap = '...G'");

@@ -19,15 +19,16 @@ VERSION = 2
 MAX_FRAME = 127
 MAX_TEAM = 8
 MAX_EVIDENCE = 4
+MAX_READINGS = 8
 MAX_WAYPOINTS = 4
 MAX_WALL_BYTES = 11
 TAG_BYTES = 8
 
 LAYOUT = (
     "sender u8; epoch u32; sequence u32; "
-    "navigation 3: round u32; view u8; walls sequence scale u8 skipped u8 bits sequence u8; "
+    "navigation 4: round u32; view u8; walls sequence scale u8 skipped u8 bits sequence u8; "
     "anchor cell u16; purpose Goal, Visit cell u16, Charge cell u16, Stand; "
-    "evidence sequence cell u16 weight i8; "
+    "counts u8; evidence cell u16 weight i8; readings u8; "
     "answer Listing u8, Scored digest 4 u8 scores sequence delay u8 price u8, "
     "Decided digest 4 u8 option scores option policy u8 probability u8 step u16; "
     "waypoints sequence cell u16"
@@ -240,8 +241,39 @@ HEADER = Record(sender=U8, epoch=U32, sequence=U32)
 WALL = Record(scale=U8, skipped=U8, bits=Sequence(U8, MAX_WALL_BYTES))
 PROPOSAL = Record(round=U32, view=U8, walls=Sequence(WALL, MAX_TEAM // 2))
 PURPOSE = Either(("Goal", None), ("Visit", U16), ("Charge", U16), ("Stand", None))
-EVIDENCE = Sequence(Record(cell=U16, weight=I8), MAX_EVIDENCE)
-FACT = Record(anchor=U16, purpose=PURPOSE, evidence=EVIDENCE)
+KNOWN = Record(cell=U16, weight=I8)
+
+
+class Seen:
+    """Anchor and purpose; one byte that counts two lists, the first in its low half; the lists."""
+
+    names = {"anchor", "purpose", "evidence", "readings"}
+
+    def write(self, fact):
+        if not isinstance(fact, dict) or set(fact) != self.names:
+            raise Refused("a fact must have %s and nothing else" % ", ".join(sorted(self.names)))
+        evidence, readings = fact["evidence"], fact["readings"]
+        for values, most in ((evidence, MAX_EVIDENCE), (readings, MAX_READINGS)):
+            if not isinstance(values, list) or len(values) > most:
+                raise Refused("no list of at most %d" % most)
+        start = named("anchor", U16.write, fact["anchor"]) + named("purpose", PURPOSE.write, fact["purpose"])
+        counts = bytes([len(evidence) | len(readings) << 4])
+        lists = named("evidence", Array(KNOWN, len(evidence)).write, evidence)
+        return start + counts + lists + named("readings", Array(U8, len(readings)).write, readings)
+
+    def read(self, data):
+        fact = {}
+        fact["anchor"], data = named("anchor", U16.read, data)
+        fact["purpose"], data = named("purpose", PURPOSE.read, data)
+        (counts,), data = take(data, 1)
+        if counts & 0xF > MAX_EVIDENCE or counts >> 4 > MAX_READINGS:
+            raise Refused("counts of %d and %d" % (counts & 0xF, counts >> 4))
+        fact["evidence"], data = named("evidence", Array(KNOWN, counts & 0xF).read, data)
+        fact["readings"], data = named("readings", Array(U8, counts >> 4).read, data)
+        return fact, data
+
+
+FACT = Seen()
 CHOICE = Record(policy=U8, probability=U8)
 DIGEST = Array(U8, 4)
 
@@ -355,7 +387,8 @@ class Team:
         proposal, fact, answer = rounds["proposal"], rounds["fact"], rounds["answer"]
         if sender >= self.robots:
             raise Refused("the sender is not in the team")
-        if len(fact["evidence"]) + len(waypoints) > MAX_EVIDENCE:
+        room = MAX_EVIDENCE - -(-len(fact["readings"]) // 2) - len(fact["evidence"])
+        if len(waypoints) > room:
             raise Refused("there are more way-points than the frame has room for")
         if proposal["view"] >> self.robots:
             raise Refused("the view has a robot that the team does not have")

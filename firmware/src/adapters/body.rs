@@ -3,6 +3,7 @@
 use super::Absent;
 use crate::hardware::{Battery, Clock, Drive, Link, Localiser, Scanner};
 use iibt_core::grid::{Cell, Move};
+use iibt_core::navigation::Reading;
 use iibt_core::time::Instant;
 
 /// A composition of hardware parts; a part that the robot does not have is [`Absent`].
@@ -119,6 +120,10 @@ impl<L, C, D, P, S: Scanner, B> Scanner for Body<L, C, D, P, S, B> {
 
     fn is_clear(&mut self, cell: Cell) -> bool {
         self.scanner.is_clear(cell)
+    }
+
+    fn recognise(&mut self) -> Option<Reading> {
+        self.scanner.recognise()
     }
 }
 

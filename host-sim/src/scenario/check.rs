@@ -6,7 +6,7 @@ use super::{DriveFault, InferenceSpec, MAX_TICKS, RobotSpec, Scenario, file, rea
 use crate::input::{Fault, Read, WholeNumber, line_of_text, optional, parameter, refuse, share, whole};
 use crate::text::{counted, move_called};
 use iibt_core::grid::Cell;
-use iibt_core::navigation::{MAX_GOALS, MAX_UNKNOWNS, Unknown};
+use iibt_core::navigation::MAX_GOALS;
 use std::ops::Range;
 use toml::Spanned;
 
@@ -29,7 +29,7 @@ pub(super) fn check(name: &str, text: &str, file: &ScenarioFile) -> Read<Scenari
         .map_err(|(robot, reason)| Fault::new(start_of(robot, file), reason))?;
     let events = file.events.iter().map(|event| drawing.event(event, &robots));
     let serves = services(file, &goals)?;
-    let unknowns = drawing.unknowns(file)?;
+    let unknowns = drawing.unknowns(file, &goals)?;
     Ok(Scenario {
         name: name.to_owned(),
         title: line_of_text("title", &file.title, LONGEST_TITLE)?,
@@ -68,22 +68,6 @@ impl Drawing {
             }
         };
         refuse(number.span(), reason)
-    }
-
-    /// The cells that may be blocked, and from where a robot sees them.
-    fn unknowns(&self, file: &ScenarioFile) -> Read<Vec<Unknown>> {
-        if let Some(more) = file.unknowns.get(MAX_UNKNOWNS) {
-            return refuse(more.span(), format!("a mission has at most {MAX_UNKNOWNS} unknown cells"));
-        }
-        let unknown = |written: &Spanned<file::UnknownEntry>| {
-            let written = written.get_ref();
-            Ok(Unknown {
-                cell: self.free("the unknown cell", &written.cell)?,
-                look_out: self.free("look_out", &written.look_out)?,
-                worth: whole("worth", Some(&written.worth), 1..=u8::MAX.into(), 1)? as u8,
-            })
-        };
-        file.unknowns.iter().map(unknown).collect()
     }
 
     fn goals(&self, file: &ScenarioFile) -> Read<Vec<Cell>> {

@@ -92,9 +92,21 @@ pub(super) struct GoalEntry {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct UnknownEntry {
-    pub cell: WholeNumber,
-    pub look_out: WholeNumber,
-    pub worth: WholeNumber,
+    pub blocks: Option<Spanned<Vec<Vec<WholeNumber>>>>,
+    pub serves: Option<Spanned<Vec<Vec<WholeNumber>>>>,
+    pub prior: Spanned<Vec<RealNumber>>,
+    pub beside: Option<RealNumber>,
+    #[serde(default, rename = "sight")]
+    pub sights: Vec<Spanned<SightEntry>>,
+    pub real: Option<WholeNumber>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SightEntry {
+    pub from: WholeNumber,
+    pub tells: Option<WholeNumber>,
+    pub right: Option<RealNumber>,
 }
 
 #[derive(Deserialize)]

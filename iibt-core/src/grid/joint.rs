@@ -54,6 +54,6 @@ pub use lacam::Lacam;
 pub use list::{PolicyList, VERSION};
 pub use plan::{Arrival, Failure, JointConflict, JointConflictKind, JointPlan};
 pub use planner::JointPlanner;
-pub use prefix::{LookOut, Prefix};
+pub use prefix::Prefix;
 pub use prioritised::Prioritised;
 pub use problem::{Errand, Problem, ProblemError, Target};

@@ -74,6 +74,29 @@ impl<const W: usize> Spread<W> {
 }
 
 impl<const W: usize> Map<W> {
+    /// Writes the number of moves from each cell to the nearest of some cells, past closed ones;
+    /// `u8::MAX` where there is no way. Cells beyond the end of the table are left out.
+    ///
+    /// Cost: linear in `W` for each distance, and one visit of every cell.
+    pub(crate) fn distances(&self, to: &CellSet<W>, closed: &CellSet<W>, table: &mut [u8]) {
+        table.fill(u8::MAX);
+        let spread = Spread::within(self, self.free_cells().without(closed));
+        let mut layer = to.intersection(spread.cells());
+        let mut reached = CellSet::EMPTY;
+        for distance in 0..u8::MAX {
+            for cell in layer.iter() {
+                if let Some(slot) = table.get_mut(cell.index()) {
+                    *slot = distance;
+                }
+            }
+            reached = reached.union(&layer);
+            layer = spread.from(&layer).without(&reached);
+            if layer.is_empty() {
+                break;
+            }
+        }
+    }
+
     /// Returns the cells to which moves lead from a cell, that cell included.
     ///
     /// Cost: linear in `W` for each distance.

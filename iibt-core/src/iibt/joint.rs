@@ -75,7 +75,8 @@ fn costs<'s, L: JointPolicies>(
     members: impl Iterator<Item = (RobotId, &'s [Score])> + Clone,
 ) -> impl Iterator<Item = PolicyCost> {
     (0..list.len()).map(move |policy| {
-        let known = PolicyCost { time: list.cost(policy), habit: list.habit(policy), ..PolicyCost::FREE };
+        let (time, epistemic, habit) = (list.cost(policy), list.epistemic(policy), list.habit(policy));
+        let known = PolicyCost { time, epistemic, habit, ..PolicyCost::FREE };
         let private = members.clone().map(|(robot, scores)| {
             let score = scores.get(policy).copied().unwrap_or(Score::CANNOT);
             private(score, list.needs(policy, robot))

@@ -33,6 +33,9 @@ pub struct PolicyCost {
     /// The expected time until the policy is done, over the worlds of the common belief
     /// ([`expected_time`]): the pragmatic value with its sign changed.
     pub time: Eighths,
+    /// What is saved of that because the team goes on by what it sees on the way
+    /// ([`ExpectedTime`](super::ExpectedTime)): the epistemic value.
+    pub epistemic: Eighths,
     /// The habit, -ln E / β ([`worth_of_nats`]).
     pub habit: Eighths,
     /// The largest delay that one of the robots it needs expects.
@@ -45,19 +48,22 @@ pub struct PolicyCost {
 
 impl PolicyCost {
     /// A policy that costs nothing.
-    pub const FREE: Self = Self { time: 0, habit: 0, delay: 0, price: 0, is_impossible: false };
+    pub const FREE: Self = Self { time: 0, epistemic: 0, habit: 0, delay: 0, price: 0, is_impossible: false };
 
     /// A policy that cannot be carried out.
     pub const IMPOSSIBLE: Self = Self { is_impossible: true, ..Self::FREE };
 
-    /// Returns the sum of all terms; `u32::MAX` for an impossible policy.
+    /// Returns the sum of all terms, less the epistemic value; `u32::MAX` for an impossible policy.
     #[must_use]
     pub const fn total(self) -> u32 {
         if self.is_impossible {
             return u32::MAX;
         }
         // Four numbers of 16 bits do not overflow 32.
-        self.time as u32 + self.habit as u32 + self.delay as u32 + self.price as u32
+        self.time.saturating_sub(self.epistemic) as u32
+            + self.habit as u32
+            + self.delay as u32
+            + self.price as u32
     }
 
     /// Returns this cost with what one more robot adds to it: delays combine by their maximum,
@@ -152,7 +158,7 @@ pub fn expected_time(belief: &[f32], times: &[Eighths]) -> Eighths {
 ///
 /// P(k) ∝ exp(-β x cost(k)), where β is a number of nats per tick. [`choose`](Self::choose) returns
 /// the cheapest policy, the first of equals; it compares whole numbers, so all robots that know the
-/// same costs choose alike, whatever the precision. Memory is 16 bytes a policy; weighing costs one
+/// same costs choose alike, whatever the precision. Memory is 18 bytes a policy; weighing costs one
 /// exponential a policy.
 ///
 /// ```
@@ -244,6 +250,7 @@ impl<const K: usize> WeighedPolicies<K> {
         let (ours, theirs) = (self.costs.get(policy)?, self.costs.get(other)?);
         let gains = [
             (CostTerm::Time, theirs.time.saturating_sub(ours.time)),
+            (CostTerm::Epistemic, ours.epistemic.saturating_sub(theirs.epistemic)),
             (CostTerm::Habit, theirs.habit.saturating_sub(ours.habit)),
             (CostTerm::Delay, theirs.delay.saturating_sub(ours.delay)),
             (CostTerm::Price, theirs.price.saturating_sub(ours.price)),
@@ -257,8 +264,10 @@ impl<const K: usize> WeighedPolicies<K> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CostTerm {
-    /// The expected time.
+    /// The expected time if what is seen changes nothing.
     Time,
+    /// What is saved by going on by what is seen.
+    Epistemic,
     /// The habit.
     Habit,
     /// The delay of the slowest robot.
@@ -290,7 +299,7 @@ mod tests {
     #[test]
     fn every_term_decides_where_the_others_are_equal() {
         let with = |change: fn(&mut PolicyCost)| {
-            let mut dear = PolicyCost { time: 1, habit: 1, delay: 1, price: 1, is_impossible: false };
+            let mut dear = PolicyCost { time: 1, habit: 1, delay: 1, price: 1, ..PolicyCost::FREE };
             let even = dear;
             change(&mut dear);
             WeighedPolicies::<2>::new([dear, even], 1.0).unwrap().choose().map(|choice| choice.policy)
@@ -325,7 +334,7 @@ mod tests {
     #[test]
     fn terms_at_their_limits_do_not_overflow() {
         let most = Eighths::MAX;
-        let dear = PolicyCost { time: most, habit: most, delay: most, price: most, is_impossible: false };
+        let dear = PolicyCost { time: most, habit: most, delay: most, price: most, ..PolicyCost::FREE };
         let weighed = WeighedPolicies::<2>::new([dear, PolicyCost::FREE], f32::MAX).unwrap();
         assert_eq!((weighed.posterior(), weighed.choose().unwrap().policy), (&[0.0, 1.0][..], 1));
         assert_eq!(expected_time(&[1.0, 1.0], &[most, most]), most);

@@ -43,6 +43,9 @@ pub struct Worlds<const H: usize> {
 }
 
 impl<const H: usize> Worlds<H> {
+    /// No world: a place to keep some.
+    pub const NONE: Self = Self { shape: None, prior: Vec::new() };
+
     /// One world: nothing is unknown.
     #[must_use]
     pub fn certain() -> Self {
@@ -107,7 +110,7 @@ impl<const H: usize> Worlds<H> {
     #[must_use]
     pub fn value(&self, world: usize, unknown: usize) -> usize {
         let faster = (unknown + 1..self.unknowns()).map(|other| self.values(other)).product::<usize>();
-        world / faster.max(1) % self.values(unknown)
+        (world / faster.max(1)).checked_rem(self.values(unknown)).unwrap_or(0)
     }
 
     /// The belief over the worlds: P(h) ∝ prior(h) exp(sum of the evidence for its values).

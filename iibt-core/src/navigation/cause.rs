@@ -19,6 +19,8 @@ pub enum Cause {
     Teammate,
     /// The plan misses a goal, and more is known now.
     Shortfall,
+    /// By what it has read of the unknowns, another plan is better.
+    Reading,
     /// Its readings do not follow its moves: its localiser or its drive stands still.
     NoProgress,
 }

@@ -110,7 +110,7 @@ fn arrival(plan: &TeamPlan) -> Arrival {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fact::Purpose;
+    use super::super::fact::Fact;
     use super::*;
     use crate::grid::{Cell, Map};
     use crate::team::rounds::View;
@@ -128,7 +128,7 @@ mod tests {
         let starts = [Cell(0), Cell(12)];
         let goals = [Cell(2), Cell(13)];
         let mission = Mission { paths: Some(&lists), ..Mission::new(map, &starts, &goals) };
-        let facts = starts.map(|anchor| Fact { anchor, purpose: Purpose::Goal, evidence: Vec::new() });
+        let facts = starts.map(|anchor| Fact { anchor, ..Fact::default() });
         let members = Members::new(View::full(2), |robot| facts.get(robot.index()));
         let look = |closed: &CellSet<1>| {
             let mut combinations = Combinations::new();
@@ -173,11 +173,7 @@ mod tests {
         let goals = [Cell(2), Cell(12)];
         let mission = Mission { paths: Some(&lists), ..Mission::new(map, &starts, &goals) };
         let look = |anchors: [u16; 2], closed: &[u16]| {
-            let facts = anchors.map(|anchor| Fact {
-                anchor: Cell(anchor),
-                purpose: Purpose::Goal,
-                evidence: Vec::new(),
-            });
+            let facts = anchors.map(|anchor| Fact { anchor: Cell(anchor), ..Fact::default() });
             let members = Members::new(View::full(2), |robot| facts.get(robot.index()));
             let closed: CellSet<1> = closed.iter().copied().map(Cell).collect();
             let mut combinations = Combinations::new();

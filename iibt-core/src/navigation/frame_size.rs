@@ -46,7 +46,7 @@ pub(super) const fn listed(policies: usize, claims: usize) -> usize {
 #[must_use]
 pub const fn longest_packet<const W: usize, const K: usize>(left_out: usize) -> usize {
     const { assert!(HORIZON < 128, "a step takes one byte") }
-    let cell = if 32 * W <= 128 { 1 } else { 2 };
+    let cell = cell_bytes(W);
     let claims = left_out * Cells::<W>::longest(left_out);
     let header = 1 + 1 + 1 + 5 + 5; // COBS, version, sender, epoch, sequence
     let proposal = 5 + 1 + 1 + claims;
@@ -54,6 +54,15 @@ pub const fn longest_packet<const W: usize, const K: usize>(left_out: usize) -> 
     let answer = 1 + 4 + (1 + 1 + 2 * listed(K, claims)) + (1 + 2) + 1;
     header + proposal + fact + answer + 1 + TAG_BYTES
 }
+
+/// The most bytes of a cell's number on maps of so many words.
+const fn cell_bytes(words: usize) -> usize {
+    if 32 * words <= 128 { 1 } else { 2 }
+}
+
+/// The bytes of readings that take the room of one cell with its evidence: as many as that has on
+/// the smallest maps.
+pub(super) const READINGS_IN_PLACE: usize = cell_bytes(1) + 1;
 
 impl<const W: usize> Cells<W> {
     /// The most bytes of one robot's claim while so many are left out.

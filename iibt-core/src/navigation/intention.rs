@@ -1,9 +1,10 @@
 //! What a navigating robot announces: its fact, its scores, and the plan that it follows.
 
-use super::fact::Fact;
-use super::frame_size::places;
+use super::fact::{Fact, PLACE_BYTES};
+use super::frame_size::{READINGS_IN_PLACE, places};
 use super::handover::PendingWaypoints;
 use super::obstacles::MAX_EVIDENCE;
+use super::unknown::{Unknown, values};
 use crate::team::rounds::{Answer, Proposal, RoundMessage};
 use crate::team::{Invalid, Message, reading};
 use serde::{Deserialize, Serialize};
@@ -31,13 +32,14 @@ impl<const W: usize, const K: usize> AsRef<RoundMessage<Fact<W>, K>> for Intenti
 }
 
 impl<const W: usize, const K: usize> Message for Intention<W, K> {
-    const SCHEMA: &'static str = "navigation 3: round u32; view u8; walls sequence scale u8 skipped u8 bits \
-        sequence u8; anchor cell u16; purpose Goal, Visit cell u16, Charge cell u16, Stand; evidence sequence \
-        cell u16 weight i8; answer Listing u8, Scored digest 4 u8 scores sequence delay u8 price u8, Decided \
+    const SCHEMA: &'static str = "navigation 4: round u32; view u8; walls sequence scale u8 skipped u8 bits \
+        sequence u8; anchor cell u16; purpose Goal, Visit cell u16, Charge cell u16, Stand; counts u8; evidence \
+        cell u16 weight i8; readings u8; answer Listing u8, Scored digest 4 u8 scores sequence delay u8 price u8, Decided \
         digest 4 u8 option scores option policy u8 probability u8 step u16; waypoints sequence cell u16";
 
-    // A cell takes no more bytes than the evidence in whose place it is.
-    const MAX_BYTES: usize = RoundMessage::<Fact<W>, K>::MAX_BYTES + 1 - 3 * (MAX_EVIDENCE - Self::PLACES);
+    // A way-point takes no more bytes than the evidence in whose place it is.
+    const MAX_BYTES: usize =
+        RoundMessage::<Fact<W>, K>::MAX_BYTES + 1 - PLACE_BYTES * (MAX_EVIDENCE - Self::PLACES);
 
     fn read(bytes: &[u8]) -> Option<(Self, &[u8])> {
         let rounds =
@@ -55,8 +57,9 @@ impl<const W: usize, const K: usize> Message for Intention<W, K> {
     }
 
     fn validate(&self) -> Result<(), Invalid> {
-        let announced = self.rounds.fact.evidence.len() + self.waypoints.len();
-        if announced <= Self::PLACES { Ok(()) } else { Err(Self::TOO_MANY) }
+        let Fact { evidence, readings, .. } = &self.rounds.fact;
+        let named = evidence.len() + self.waypoints.len();
+        if named <= Self::places_beside(readings.len()) { Ok(()) } else { Err(Self::TOO_MANY) }
     }
 }
 
@@ -67,9 +70,19 @@ impl<const W: usize, const K: usize> Intention<W, K> {
     /// A cell is outside the map.
     pub const OUTSIDE: Invalid = Invalid("a cell is outside this robot's map");
 
-    /// The number of way-points for which the message has room beside the evidence.
+    /// The number of way-points for which the message has room beside evidence and readings.
     pub(super) fn room(fact: &Fact<W>) -> usize {
-        Self::PLACES.saturating_sub(fact.evidence.len())
+        Self::places_beside(fact.readings.len()).saturating_sub(fact.evidence.len())
+    }
+
+    /// The number of cells for which the message has room beside so many bytes of readings.
+    pub(super) const fn places_beside(readings: usize) -> usize {
+        Self::PLACES.saturating_sub(readings.div_ceil(READINGS_IN_PLACE))
+    }
+
+    /// Whether the message has room for what is read of these.
+    pub(super) fn has_room_for(unknowns: &[Unknown<'_>]) -> bool {
+        values(unknowns).div_ceil(2) <= Self::PLACES * READINGS_IN_PLACE
     }
 
     /// There are more way-points than the evidence leaves room for.

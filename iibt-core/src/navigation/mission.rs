@@ -2,14 +2,14 @@
 //! model.
 
 use super::fact::MAX_CELLS;
-use super::unknown::{MAX_UNKNOWNS, Unknown};
+use super::unknown::{self, MAX_UNKNOWNS, MAX_VALUES, MAX_WORLDS, Unknown};
 use crate::grid::{Cell, Map, Path};
 use crate::inference::learning::Rates;
 use crate::team::rounds::View;
 use crate::team::{Fnv1a, MAX_TEAM, RobotId};
 
-/// The most goals of one mission.
-pub const MAX_GOALS: usize = 8;
+/// The most goals of one mission: 8 without the feature `unknowns`.
+pub const MAX_GOALS: usize = if cfg!(feature = "unknowns") { 16 } else { 8 };
 
 /// The most ticks that a move of a robot takes, as its mission declares.
 pub const MAX_PACE: u8 = 8;
@@ -59,9 +59,10 @@ pub struct Mission<'m, const W: usize> {
     /// Paths given by hand for each robot, used while all robots stand where theirs begin: the
     /// joint policies are their combinations without conflicts, in order.
     pub paths: Option<&'m [&'m [Path]]>,
-    /// Cells that may be blocked, at most [`MAX_UNKNOWNS`]: joint policies in which a robot looks
-    /// first are made for them.
-    pub unknowns: &'m [Unknown],
+    /// What the team does not know: at most [`MAX_UNKNOWNS`], with [`MAX_VALUES`] values and
+    /// [`MAX_WORLDS`] combinations of them. Joint policies by which a robot looks first are made
+    /// for them, and up to the robot's `K` are weighed.
+    pub unknowns: &'m [Unknown<'m>],
     /// The number of joint policies to weigh, at least 1, by default 4; the robot's `K` is the
     /// most. Of a mission that lists paths, all their combinations are weighed, up to `K`.
     pub policies: u8,
@@ -108,13 +109,20 @@ pub enum MissionError {
     /// A charger is outside the map, blocked, or given twice.
     #[error("the charger p{} is outside the map, blocked or given twice", .0.0)]
     Charger(Cell),
-    /// More than [`MAX_UNKNOWNS`] unknown cells, or more than two for robots with
-    /// [small frames](super::SMALL_FRAME_POLICIES).
-    #[error("a mission has at most {MAX_UNKNOWNS} unknown cells, and two where frames are small")]
+    /// More than [`MAX_UNKNOWNS`] unknowns, values or worlds than there is room for, or readings that
+    /// do not fit [small frames](super::SMALL_FRAME_POLICIES).
+    #[error(
+        "a mission has at most {MAX_UNKNOWNS} unknowns with {MAX_VALUES} values and {MAX_WORLDS} worlds, and \
+         fewer where frames are small"
+    )]
     UnknownCount,
-    /// An unknown cell or its look-out is outside the map or blocked.
-    #[error("the unknown cell or look-out p{} is outside the map or blocked", .0.0)]
+    /// A cell of an unknown, or one from which it is seen, is outside the map, blocked, given twice,
+    /// or should be a goal and is none.
+    #[error("the cell p{} of an unknown is outside the map, blocked, given twice or no goal", .0.0)]
     Unknown(Cell),
+    /// The probabilities of the values of an unknown are no distribution.
+    #[error("the prior of unknown {0} is no distribution")]
+    Prior(u8),
     /// A number of the model is out of its range.
     #[error("a probability, pace, precision or number of policies is out of range")]
     Number,
@@ -243,9 +251,7 @@ impl<'m, const W: usize> Mission<'m, W> {
             path.moves()
                 .fold(hash.write(&path.start.0.to_le_bytes()), |hash, step| hash.write(&[step.code()]))
         });
-        let numbers = |unknown: &Unknown| [unknown.cell.0, unknown.look_out.0, unknown.worth.into()];
-        let unknowns = self.unknowns.iter().flat_map(numbers);
-        let hash = unknowns.fold(hash, |hash, number| hash.write(&number.to_le_bytes()));
+        let hash = self.unknowns.iter().fold(hash, |hash, unknown| unknown.hash(hash));
         hash.write(self.paces).finish()
     }
 
@@ -276,13 +282,7 @@ impl<'m, const W: usize> Mission<'m, W> {
         if let Some(cell) = self.misplaced(self.chargers.iter().copied().flatten()) {
             return Err(MissionError::Charger(cell));
         }
-        if self.unknowns.len() > MAX_UNKNOWNS {
-            return Err(MissionError::UnknownCount);
-        }
-        let mut seen = self.unknowns.iter().flat_map(|unknown| [unknown.cell, unknown.look_out]);
-        if let Some(cell) = seen.find(|&cell| !self.map.is_free(cell)) {
-            return Err(MissionError::Unknown(cell));
-        }
+        unknown::check(self.unknowns, &self.map, self.goals)?;
         let probability = |p: f32| (0.0..=1.0).contains(&p);
         let sensors = [self.sensor].into_iter().chain(self.sensors.iter().copied());
         let are_paces = self.paces.iter().all(|pace| (1..=MAX_PACE).contains(pace));

@@ -1,16 +1,19 @@
 //! The list of joint policies of a round: made from its facts, alike in every robot.
 
+use super::alternatives::Alternatives;
 use super::claim::{Blocks, Cells};
 use super::combinations::Combinations;
 use super::fact::{Fact, Purpose, blocked};
 use super::frame_size::listed;
-use super::mission::{MAX_GOALS, Mission};
-use super::unknown::{MAX_UNKNOWNS, Open, Unknown, nearest};
-use crate::bounded::up_to;
-use crate::grid::joint::{Errand, Failure, JointPlan, LATER_TOGETHER, LookOut, PolicyList, Problem, Target};
+use super::mission::Mission;
+use super::outlook::{Done, Seekers};
+use super::prospects::Prospects;
+use super::targets::Targets;
+use super::unknown::MAX_WORLDS;
+use crate::grid::joint::{Failure, JointPlan, LATER_TOGETHER, PolicyList};
 use crate::grid::{Cell, CellSet, Map, Move, Path};
 use crate::iibt::{cheapest_policy, weigh};
-use crate::inference::WeighedPolicies;
+use crate::inference::{ExpectedTime, WeighedPolicies};
 use crate::team::rounds::{JointPolicies, Proposal, Score, View};
 use crate::team::{MAX_TEAM, RobotId};
 use heapless::Vec;
@@ -43,7 +46,7 @@ impl<'a, const W: usize> Members<'a, W> {
         (0..).map(RobotId).zip(self.facts).filter_map(|(robot, fact)| Some((robot, fact?)))
     }
 
-    fn facts(&self) -> impl Iterator<Item = &'a Fact<W>> + Clone + '_ {
+    pub(super) fn facts(&self) -> impl Iterator<Item = &'a Fact<W>> + Clone + '_ {
         self.facts.iter().copied().flatten()
     }
 }
@@ -52,23 +55,52 @@ impl<'a, const W: usize> Members<'a, W> {
 ///
 /// All that know the facts of the members make the same list, whether or not they fly.
 #[derive(Clone, Debug)]
-pub struct Policies<const W: usize, const L: usize, const M: usize, const K: usize> {
+pub struct Policies<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> {
     list: PolicyList<W, L, MAX_TEAM, M, K>,
     /// Those of paths given by hand, as long as there may be more.
     combinations: Option<Combinations>,
-    /// The unknown cells that are worth a look in this round.
-    open: Open,
-    is_done: bool,
+    prospects: Prospects<S, W>,
+    /// What the next plan is for, where something is unknown.
+    alternatives: Alternatives,
+    /// The expected times of the policies over the worlds, where something is unknown.
+    expected: Vec<ExpectedTime, K>,
+    seekers: Seekers,
+    stage: Stage,
 }
 
-impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W, L, M, K> {
+/// How far the list is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// The combinations of paths given by hand are taken.
+    Combining,
+    /// The unknowns are to be weighed.
+    Begun,
+    /// The distance tables of the worlds are made.
+    Measuring,
+    /// Plans are made for the worlds, and to look first.
+    Branching,
+    /// The plans are weighed over the worlds.
+    Weighing,
+    /// Nothing that matters is unknown: plans are made for the likeliest world.
+    Planning,
+    Done,
+}
+
+impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize> Policies<S, W, L, M, K> {
     pub(super) const fn new() -> Self {
-        let (list, combinations) = (PolicyList::new(), Some(Combinations::new()));
-        Self { list, combinations, open: Open::NONE, is_done: false }
+        Self {
+            list: PolicyList::new(),
+            combinations: Some(Combinations::new()),
+            prospects: Prospects::NONE,
+            alternatives: Alternatives::NONE,
+            expected: Vec::new(),
+            seekers: Seekers::NONE,
+            stage: Stage::Combining,
+        }
     }
 
-    /// Makes the whole list of a round; `None` if the fact of a member is missing. On maps of `W`
-    /// words, with sizes as in [`Navigation`](super::Navigation).
+    /// Makes the whole list of a round; `None` if the fact of a member is missing. On maps of up to
+    /// `S` cells in `W` words, with sizes as in [`Navigation`](super::Navigation).
     ///
     /// The work has no bound but that of the searches: robots spread it over ticks.
     #[must_use]
@@ -81,7 +113,7 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
             return None;
         }
         let mut policies = Self::new();
-        while !policies.is_done {
+        while !policies.is_done() {
             let mut budget = u32::MAX;
             policies.advance(mission, proposal, &fact, &mut budget);
         }
@@ -100,23 +132,28 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
         let walls = proposal.left_out(mission.starts.len());
         let walls = walls.fold(CellSet::EMPTY, |all, (_, Cells(wall))| all.union(&wall));
         let most = listed(K, proposal.walls.iter().map(Blocks::bytes).sum());
-        self.work(mission, &members, &walls, most, budget);
+        let closed = blocked::<W>(members.facts()).union(&walls);
+        while self.work(mission, &members, &closed, most, budget) {}
     }
 
     /// Stands for all that the list depends on beside the facts: the generator and its sizes.
     pub(super) fn fingerprint(mission: &Mission<'_, W>) -> u64 {
-        PolicyList::<W, L, MAX_TEAM, M, K>::digest(mission.policies.into())
+        let list = PolicyList::<W, L, MAX_TEAM, M, K>::digest(mission.policies.into());
+        // Robots without room for unknowns agree with others where there are none.
+        let worlds = if mission.unknowns.is_empty() { 0 } else { MAX_WORLDS as u64 };
+        list.wrapping_add(worlds)
     }
 
     /// Forgets the list, to make another.
     pub(super) fn clear(&mut self) {
         self.list.start();
         self.combinations = Some(Combinations::new());
-        self.is_done = false;
+        self.expected.clear();
+        self.stage = Stage::Combining;
     }
 
-    pub(super) const fn is_done(&self) -> bool {
-        self.is_done
+    pub(super) fn is_done(&self) -> bool {
+        self.stage == Stage::Done
     }
 
     /// Returns the joint policies, as far as they are made.
@@ -125,17 +162,38 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
         self.list.policies()
     }
 
-    /// Returns the look-outs from which a robot sees a cell about which no member has evidence.
-    pub fn look_outs<'m>(
-        &self,
-        mission: &Mission<'m, W>,
-    ) -> impl Iterator<Item = Cell> + use<'m, W, L, M, K> {
-        self.open.iter(mission).map(|unknown| unknown.look_out)
+    /// What lies ahead in each world, as of the round.
+    pub(super) const fn prospects(&self) -> &Prospects<S, W> {
+        &self.prospects
+    }
+
+    /// The members that go to goals which no robot owns.
+    pub(super) const fn seekers(&self) -> Seekers {
+        self.seekers
+    }
+
+    /// Whether something is unknown that matters: the policies are weighed over worlds.
+    pub(super) fn is_branching(&self) -> bool {
+        HAS_UNKNOWNS && !self.expected.is_empty()
+    }
+
+    /// The expected time of each policy over the worlds, as far as they are weighed; none where
+    /// nothing is unknown that matters.
+    #[must_use]
+    pub fn expected(&self) -> &[ExpectedTime] {
+        &self.expected
+    }
+
+    /// The first cell on the rest of a path from where something is seen that was not known.
+    #[must_use]
+    pub fn look_out(&self, map: &Map<W>, path: &Path, moves: u16) -> Option<Cell> {
+        let later = visits(path, map).filter(|&(made, _)| made > moves).map(|(_, cell)| cell);
+        later.filter(|_| self.is_branching()).find(|&cell| self.prospects.has_sight(cell))
     }
 
     /// The policies as far as they are made, with what the rounds ask about them.
     pub(super) fn on_map<'a>(&'a self, mission: &'a Mission<'a, W>, view: View) -> OnMap<'a, W, K> {
-        OnMap { open: self.open, ..OnMap::new(mission, self.plans(), view) }
+        OnMap { expected: &self.expected, ..OnMap::new(mission, self.plans(), view) }
     }
 
     /// Returns why the robots do not come to all their targets, if they do not.
@@ -144,37 +202,125 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
         self.list.failure()
     }
 
-    /// Works on the list until it has `most` policies, is done, or the budget is used up.
+    /// Does the next piece of work on the list; returns whether there is more, and budget for it.
     fn work(
         &mut self,
         mission: &Mission<'_, W>,
         members: &Members<'_, W>,
-        walls: &CellSet<W>,
+        closed: &CellSet<W>,
         most: usize,
         budget: &mut u32,
-    ) {
-        if self.is_done {
-            return;
-        }
-        let closed = blocked::<W>(members.facts()).union(walls);
-        if L > 0 {
-            self.open = Open::of(mission, members);
-        }
-        if self.combinations.is_some() {
-            if self.combine(mission, members, &closed, most, budget).is_none() {
-                return;
-            }
-            self.is_done = !self.plans().is_empty();
-        }
-        if !self.is_done {
-            self.is_done = match L {
-                0 => self.stand(mission, members),
-                _ => {
-                    let targets = Targets::of(mission, members, &closed, self.open);
-                    let count = usize::from(mission.policies).min(most);
-                    self.list.work(&targets.problem(mission, closed), count, budget)
+    ) -> bool {
+        match self.stage {
+            Stage::Combining => {
+                if self.combine(mission, members, closed, most, budget).is_none() {
+                    return false;
                 }
-            };
+                self.stage = if self.plans().is_empty() { Stage::Begun } else { Stage::Done };
+            }
+            Stage::Begun if HAS_UNKNOWNS && L > 0 => self.begin(mission, members, closed),
+            Stage::Begun => self.stage = Stage::Planning,
+            Stage::Measuring if HAS_UNKNOWNS => {
+                let Some(left) = budget.checked_sub(1) else { return false };
+                *budget = left;
+                self.measure(mission, members, closed);
+            }
+            Stage::Branching if HAS_UNKNOWNS => {
+                if !self.branch(mission, members, closed, most, budget) {
+                    return false;
+                }
+            }
+            Stage::Weighing if HAS_UNKNOWNS => {
+                let Some(left) = budget.checked_sub(self.prospects.belief().len() as u32) else {
+                    return false;
+                };
+                *budget = left;
+                self.weigh_next(mission);
+            }
+            Stage::Planning if L == 0 => {
+                self.stand(mission, members);
+                self.stage = Stage::Done;
+            }
+            Stage::Planning => {
+                let mut targets = Targets::of(mission, members, closed);
+                let mut shut = *closed;
+                if HAS_UNKNOWNS {
+                    let world = self.prospects.likeliest();
+                    targets = targets.in_world(mission, &self.prospects, world);
+                    shut = shut.union(&self.prospects.closed(mission, world));
+                }
+                let problem = targets.problem(mission, shut);
+                let count = usize::from(mission.policies).min(most);
+                if !self.list.work(&problem, count, budget) {
+                    return false;
+                }
+                self.stage = Stage::Done;
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    /// Finds out whether something is unknown that matters.
+    fn begin(&mut self, mission: &Mission<'_, W>, members: &Members<'_, W>, closed: &CellSet<W>) {
+        let targets = Targets::of(mission, members, closed);
+        self.seekers = targets.seekers();
+        self.prospects.start(mission, members, targets.need);
+        let is_open = !self.seekers.is_empty() && self.prospects.open(mission).next().is_some();
+        self.stage = if is_open { Stage::Measuring } else { Stage::Planning };
+    }
+
+    fn measure(&mut self, mission: &Mission<'_, W>, members: &Members<'_, W>, closed: &CellSet<W>) {
+        let targets = Targets::of(mission, members, closed);
+        self.prospects.make(mission, &targets.goals, closed);
+        if self.prospects.to_make() == 0 {
+            let worth = self.prospects.value_of_knowing(mission, &targets.seeking());
+            self.alternatives = Alternatives::new(worth >= LOOK_IF_WORTH);
+            self.list.start_extending();
+            self.stage = Stage::Branching;
+        }
+    }
+
+    /// Makes the plan for the next alternative, as far as the budget lets it; returns whether that is
+    /// done.
+    #[inline(never)]
+    fn branch(
+        &mut self,
+        mission: &Mission<'_, W>,
+        members: &Members<'_, W>,
+        closed: &CellSet<W>,
+        most: usize,
+        budget: &mut u32,
+    ) -> bool {
+        let targets = Targets::of(mission, members, closed);
+        let variant = targets.variant(mission, &self.prospects, self.alternatives.current(), closed);
+        if let Some((targets, shut)) = variant
+            && !self.list.extend(
+                &targets.problem(mission, closed.union(&shut).union(&self.prospects.shut(mission))),
+                budget,
+            )
+        {
+            return false;
+        }
+        let count = self.prospects.belief().len();
+        let has_room = self.plans().len() < most;
+        if !has_room || !self.alternatives.go_on(mission.unknowns.len(), count) {
+            // Without any plan there is one by which all stand, which says why.
+            self.stage = if self.plans().is_empty() { Stage::Planning } else { Stage::Weighing };
+        }
+        true
+    }
+
+    /// Weighs the next plan over the worlds.
+    fn weigh_next(&mut self, mission: &Mission<'_, W>) {
+        let Some(plan) = self.plans().get(self.expected.len()) else {
+            self.stage = Stage::Done;
+            return;
+        };
+        let prospects = &self.prospects;
+        let expected = prospects.expected(mission, plan, self.seekers, Done::NOTHING, prospects.belief());
+        if self.expected.push(expected).is_err() {
+            self.stage = Stage::Done;
         }
     }
 
@@ -212,105 +358,11 @@ impl<const W: usize, const L: usize, const M: usize, const K: usize> Policies<W,
     }
 }
 
-/// What a planner is asked for.
-struct Targets {
-    errands: Vec<Errand, MAX_TEAM>,
-    goals: Vec<Cell, { MAX_GOALS + MAX_TEAM }>,
-    need: usize,
-    look_outs: Vec<LookOut, MAX_UNKNOWNS>,
-}
+/// Whether there can be anything unknown: else no code for it is in the image.
+pub(super) const HAS_UNKNOWNS: bool = MAX_WORLDS > 1;
 
-impl Targets {
-    fn of<const W: usize>(
-        mission: &Mission<'_, W>,
-        members: &Members<'_, W>,
-        closed: &CellSet<W>,
-        open_unknowns: Open,
-    ) -> Self {
-        let errand = |(robot, fact): (_, &Fact<W>)| Errand {
-            from: fact.anchor,
-            target: target(mission, members, robot, fact),
-        };
-        let mut errands: Vec<Errand, MAX_TEAM> = up_to(members.iter().map(errand));
-        let open = mission.open_goals(members.view);
-        let held = hold_closed(&mut errands, open.clone(), closed);
-        give_up_twins(&mut errands, closed);
-        let goals = up_to(open.clone().filter(|&goal| !closed.contains(goal)));
-        let seeking = errands.iter().filter(|errand| errand.target == Target::Any).count();
-        // A goal that is blocked is still needed: the plan is then short of it, and says so.
-        let all = open.count();
-        let need = mission.need.map_or(all, usize::from).min(all).min(seeking + held);
-        let need = need.saturating_sub(held);
-        // The nearest of those on the way to goals looks: errands come first.
-        let is_free =
-            |(_, fact): &(_, &Fact<W>)| fact.purpose == Purpose::Goal && !closed.contains(fact.anchor);
-        let starts = members.iter().filter(is_free).map(|(robot, fact)| (robot, fact.anchor));
-        let look_out = |unknown: &Unknown| {
-            let robot = nearest(mission, closed, unknown.look_out, starts.clone())?;
-            Some(LookOut { robot: members.view.place(robot)? as u8, cell: unknown.look_out })
-        };
-        let look_outs = up_to(open_unknowns.iter(mission).filter_map(look_out));
-        Self { errands, goals, need, look_outs }
-    }
-
-    fn problem<'a, const W: usize>(
-        &'a self,
-        mission: &'a Mission<'_, W>,
-        closed: CellSet<W>,
-    ) -> Problem<'a, W> {
-        let (goals, need, look_outs) = (&self.goals, self.need, &self.look_outs);
-        Problem { closed, goals, need, look_outs, ..Problem::new(&mission.map, &self.errands) }
-    }
-}
-
-/// What a robot is to do, by its fact.
-fn target<const W: usize>(
-    mission: &Mission<'_, W>,
-    members: &Members<'_, W>,
-    robot: RobotId,
-    fact: &Fact<W>,
-) -> Target {
-    let charges = |fact: &Fact<W>| matches!(fact.purpose, Purpose::Charge(_));
-    if mission.waits_for_charging && !charges(fact) && members.facts().any(charges) {
-        return Target::Stand;
-    }
-    match fact.purpose {
-        Purpose::Goal => mission.own_goal(robot).map_or(Target::Any, Target::Own),
-        Purpose::Visit(cell) | Purpose::Charge(cell) => Target::Own(cell),
-        Purpose::Stand => Target::Stand,
-    }
-}
-
-/// Lets robots stand that are at their targets in closed cells, in the wall of a robot left out
-/// for example: no robot could come back there, and they are in no one's way. Returns how many of
-/// the open goals they hold.
-fn hold_closed<const W: usize>(
-    errands: &mut [Errand],
-    open: impl Iterator<Item = Cell> + Clone,
-    closed: &CellSet<W>,
-) -> usize {
-    let mut held = 0;
-    for errand in errands.iter_mut().filter(|errand| closed.contains(errand.from)) {
-        let is_on_goal = errand.target == Target::Any && open.clone().any(|goal| goal == errand.from);
-        if is_on_goal || errand.target == Target::Own(errand.from) {
-            errand.target = Target::Stand;
-            held += usize::from(is_on_goal);
-        }
-    }
-    held
-}
-
-/// Gives up targets that are blocked, or that a robot with a lower number owns too.
-fn give_up_twins<const W: usize>(errands: &mut [Errand], closed: &CellSet<W>) {
-    let mut owned = CellSet::<W>::EMPTY;
-    for errand in errands {
-        if let Target::Own(cell) = errand.target
-            && (closed.contains(cell) || !owned.insert(cell))
-        {
-            errand.target = Target::Any;
-        }
-    }
-}
+/// What it must save to know everything for robots to look first, in eighths of a tick.
+const LOOK_IF_WORTH: u16 = 4;
 
 /// What [`OnMap::entry`] has found.
 #[derive(Clone, Copy, Debug)]
@@ -328,7 +380,8 @@ pub(super) struct OnMap<'a, const W: usize, const K: usize> {
     pub mission: &'a Mission<'a, W>,
     pub plans: &'a [TeamPlan],
     pub view: View,
-    pub open: Open,
+    /// What each takes over the worlds, where something is unknown.
+    pub expected: &'a [ExpectedTime],
     /// The question and the answer of the last [`entry`](Self::entry): it is asked of each
     /// teammate.
     entry: core::cell::Cell<Option<Entry>>,
@@ -337,7 +390,7 @@ pub(super) struct OnMap<'a, const W: usize, const K: usize> {
 impl<'a, const W: usize, const K: usize> OnMap<'a, W, K> {
     /// Policies of a round in which nothing is unknown.
     pub(super) const fn new(mission: &'a Mission<'a, W>, plans: &'a [TeamPlan], view: View) -> Self {
-        Self { mission, plans, view, open: Open::NONE, entry: core::cell::Cell::new(None) }
+        Self { mission, plans, view, expected: &[], entry: core::cell::Cell::new(None) }
     }
 
     /// The path of a member in a policy.
@@ -382,7 +435,10 @@ fn made(path: &Path) -> impl Iterator<Item = (usize, Move)> + '_ {
 }
 
 /// The cells of a path at every step from its start to its end, with the moves made until then.
-fn visits<'a, const W: usize>(path: &'a Path, map: &'a Map<W>) -> impl Iterator<Item = (u16, Cell)> + 'a {
+pub(super) fn visits<'a, const W: usize>(
+    path: &'a Path,
+    map: &'a Map<W>,
+) -> impl Iterator<Item = (u16, Cell)> + 'a {
     let (mut moves, mut visit) = (path.moves(), Some((0, path.start)));
     core::iter::from_fn(move || {
         let (made, here) = visit?;
@@ -409,17 +465,25 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
 
     /// The ticks of the execution, an eighth of a tick for each that the first robot to arrive
     /// waits for the last, five ticks if they come more than a tick apart, and five if they do not
-    /// wait for each other, the goals that are missed, and what it is worth to have looked at cells
-    /// at which none looks.
+    /// wait for each other, and the goals that are missed; where something is unknown, the expected
+    /// time over the worlds.
     fn cost(&self, policy: usize) -> u16 {
         let Some(plan) = self.plans.get(policy) else { return u16::MAX };
+        if let Some(expected) = self.expected.get(policy) {
+            return expected.pragmatic;
+        }
         let run = plan.execution();
         let idle = if run.is_together() { 0 } else { run.spread.into() };
         let time = 8 * usize::from(run.ticks) + idle;
         let faults = usize::from(!plan.is_together()) + usize::from(!run.is_together());
-        let unseen = self.open.cost(self.mission, plan.paths());
-        let cost = time + APART * faults + SHORT * plan.short_by() + unseen;
+        let cost = time + APART * faults + SHORT * plan.short_by();
         u16::try_from(cost).unwrap_or(u16::MAX)
+    }
+
+    /// What branching is worth: how much earlier the team is done because it goes on by what it
+    /// sees.
+    fn epistemic(&self, policy: usize) -> u16 {
+        self.expected.get(policy).map_or(0, |expected| expected.epistemic)
     }
 
     /// Whether it ends on a goal of its own. A robot to spare may come as late as it likes.
@@ -469,7 +533,8 @@ impl<const W: usize, const K: usize> JointPolicies for OnMap<'_, W, K> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::joint::Arrival;
+    use crate::bounded::up_to;
+    use crate::grid::joint::{Arrival, Errand, Problem, Target};
     use crate::team::rounds::Claim;
 
     const STARTS: [Cell; 3] = [Cell(0), Cell(14), Cell(40)];
@@ -625,15 +690,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn targets_that_are_blocked_or_wanted_twice_are_given_up() {
-        let own = |cell| Target::Own(Cell(cell));
-        let mut twins =
-            [(0, 7), (1, 7), (2, 8)].map(|(from, to)| Errand { from: Cell(from), target: own(to) });
-        give_up_twins::<2>(&mut twins, &[Cell(8)].into_iter().collect());
-        assert_eq!(twins.map(|errand| errand.target), [own(7), Target::Any, Target::Any]);
-    }
-
     /// The best joint policy of robots 0 and 1, on these cells, where robot 2 may be on `wall`.
     fn best_without_robot_2(
         own_goals: &[Option<Cell>],
@@ -644,10 +700,9 @@ mod tests {
         let wall = Cells(wall.iter().copied().map(Cell).collect::<CellSet<2>>());
         let view = View::full(2);
         let proposal = Proposal { round: 3, view, walls: up_to([wall.to_wire(1)]) };
-        let facts =
-            anchors.map(|anchor| Fact { anchor: Cell(anchor), purpose: Purpose::Goal, evidence: up_to([]) });
+        let facts = anchors.map(|anchor| Fact { anchor: Cell(anchor), ..Fact::default() });
         let fact = |robot: RobotId| facts.get(robot.index());
-        let policies = Policies::<2, 33, 64, 16>::of_round(&mission, &proposal, fact).unwrap();
+        let policies = Policies::<49, 2, 33, 64, 16>::of_round(&mission, &proposal, fact).unwrap();
         let best = policies.plans()[0];
         (best.paths().iter().map(|path| path.end(&mission.map).0).collect(), best.short_by())
     }

@@ -23,10 +23,12 @@ pub const SERVED: u8 = 4;
 pub const REACHED: u8 = 5;
 /// The logic variable that is false while the robot's readings do not follow its moves.
 pub const PROGRESS: u8 = 6;
+/// The logic variable that is false while another plan is better by what the robot has read since.
+pub const CURRENT: u8 = 7;
 
 /// What must hold for a joint policy to be followed.
 pub const PRECONDITION: Condition = Condition {
-    all: Logic::of(&[ON_COURSE, CHARGED, VISITED, SERVED, REACHED, PROGRESS]),
+    all: Logic::of(&[ON_COURSE, CHARGED, VISITED, SERVED, REACHED, PROGRESS, CURRENT]),
     none: Logic::of(&[BLOCKED]),
 };
 
@@ -52,6 +54,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             .with(SERVED, serves(|purpose| *purpose == Purpose::Goal))
             .with(REACHED, !self.is_complete() || !self.misses_a_goal())
             .with(PROGRESS, !self.is_stuck())
+            .with(CURRENT, !self.is_outdated())
     }
 
     /// Whether the plan leaves a goal out that it should reach.
@@ -77,6 +80,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             && self.standing().is_some()
             && !self.is_in_doubt()
             && !self.misses_a_goal()
+            && !self.is_unsure()
             && !self.may_take_over()
     }
 }
@@ -128,6 +132,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             VISITED => Cause::WayPoint,
             SERVED => Cause::Free,
             PROGRESS => return,
+            CURRENT => Cause::Reading,
             // Another round would come to the same as long as nothing new is known.
             _ if self.has_news() => Cause::Shortfall,
             _ => return,

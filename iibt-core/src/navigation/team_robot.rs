@@ -4,6 +4,7 @@ mod course;
 mod decision;
 mod doubt;
 mod errands;
+mod outlook;
 mod perception;
 
 use super::errands::Waypoints;
@@ -12,6 +13,8 @@ use super::handover::Handover;
 use super::obstacles::Obstacles;
 use super::policies::{OnMap, Policies, TeamPlan};
 use super::progress::{Passage, Progress};
+use super::readings::{AnnouncedReadings, Readings};
+use super::unknown::{self, MAX_WORLDS, Reading};
 use super::{
     Announced, Cause, Intention, Localisation, MAX_GOALS, MAX_OBSTACLES, Mission, MissionError, Purpose,
 };
@@ -20,9 +23,13 @@ use crate::inference::WeighedPolicies;
 use crate::team::rounds::{Digest, Rounds, Waiting};
 use crate::team::{Fnv1a, Invalid, Member, RobotId};
 use heapless::Vec;
+use outlook::OwnOutlook;
 
 /// The most obstacles that a robot takes in at a tick.
 pub const MAX_HAZARDS: usize = 4;
+
+/// The most readings of unknowns that a robot takes in at a tick.
+pub const MAX_READINGS: usize = 4;
 
 /// What a navigating robot senses in a tick.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -34,13 +41,16 @@ pub struct GridPercept {
     pub hazards: Vec<Cell, MAX_HAZARDS>,
     /// Cells in view that are free, of those that were reported as blocked before.
     pub clear: Vec<Cell, MAX_OBSTACLES>,
-    /// Whether the last move is still going on; the reading is not used then.
+    /// What was read of the unknowns of the mission from where the robot stands.
+    pub readings: Vec<Reading, MAX_READINGS>,
+    /// Whether the last move is still going on; no reading is used then.
     pub moving: bool,
 }
 
 impl GridPercept {
     /// Nothing sensed.
-    pub const NONE: Self = Self { reading: None, hazards: Vec::new(), clear: Vec::new(), moving: false };
+    pub const NONE: Self =
+        Self { reading: None, hazards: Vec::new(), clear: Vec::new(), readings: Vec::new(), moving: false };
 }
 
 /// The task of a robot in a navigating team: to reach goals with its teammates, by one joint plan.
@@ -67,6 +77,7 @@ pub struct Navigation<'m, const S: usize, const W: usize, const L: usize, const 
     left: u32,
     localisation: Localisation<S>,
     obstacles: Obstacles,
+    readings: Readings,
     watched: CellSet<W>,
     /// Where something is in view now.
     seen: CellSet<W>,
@@ -78,10 +89,12 @@ pub struct Navigation<'m, const S: usize, const W: usize, const L: usize, const 
     goal_values: [f32; MAX_GOALS],
     /// `None` until the robot first knows where it stands: it has nothing true to say before.
     rounds: Option<Rounds<Fact<W>, K>>,
-    policies: Policies<W, L, M, K>,
+    policies: Policies<S, W, L, M, K>,
     /// What the policies are being made from.
     listing: Option<Digest>,
     weighed: WeighedPolicies<K>,
+    /// What the robot makes of the plan by what it has read since.
+    outlook: OwnOutlook,
     moving: bool,
     /// Whether another robot with the number of this one has been heard: it stands then.
     has_twin: bool,
@@ -135,6 +148,8 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             left: Self::BUDGET,
             localisation: Localisation::idle(),
             obstacles: Obstacles::NONE,
+            readings: Readings::NONE,
+            outlook: OwnOutlook::NONE,
             watched: CellSet::EMPTY,
             seen: CellSet::EMPTY,
             mates_in_view: CellSet::EMPTY,
@@ -172,7 +187,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         epoch: u32,
     ) -> Result<(), MissionError> {
         mission.check::<S>()?;
-        if mission.unknowns.len() > Intention::<W, K>::PLACES {
+        if !Intention::<W, K>::has_room_for(mission.unknowns) {
             return Err(MissionError::UnknownCount);
         }
         if !Self::PLANS && !mission.needs_no_planner() {
@@ -226,7 +241,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     /// another one reject each other's frames.
     #[must_use]
     pub fn mission_id(&self) -> u64 {
-        let generator = Policies::<W, L, M, K>::fingerprint(self.mission);
+        let generator = Policies::<S, W, L, M, K>::fingerprint(self.mission);
         Fnv1a::EMPTY.write(&self.mission.id().to_le_bytes()).write(&generator.to_le_bytes()).finish()
     }
 
@@ -259,13 +274,20 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         self.policies.plans()
     }
 
-    /// Returns the look-out that the robot's path leads by, to see a cell of which no member knows
-    /// whether it is blocked.
+    /// Returns the first cell on what is left of the robot's path from where it sees something that
+    /// no member knew when the plan was made.
     #[must_use]
     pub fn look_out(&self) -> Option<Cell> {
-        let (path, _) = self.course()?;
-        let is_by = |at: &Cell| path.cells(&self.mission.map).any(|cell| cell == *at);
-        self.policies.look_outs(self.mission).find(is_by)
+        let (path, moves) = self.course()?;
+        self.policies.look_out(&self.mission.map, path, moves)
+    }
+
+    /// Returns the probability of each world, by what all members had read when the round began and
+    /// this robot has read since. A world is a value for each unknown, the last of which changes
+    /// fastest; there is none where nothing is unknown.
+    #[must_use]
+    pub fn worlds(&self) -> Vec<f32, MAX_WORLDS> {
+        self.belief()
     }
 
     /// Returns the posterior over the joint policies, and what each costs; empty before the choice.
@@ -341,17 +363,29 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     }
 
     fn fact(&self, anchor: Cell, purpose: Purpose) -> Fact<W> {
-        Fact { anchor, purpose, evidence: self.evidence() }
+        let readings = self.told();
+        let evidence = self.evidence(Intention::<W, K>::places_beside(readings.len()));
+        Fact { anchor, purpose, evidence, readings }
     }
 
-    /// The evidence that the robot announces now: about obstacles, and before that the cells on
-    /// which it may be while it is in doubt.
-    fn evidence(&self) -> Announced {
-        match self.progress.trail() {
-            trail if trail.is_empty() || self.member.team() == 1 => {
-                self.obstacles.strongest(Intention::<W, K>::PLACES)
-            }
-            trail => self.obstacles.with_claims(trail).strongest(Intention::<W, K>::PLACES),
+    /// The evidence about at most so many cells that the robot announces now: about obstacles, and
+    /// before that the cells on which it may be while it is in doubt.
+    fn evidence(&self, most: usize) -> Announced {
+        match self.trail() {
+            [] => self.obstacles.strongest(most),
+            trail => self.obstacles.with_claims(trail).strongest(most),
         }
+    }
+
+    /// What the robot tells of the unknowns that it has read: nothing as long as it has to tell
+    /// where it may be.
+    fn told(&self) -> AnnouncedReadings {
+        let values = unknown::values(self.mission.unknowns);
+        if self.trail().is_empty() { self.readings.announced(values) } else { AnnouncedReadings::new() }
+    }
+
+    /// The cells on which a robot in doubt may be, where there are others whom that concerns.
+    fn trail(&self) -> &[Cell] {
+        if self.member.team() == 1 { &[] } else { self.progress.trail() }
     }
 }

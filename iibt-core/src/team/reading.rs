@@ -20,8 +20,24 @@ where
     T: Deserialize<'b>,
     L: LenType,
 {
+    let count = value(bytes)?;
+    items(to, count, bytes)
+}
+
+/// Takes so many items from the front of `bytes`, in the place of those of a list; `None` if there
+/// are fewer, or the list has less room.
+#[inline]
+pub(crate) fn items<'b, T, L, const N: usize>(
+    to: &mut Vec<T, N, L>,
+    count: u32,
+    bytes: &mut &'b [u8],
+) -> Option<()>
+where
+    T: Deserialize<'b>,
+    L: LenType,
+{
     to.clear();
-    for _ in 0..value::<u32>(bytes)? {
+    for _ in 0..count {
         to.push(value(bytes)?).ok()?;
     }
     Some(())

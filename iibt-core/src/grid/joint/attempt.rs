@@ -22,6 +22,9 @@ pub(super) struct Choice {
 }
 
 impl Choice {
+    /// The one of fewest steps, whether or not its robots arrive together.
+    pub(super) const SOONEST: Self = Self { staggered: true, ..Self::BEST };
+
     /// The best one.
     pub(super) const BEST: Self =
         Self { turn: None, without: None, latest: None, most_short: None, staggered: false };

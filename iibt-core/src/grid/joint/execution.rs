@@ -109,6 +109,15 @@ impl<const N: usize> JointPlan<N> {
         self.arrive(run, map, &mut table);
     }
 
+    /// Lets every robot make its last move when it can, and executes the plan.
+    ///
+    /// Takes as many cells of stack as the robots have in `L` steps.
+    #[inline(never)]
+    pub(super) fn stagger<const W: usize, const L: usize>(&mut self, map: &Map<W>) {
+        let mut table: Table<L, N> = [[Cell(0); N]; L];
+        self.arrive(None, map, &mut table);
+    }
+
     /// Puts a barrier before the last moves if this execution with it brings them close together,
     /// and executes the plan without it if not. The table is overwritten.
     pub(super) fn arrive<const W: usize, const L: usize>(

@@ -1,16 +1,16 @@
 //! The joint policies that a team chooses from: several plans for one problem.
 
-use super::super::{Cell, CellSet, Path, WaitPlace};
+use super::super::{Cell, CellSet, WaitPlace};
 use super::attempt::{Choice, LATER_TOGETHER};
 use super::network::Turn;
 use super::planner::JointPlanner;
 use super::walk::MOST_CHANGES;
-use super::{Errand, Failure, JointPlan, Prefix, Problem, Target, fixed_paths, flow_planner};
+use super::{Errand, Failure, JointPlan, Problem, Target, fixed_paths, flow_planner};
 use crate::actions::HORIZON;
 
 /// The version of the generator. Robots that run different ones do not have equal plans, and must
 /// not agree on any.
-pub const VERSION: u16 = 4;
+pub const VERSION: u16 = 5;
 
 /// The goals of which other sets are tried.
 const MOST_GOALS: usize = 8;
@@ -18,15 +18,11 @@ const MOST_GOALS: usize = 8;
 /// How many steps longer than the best plan another one may be.
 const MOST_DETOUR: usize = 16;
 
-/// How many steps a robot may wait before it goes to a look-out.
-const MOST_WAITS: usize = 5;
-
 /// Up to `K` different joint plans for one problem, in an order that all robots share.
 ///
 /// The first one is the best: see [`JointPlanner`]. The others are, as far as there are any: the
-/// plan of fewest steps, if it is shorter because the robots do not arrive together; for each
-/// [look-out](Problem::look_outs) a plan in which its robot goes there first; the plan in which the
-/// robots take turns the other way round; plans without one of the goals; plans to other
+/// plan of fewest steps, if it is shorter because the robots do not arrive together; the plan in
+/// which the robots take turns the other way round; plans without one of the goals; plans to other
 /// goals, those first that have most goals in common with the best one; plans around a cell of the
 /// best one; the best one later by two steps, four, and so on. A list is never empty:
 /// where no target can be reached, all robots stand.
@@ -67,8 +63,6 @@ pub struct PolicyList<const W: usize, const L: usize, const N: usize, const M: u
     /// The turns of the best plan, and the cells that the others were led around so far.
     turn: Turn,
     avoided: CellSet<W>,
-    /// The way to the present look-out.
-    prefix: Prefix,
 }
 
 /// Where the next plan of a list comes from.
@@ -76,11 +70,6 @@ pub struct PolicyList<const W: usize, const L: usize, const N: usize, const M: u
 enum Source {
     Best,
     Soonest,
-    /// By the look-out with this number, after some waits.
-    LookOut {
-        number: usize,
-        waits: usize,
-    },
     OtherTurn,
     /// Without the goal of this robot.
     OtherGoals(usize),
@@ -110,7 +99,6 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
             source: Source::Best,
             turn: Turn::BlackLast,
             avoided: CellSet::EMPTY,
-            prefix: Prefix { robot: 0, path: Path::at(Cell(0)) },
         }
     }
 
@@ -123,7 +111,6 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
         let bounds = [
             LATER_TOGETHER,
             MOST_DETOUR,
-            MOST_WAITS,
             MOST_CHANGES,
             fixed_paths::LONGEST_REST,
             fixed_paths::MOST_UNITS as usize,
@@ -150,13 +137,36 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
         while self.source != Source::Done {
             let mut errands = [Errand { from: Cell(0), target: Target::Stand }; N];
             let mut goals = [Cell(0); MOST_GOALS];
-            let prefix = [self.prefix];
-            let variant = self.variant(problem, &mut errands, &mut goals, &prefix);
+            let variant = self.variant(problem, &mut errands, &mut goals);
             let result = &self.planner.work(&variant, budget); // where it is: it holds a plan
             let Some(result) = result else { return false };
             self.take(problem, result);
-            self.go_on(problem, count.min(K), result.is_ok());
+            self.go_on(problem, count.min(K));
         }
+        true
+    }
+
+    /// Starts over, for a list whose plans are each for a [problem of its own](Self::extend).
+    pub fn start_extending(&mut self) {
+        self.start();
+        self.planner.start_with(Choice::SOONEST);
+    }
+
+    /// Goes on with the soonest plan for one problem, whose robots arrive when they can, and adds it
+    /// unless the list has it; returns whether that is done and another problem of the same robots
+    /// may come.
+    #[inline(never)]
+    pub fn extend(&mut self, problem: &Problem<'_, W>, budget: &mut u32) -> bool {
+        let result = &self.planner.work(problem, budget); // where it is: it holds a plan
+        let Some(result) = result else { return false };
+        if let Ok(plan) = result
+            && let Some(slot) = self.policies.get_mut(self.len)
+        {
+            slot.clone_from(plan);
+            slot.stagger::<W, L>(problem.map);
+            self.keep_new();
+        }
+        self.planner.start_with(Choice::SOONEST);
         true
     }
 
@@ -188,10 +198,8 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
         problem: &Problem<'a, W>,
         errands: &'a mut [Errand; N],
         goals: &'a mut [Cell; MOST_GOALS],
-        prefix: &'a [Prefix],
     ) -> Problem<'a, W> {
         match self.source {
-            Source::LookOut { .. } => Problem { prefixes: prefix, ..*problem },
             Source::Goals(chosen) => {
                 let mut count = 0;
                 for (slot, goal) in goals.iter_mut().zip(subset(problem.goals, chosen)) {
@@ -252,11 +260,11 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     }
 
     /// Begins with the next source, or ends the list.
-    fn go_on(&mut self, problem: &Problem<'_, W>, count: usize, has_plan: bool) {
+    fn go_on(&mut self, problem: &Problem<'_, W>, count: usize) {
         self.source = match self.failure {
             _ if self.len >= count => Source::Done,
             Some(failure) => self.next_alone(problem, failure),
-            None => self.next_source(problem, count, has_plan),
+            None => self.next_source(problem, count),
         };
         if self.source == Source::Done {
             self.finish(problem, count);
@@ -281,16 +289,12 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     }
 
     /// The next source that can have a plan.
-    fn next_source(&mut self, problem: &Problem<'_, W>, count: usize, has_plan: bool) -> Source {
+    fn next_source(&mut self, problem: &Problem<'_, W>, count: usize) -> Source {
         let has_owners = problem.owned().next().is_some();
         let robots = problem.errands.len();
         match self.source {
             Source::Best if !has_owners && self.planner.may_be_shorter() => Source::Soonest,
-            Source::Best | Source::Soonest => self.next_look_out(problem, 0, 0),
-            Source::LookOut { number, waits } if !has_plan && waits < MOST_WAITS => {
-                self.next_look_out(problem, number, waits + 1)
-            }
-            Source::LookOut { number, .. } => self.next_look_out(problem, number + 1, 0),
+            Source::Best | Source::Soonest => Source::OtherTurn,
             Source::OtherTurn if problem.goals.len() > problem.need => Source::OtherGoals(0),
             Source::OtherGoals(robot) if robot + 1 < robots => Source::OtherGoals(robot + 1),
             Source::OtherGoals(_) | Source::Goals(_) => {
@@ -299,20 +303,6 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
             Source::OtherTurn | Source::Around(_) => self.next_cell(problem, count),
             Source::Owners | Source::Alone(_) | Source::Done => Source::Done,
         }
-    }
-
-    /// The next look-out to which there is a way, from one on; each after this many waits.
-    fn next_look_out(&mut self, problem: &Problem<'_, W>, first: usize, waits: usize) -> Source {
-        // A robot that begins with one prefix has no other.
-        let look_outs = problem.look_outs.iter().enumerate().filter(|_| problem.prefixes.is_empty());
-        for (number, look_out) in look_outs.skip(first) {
-            let waits = if number == first { waits } else { 0 };
-            if let Some(prefix) = Prefix::by(problem, look_out.robot, look_out.cell, waits) {
-                self.prefix = prefix;
-                return Source::LookOut { number, waits };
-            }
-        }
-        Source::OtherTurn
     }
 
     /// The goals after those of the present source of which as many are not those of the best plan;

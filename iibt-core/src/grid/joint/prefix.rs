@@ -40,16 +40,6 @@ pub struct Prefix {
     pub path: Path,
 }
 
-/// A cell from which a robot could see something that matters, if it went there first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct LookOut {
-    /// The robot, by its place among the errands.
-    pub robot: u8,
-    /// The cell.
-    pub cell: Cell,
-}
-
 impl Prefix {
     /// The shortest way of a robot to a cell after `waits` waits: past the cells where others
     /// stand, if there is such a way, else over them.

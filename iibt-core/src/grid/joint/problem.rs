@@ -1,7 +1,7 @@
 //! What a team is to plan: where its robots stand and what each of them is for.
 
 use super::super::{Cell, CellSet, Map};
-use super::{LookOut, Prefix, prefix};
+use super::{Prefix, prefix};
 use thiserror::Error;
 
 /// Where a robot is to end.
@@ -62,9 +62,6 @@ pub struct Problem<'a, const W: usize> {
     pub need: usize,
     /// Paths with which some of the robots begin in any plan, at most one for each.
     pub prefixes: &'a [Prefix],
-    /// Cells that a robot goes to first in other plans of a [list](super::PolicyList) than the
-    /// best one.
-    pub look_outs: &'a [LookOut],
 }
 
 /// Why a problem makes no sense.
@@ -117,7 +114,7 @@ impl<'a, const W: usize> Problem<'a, W> {
     /// Robots on a map on which no cell is closed, without goals that no robot owns.
     #[must_use]
     pub const fn new(map: &'a Map<W>, errands: &'a [Errand]) -> Self {
-        Self { map, closed: CellSet::EMPTY, errands, goals: &[], need: 0, prefixes: &[], look_outs: &[] }
+        Self { map, closed: CellSet::EMPTY, errands, goals: &[], need: 0, prefixes: &[] }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::super::{Cause, Fact, Intention, Purpose};
 use super::Navigation;
+use super::outlook::OwnOutlook;
 use crate::bounded::up_to;
 use crate::grid::{Move, Path};
 use crate::inference::{Eighths, WeighedPolicies, worth_of_nats};
@@ -62,6 +63,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     fn begin_round(&mut self, cause: Option<Cause>) {
         self.cause = cause;
         self.listing = None;
+        self.outlook = OwnOutlook::NONE;
         self.weighed = WeighedPolicies::default();
     }
 
@@ -154,7 +156,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// is worth less than others as long as it stands there.
     fn score(&self, path: &Path) -> Score {
         let map = &self.mission.map;
-        if path.cells(map).skip(1).any(|cell| self.is_blocked(cell)) {
+        let ahead = || path.cells(map).skip(1);
+        if ahead().any(|cell| self.is_blocked(cell)) || self.is_shut(ahead()) {
             return Score::CANNOT;
         }
         let slips = self.localisation.slips();
@@ -178,7 +181,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     /// Whether more is known about obstacles than this round was decided from.
     pub(in crate::navigation) fn has_news(&self) -> bool {
-        self.announced().is_some_and(|fact| fact.evidence != self.evidence())
+        let most = Intention::<W, K>::places_beside(self.told().len());
+        self.announced().is_some_and(|fact| fact.evidence != self.evidence(most))
     }
 
     /// Returns what to announce after a tick of the node; `None` until the robot knows where it

@@ -1,12 +1,16 @@
 //! What a robot senses and hears: where it is, what is in its view, and what is left to visit.
 
 use super::super::claim::Cells;
+use super::super::policies::HAS_UNKNOWNS;
 use super::super::progress::destination;
+use super::super::unknown::Effect;
 use super::super::{Fact, GridPercept, Intention};
-use super::Navigation;
+use super::{MAX_HAZARDS, Navigation};
+use crate::bounded::up_to;
 use crate::grid::{Cell, CellSet};
 use crate::team::rounds::{Answer, RoundMessage, Rounds, Teammates, Timing};
 use crate::team::{Peers, RobotId};
+use heapless::Vec;
 
 /// The ticks of silence after which a member may be anywhere.
 const LONGEST_SILENCE: u16 = 8;
@@ -29,6 +33,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         }
         self.locate(percept.reading);
         self.look(percept, peers, &teammates);
+        self.read(percept);
         if let Some(here) = self.standing() {
             if Self::PLANS {
                 let obstacles = &self.obstacles;
@@ -41,6 +46,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             }
         }
         self.attend(&teammates, busy);
+        self.weigh_rest(&teammates);
         self.mind_doubt(&teammates);
         if Self::PLANS {
             self.hand_over(peers, &teammates);
@@ -91,8 +97,16 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.obstacles.yield_to(of, is_vetoed);
         let told = peers.iter().flat_map(|peer| peer.message().rounds.fact.evidence.iter());
         let told = told.filter(|known| known.weight > 0).map(|known| known.cell);
-        let unknown = self.mission.unknowns.iter().map(|unknown| unknown.cell);
-        self.watched = told.chain(self.obstacles.suspected()).chain(unknown).collect();
+        self.watched = told.chain(self.obstacles.suspected()).collect();
+    }
+
+    /// Counts what was read of the unknowns: not while the robot may be elsewhere than it believes.
+    fn read(&mut self, percept: &GridPercept) {
+        let may_read = HAS_UNKNOWNS && !self.is_in_doubt();
+        let Some(here) = self.standing().filter(|_| may_read) else { return };
+        for &reading in &percept.readings {
+            self.readings.count(self.mission.unknowns, reading, here);
+        }
     }
 
     /// What is seen where a teammate may be, may be the teammate; but not in the cell that the plan
@@ -100,13 +114,23 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     fn look_at_hazards(&mut self, percept: &GridPercept, teammates: &Teammates<'_, Fact<W>, K>) {
         let entering = self.may_enter(teammates).map(|(_, to)| to);
         let own = self.localisation.position().0;
-        for &cell in percept.hazards.iter().filter(|&&cell| self.mission.map.is_free(cell) && cell != own) {
+        // What is seen of an unknown comes as a reading.
+        let is_news =
+            |cell: &&Cell| self.mission.map.is_free(**cell) && **cell != own && !self.is_doubtful(**cell);
+        let news: Vec<Cell, MAX_HAZARDS> = up_to(percept.hazards.iter().filter(is_news).copied());
+        for &cell in &news {
             if entering != Some(cell) && self.may_be_teammate(cell, teammates) {
                 self.mates_in_view.insert(cell);
             } else {
                 self.obstacles.look(cell, true);
             }
         }
+    }
+
+    /// Whether a cell is one of an unknown that may block it.
+    fn is_doubtful(&self, cell: Cell) -> bool {
+        let mut blocks = self.mission.unknowns.iter().filter(|unknown| unknown.effect == Effect::Blocks);
+        blocks.any(|unknown| unknown.cells.iter().any(|place| place.cell == cell))
     }
 
     /// Whether a teammate may be on a cell now. A robot that was left out knows nothing of the

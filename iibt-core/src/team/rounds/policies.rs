@@ -28,6 +28,11 @@ pub trait JointPolicies {
     /// What the team pays for a policy, by what all know: expected ticks J, in 1/8 tick.
     fn cost(&self, policy: usize) -> u16;
 
+    /// What of that the team saves because it goes on by what it sees on the way, in 1/8 tick.
+    fn epistemic(&self, _policy: usize) -> u16 {
+        0
+    }
+
     /// What the team's habits add to that, -ln E / beta in 1/8 tick.
     fn habit(&self, _policy: usize) -> u16 {
         0

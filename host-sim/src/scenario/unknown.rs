@@ -1,0 +1,124 @@
+//! What the robots of a mission do not know, as written and checked.
+
+use super::UnknownSpec;
+use super::drawing::Drawing;
+use super::file::{self, ScenarioFile};
+use crate::input::{Fault, Read, refuse, share, whole};
+use iibt_core::grid::{Cell, Move};
+use iibt_core::navigation::{Effect, MAX_UNKNOWNS, MAX_VALUES, MAX_WORLDS, Place, Sight, Tells};
+
+impl Drawing {
+    /// The unknowns of the mission.
+    pub(super) fn unknowns(&self, file: &ScenarioFile, goals: &[Cell]) -> Read<Vec<UnknownSpec>> {
+        let mut unknowns: Vec<UnknownSpec> = Vec::new();
+        for written in &file.unknowns {
+            let unknown =
+                self.unknown(written.get_ref(), goals).map_err(|fault| fault.or_at(&written.span()))?;
+            unknowns.push(unknown);
+            let (values, worlds) = (
+                unknowns.iter().map(|unknown| unknown.prior.len()).sum::<usize>(),
+                unknowns.iter().map(|unknown| unknown.prior.len()).product::<usize>(),
+            );
+            let most = [
+                (unknowns.len(), MAX_UNKNOWNS, "unknowns"),
+                (values, MAX_VALUES, "values of unknowns"),
+                (worlds, MAX_WORLDS, "combinations of their values"),
+            ];
+            if let Some((count, most, what)) = most.into_iter().find(|&(count, most, _)| count > most) {
+                return refuse(written.span(), format!("{count} {what}, but a mission has at most {most}"));
+            }
+        }
+        Ok(unknowns)
+    }
+
+    fn unknown(&self, written: &file::UnknownEntry, goals: &[Cell]) -> Read<UnknownSpec> {
+        let (effect, groups, first) = match (&written.blocks, &written.serves) {
+            (Some(groups), None) => (Effect::Blocks, groups, 1),
+            (None, Some(groups)) => (Effect::Serves, groups, 0),
+            _ => {
+                let reason = "an unknown says either which cells it blocks, or which goals serve: \
+                              blocks = [[CELL, ...], ...] or serves = [[CELL, ...], ...]";
+                return Err(Fault::anywhere(reason));
+            }
+        };
+        let prior = prior(written, groups.get_ref().len() + first)?;
+        let mut cells: Vec<Place> = Vec::new();
+        for (value, group) in groups.get_ref().iter().enumerate() {
+            for number in group {
+                let cell = self.free("a cell of an unknown", number)?;
+                if effect == Effect::Serves && !goals.contains(&cell) {
+                    return refuse(
+                        number.span(),
+                        format!("{} is no goal, so it is not known to serve", cell.0),
+                    );
+                }
+                if cells.iter().any(|place| place.cell == cell) {
+                    return refuse(number.span(), format!("{} belongs to the unknown already", cell.0));
+                }
+                cells.push(Place::new(cell, (value + first) as u8));
+            }
+        }
+        let mut sights = written
+            .sights
+            .iter()
+            .map(|sight| self.sight(sight.get_ref(), prior.len()))
+            .collect::<Read<Vec<_>>>()?;
+        if written.beside.is_some() {
+            let right = share("beside", written.beside.as_ref(), 1.0)? as f32;
+            sights.extend(self.beside(&cells, effect).map(|(from, value)| Sight {
+                from,
+                tells: Tells::Whether(value),
+                right,
+            }));
+        }
+        let last = prior.len() as u32 - 1;
+        let real = written.real.as_ref().map(|real| whole("real", Some(real), 0..=last, 0)).transpose()?;
+        Ok(UnknownSpec { effect, cells, prior, sights, real: real.map(|value| value as u8) })
+    }
+
+    fn sight(&self, written: &file::SightEntry, values: usize) -> Read<Sight> {
+        let last = values as u32 - 1;
+        let value =
+            written.tells.as_ref().map(|value| whole("tells", Some(value), 0..=last, 0)).transpose()?;
+        let tells = value.map_or(Tells::Value, |value| Tells::Whether(value as u8));
+        let right = share("right", written.right.as_ref(), 1.0)? as f32;
+        Ok(Sight { from: self.free("from", &written.from)?, tells, right })
+    }
+
+    /// The cells beside those of an unknown, and these themselves where a robot can stand on them,
+    /// each with the value that is seen from there, once.
+    fn beside(&self, cells: &[Place], effect: Effect) -> impl Iterator<Item = (Cell, u8)> + '_ {
+        let mut seen = Vec::new();
+        for place in cells {
+            let beside = Move::ALL.into_iter().map(|step| self.map.neighbour(place.cell, step));
+            let beside = beside.filter(|&cell| cell != place.cell && self.map.is_free(cell));
+            let itself = Some(place.cell).filter(|_| effect == Effect::Serves);
+            for cell in itself.into_iter().chain(beside) {
+                if !seen.contains(&(cell, place.value)) {
+                    seen.push((cell, place.value));
+                }
+            }
+        }
+        seen.into_iter()
+    }
+}
+
+/// The probability of each of so many values, which add up to one.
+fn prior(written: &file::UnknownEntry, values: usize) -> Read<Vec<f32>> {
+    let listed = written.prior.get_ref();
+    let prior =
+        listed.iter().map(|p| Ok(share("prior", Some(p), 0.0)? as f32)).collect::<Read<Vec<f32>>>()?;
+    let of = |reason: String| Err(Fault::new(written.prior.span(), reason));
+    if prior.len() != values || values < 2 {
+        return of(format!(
+            "{} probabilities for {} values: 'blocks' has one value more than groups, in which nothing is blocked",
+            prior.len(),
+            values.max(2)
+        ));
+    }
+    let sum: f32 = prior.iter().sum();
+    if (sum - 1.0).abs() > 1e-4 {
+        return of(format!("the probabilities of the values add up to {sum}, not to 1"));
+    }
+    Ok(prior)
+}

@@ -1,0 +1,342 @@
+//! The worlds of a mission of which a team does not know all: how likely each is, and how far every
+//! cell is from its goals.
+
+use super::mission::Mission;
+use super::policies::Members;
+use super::readings::{AnnouncedReadings, nats_against};
+use super::unknown::{Effect, MAX_WORLDS, Place, Sight, Tells, Unknown, worlds};
+use crate::grid::{Cell, CellSet};
+use crate::inference::Worlds;
+use crate::math;
+use crate::team::MAX_TEAM;
+use heapless::Vec;
+
+/// The distance of a cell from which there is no way.
+pub(super) const NO_WAY: u8 = u8::MAX;
+
+/// The ticks that count where no way leads to the goals, and the most that a way on takes.
+pub(super) const LONGEST: u16 = 96;
+
+/// The probability above which a value counts as known: it is not worth another look.
+const KNOWN: f32 = 0.995;
+
+/// Some of the worlds, a bit for each.
+pub(super) type Bits = u16;
+
+/// The cells of robots.
+pub(super) type Robots = Vec<Cell, MAX_TEAM, u8>;
+
+/// The worlds of a mission as a team sees them in a round, on maps of up to `S` cells in `W` words.
+#[derive(Clone, Debug)]
+pub(super) struct Prospects<const S: usize, const W: usize> {
+    worlds: Worlds<MAX_WORLDS>,
+    belief: Vec<f32, MAX_WORLDS>,
+    /// The distance of each cell to the nearest goal of each world.
+    distances: [[u8; S]; MAX_WORLDS],
+    /// How many of them are made.
+    made: usize,
+    /// On how many goals robots must end.
+    need: usize,
+    /// From where anything is seen of what is not known.
+    sights: CellSet<W>,
+    /// The cells that may be blocked.
+    doubtful: CellSet<W>,
+}
+
+/// How certain something is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Certainty {
+    /// As good as certain.
+    Known,
+    Likely,
+    Unlikely,
+}
+
+impl<const S: usize, const W: usize> Prospects<S, W> {
+    /// Nothing is unknown.
+    pub(super) const NONE: Self = Self {
+        worlds: Worlds::NONE,
+        belief: Vec::new(),
+        distances: [[NO_WAY; S]; MAX_WORLDS],
+        made: 0,
+        need: 0,
+        sights: CellSet::EMPTY,
+        doubtful: CellSet::EMPTY,
+    };
+
+    /// Starts over with the facts of a round.
+    pub(super) fn start(&mut self, mission: &Mission<'_, W>, members: &Members<'_, W>, need: usize) {
+        self.made = 0;
+        self.need = need;
+        // A mission with more worlds than there is room for is refused.
+        self.worlds = worlds(mission.unknowns).unwrap_or(Worlds::NONE);
+        self.belief = self.worlds.belief(evidence(mission, members.iter().map(|(_, fact)| &fact.readings)));
+        self.find_sights(mission);
+    }
+
+    fn find_sights(&mut self, mission: &Mission<'_, W>) {
+        (self.sights, self.doubtful) = (CellSet::EMPTY, CellSet::EMPTY);
+        for (number, unknown) in (0..).zip(mission.unknowns) {
+            if self.is_known(number) {
+                continue;
+            }
+            unknown.sights.iter().for_each(|sight| _ = self.sights.insert(sight.from));
+            if unknown.effect == Effect::Blocks {
+                unknown.cells.iter().for_each(|place| _ = self.doubtful.insert(place.cell));
+            }
+        }
+    }
+
+    /// The probability of each world.
+    pub(super) fn belief(&self) -> &[f32] {
+        &self.belief
+    }
+
+    /// The belief of a robot that had told this when the round began, and has read more since.
+    pub(super) fn belief_after(
+        &self,
+        mission: &Mission<'_, W>,
+        told: &AnnouncedReadings,
+        now: &AnnouncedReadings,
+    ) -> Vec<f32, MAX_WORLDS> {
+        let before = evidence(mission, core::iter::once(told));
+        let after = evidence(mission, core::iter::once(now));
+        let mut belief = self.belief.clone();
+        for (world, p) in belief.iter_mut().enumerate() {
+            let values =
+                (0..self.worlds.unknowns()).map(|unknown| (unknown, self.worlds.value(world, unknown)));
+            let more: f32 =
+                values.map(|(unknown, value)| after(unknown, value) - before(unknown, value)).sum();
+            *p = math::ln(*p) + more;
+        }
+        math::softmax(&mut belief);
+        belief
+    }
+
+    /// The number of distance tables that are still to be made.
+    pub(super) fn to_make(&self) -> usize {
+        self.belief.len() - self.made.min(self.belief.len())
+    }
+
+    /// Makes the next distance table, around the cells that are closed in every world.
+    pub(super) fn make(&mut self, mission: &Mission<'_, W>, goals: &[Cell], closed: &CellSet<W>) {
+        let world = self.made;
+        let shut = closed.union(&self.closed(mission, world));
+        let to = self.goals(mission, world, goals).collect();
+        if let Some(table) = self.distances.get_mut(world) {
+            mission.map.distances(&to, &shut, table);
+        }
+        self.made += 1;
+    }
+
+    /// Whether all that matters of an unknown is known.
+    fn is_known(&self, unknown: usize) -> bool {
+        let p = |value| self.worlds.probability(&self.belief, unknown, value);
+        (0..self.worlds.values(unknown)).any(|value| p(value) >= KNOWN)
+    }
+
+    /// Whether it is open if an unknown has a value.
+    pub(super) fn is_undecided(&self, unknown: usize, value: usize) -> bool {
+        let p = self.worlds.probability(&self.belief, unknown, value);
+        (1.0 - KNOWN..KNOWN).contains(&p)
+    }
+
+    /// The value of an unknown in a world.
+    pub(super) fn value(&self, world: usize, unknown: usize) -> usize {
+        self.worlds.value(world, unknown)
+    }
+
+    /// The probability of a world.
+    pub(super) fn p(&self, world: usize) -> f32 {
+        self.belief.get(world).copied().unwrap_or(0.0)
+    }
+
+    /// On how many goals robots must end.
+    pub(super) const fn need(&self) -> usize {
+        self.need
+    }
+
+    /// The probability that an unknown has a value.
+    pub(super) fn probability(&self, unknown: usize, value: usize) -> f32 {
+        self.worlds.probability(&self.belief, unknown, value)
+    }
+
+    /// The values of an unknown from the likeliest on, the first of equals first.
+    pub(super) fn by_value(&self, unknown: usize) -> impl Iterator<Item = usize> + '_ {
+        let mut left = (1_u32 << self.worlds.values(unknown).min(MAX_WORLDS)) - 1;
+        core::iter::from_fn(move || {
+            let p = |value: usize| self.worlds.probability(&self.belief, unknown, value);
+            let later = (0..MAX_WORLDS).filter(|value| left >> value & 1 == 1);
+            let next = later.reduce(|best, value| if p(value) > p(best) { value } else { best })?;
+            left &= !(1 << next);
+            Some(next)
+        })
+    }
+
+    /// The likeliest world, the first of equals.
+    pub(super) fn likeliest(&self) -> usize {
+        self.by_belief().next().unwrap_or(0)
+    }
+
+    /// The worlds from the likeliest on, the first of equals first.
+    pub(super) fn by_belief(&self) -> impl Iterator<Item = usize> + '_ {
+        let mut left: Bits = self.all();
+        core::iter::from_fn(move || {
+            let later = (0..self.belief.len()).filter(|world| left >> world & 1 == 1);
+            let p = |world: &usize| self.belief.get(*world).copied().unwrap_or(0.0);
+            let next = later.reduce(|best, world| if p(&world) > p(&best) { world } else { best })?;
+            left &= !(1 << next);
+            Some(next)
+        })
+    }
+
+    /// The cells that may be blocked, by unknowns that are not known.
+    pub(super) const fn doubtful(&self) -> &CellSet<W> {
+        &self.doubtful
+    }
+
+    /// The unknowns that are not known, by their places in the mission.
+    pub(super) fn open<'m>(
+        &self,
+        mission: &Mission<'m, W>,
+    ) -> impl Iterator<Item = (usize, &'m Unknown<'m>)> {
+        (0..).zip(mission.unknowns).filter(|&(number, _)| !self.is_known(number))
+    }
+
+    /// The cells that are blocked in a world, of those that may be.
+    pub(super) fn closed(&self, mission: &Mission<'_, W>, world: usize) -> CellSet<W> {
+        let blocks = (0..).zip(mission.unknowns).filter(|(_, unknown)| unknown.effect == Effect::Blocks);
+        blocks
+            .flat_map(|(number, unknown)| unknown.cells_of(self.worlds.value(world, number) as u8))
+            .collect()
+    }
+
+    /// The goals that serve in a world, of these.
+    pub(super) fn goals<'a>(
+        &'a self,
+        mission: &'a Mission<'_, W>,
+        world: usize,
+        goals: &'a [Cell],
+    ) -> impl Iterator<Item = Cell> + Clone + 'a {
+        let serves = move |&goal: &Cell| {
+            let mut all = (0..).zip(mission.unknowns).filter(|(_, unknown)| unknown.effect == Effect::Serves);
+            all.all(|(number, unknown)| {
+                let value = self.worlds.value(world, number);
+                unknown.cells.iter().all(|place| place.cell != goal || usize::from(place.value) == value)
+            })
+        };
+        goals.iter().copied().filter(serves)
+    }
+
+    /// The cells that are as good as certain to be blocked, of those that might not have been.
+    pub(super) fn shut(&self, mission: &Mission<'_, W>) -> CellSet<W> {
+        self.blocked(mission, &self.belief, KNOWN)
+    }
+
+    /// The cells that are blocked with at least this probability.
+    pub(super) fn blocked(&self, mission: &Mission<'_, W>, belief: &[f32], least: f32) -> CellSet<W> {
+        let blocks = (0..).zip(mission.unknowns).filter(|(_, unknown)| unknown.effect == Effect::Blocks);
+        let places =
+            blocks.flat_map(|(number, unknown)| unknown.cells.iter().map(move |place| (number, place)));
+        let p = |number, place: &Place| self.worlds.probability(belief, number, place.value.into());
+        places.filter(|(number, place)| p(*number, place) >= least).map(|(_, place)| place.cell).collect()
+    }
+
+    /// Whether something can still be learnt from a cell.
+    pub(super) const fn has_sight(&self, from: Cell) -> bool {
+        self.sights.contains(from)
+    }
+
+    /// Whether a reading from a cell can tell something.
+    pub(super) fn is_informative(&self, mission: &Mission<'_, W>, from: Cell, belief: &[f32]) -> bool {
+        (0..).zip(mission.unknowns).any(|(number, unknown)| {
+            let mut sights = unknown.sights.iter().filter(|sight| sight.from == from);
+            sights.any(|sight| self.is_open(number, sight, belief))
+        })
+    }
+
+    /// Whether what a sight tells is not known.
+    pub(super) fn is_open(&self, number: usize, sight: &Sight, belief: &[f32]) -> bool {
+        let is_open = |value| {
+            let p = self.worlds.probability(belief, number, value);
+            (1.0 - KNOWN..KNOWN).contains(&p)
+        };
+        match sight.tells {
+            Tells::Value => (0..self.worlds.values(number)).any(is_open),
+            Tells::Whether(value) => is_open(value.into()),
+        }
+    }
+
+    /// The worlds that are possible.
+    pub(super) fn all(&self) -> Bits {
+        let possible = self.belief.iter().enumerate().filter(|(_, p)| **p > 0.0);
+        possible.fold(0, |all, (world, _)| all | 1 << world)
+    }
+
+    pub(super) fn distance(&self, world: usize, cell: Cell) -> u8 {
+        self.distances.get(world).and_then(|table| table.get(cell.index())).copied().unwrap_or(NO_WAY)
+    }
+
+    /// The expected number of moves from a cell to the nearest goal.
+    pub(super) fn mean_distance(&self, cell: Cell) -> f32 {
+        let worlds = self.belief.iter().enumerate();
+        worlds.map(|(world, p)| p * f32::from(self.distance(world, cell))).sum()
+    }
+
+    /// The ticks until as many robots as needed are on the goals of a world: those that are nearest,
+    /// the first of them on the farthest cell where goals lie behind each other.
+    pub(super) fn ticks_to(&self, world: usize, cells: &[Cell]) -> u16 {
+        let mut sorted = [NO_WAY; MAX_TEAM];
+        for &cell in cells {
+            let mut distance = self.distance(world, cell);
+            for slot in &mut sorted {
+                if distance < *slot {
+                    core::mem::swap(slot, &mut distance);
+                }
+            }
+        }
+        let need = self.need.min(cells.len());
+        let needed = sorted.get(..need).unwrap_or_default();
+        if needed.iter().all(|&distance| distance == 0) {
+            return 0;
+        }
+        let each = needed.iter().zip((0..need as u16).rev());
+        let ticks = each.map(|(&distance, behind)| u16::from(distance) + behind).max().unwrap_or(0);
+        ticks.min(LONGEST)
+    }
+
+    /// Whether as many robots as needed are on goals of a world.
+    pub(super) fn is_done(&self, world: usize, cells: &[Cell]) -> bool {
+        let on_goals = cells.iter().filter(|&&cell| self.distance(world, cell) == 0).count();
+        on_goals >= self.need.min(cells.len())
+    }
+
+    /// How certain it is that as many robots as needed are on goals that serve.
+    pub(super) fn are_done(&self, belief: &[f32], cells: &[Cell]) -> Certainty {
+        let done = belief.iter().enumerate().filter(|&(world, _)| self.is_done(world, cells));
+        match done.map(|(_, p)| p).sum::<f32>() {
+            KNOWN.. => Certainty::Known,
+            0.5.. => Certainty::Likely,
+            _ => Certainty::Unlikely,
+        }
+    }
+}
+
+/// What all these robots have read, in nats for each value of each unknown.
+fn evidence<'e, const W: usize>(
+    mission: &Mission<'_, W>,
+    of: impl Iterator<Item = &'e AnnouncedReadings> + Clone,
+) -> impl Fn(usize, usize) -> f32 {
+    move |unknown, value| {
+        let before: usize = mission.unknowns.iter().take(unknown).map(|other| other.prior.len()).sum();
+        -of.clone().map(|evidence| nats_against(evidence, before + value)).sum::<f32>()
+    }
+}
+
+pub(super) fn bits(worlds: impl Iterator<Item = usize>) -> Bits {
+    worlds.fold(0, |all, world| all | 1 << world)
+}
+
+pub(super) fn worlds_of(bits: Bits) -> impl Iterator<Item = usize> + Clone {
+    (0..MAX_WORLDS).filter(move |world| bits >> world & 1 == 1)
+}

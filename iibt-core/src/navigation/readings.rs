@@ -1,0 +1,127 @@
+//! Readings of unknowns: what a robot has gathered of each value, and what it announces.
+//!
+//! AnnouncedReadings is a log-likelihood, relative to the value for which the readings speak most. Every
+//! robot announces its own sums; the team's belief is the prior with the sums of all members, so
+//! nothing is counted twice, and a lost frame does no harm.
+
+use super::unknown::{MAX_VALUES, Reading, Says, Tells, Unknown};
+use crate::bounded::up_to;
+use crate::grid::Cell;
+use crate::math;
+use heapless::Vec;
+
+/// What a robot announces about the values of all unknowns, in their order: how much less likely
+/// its readings are for a value than for the likeliest one of the same unknown, in half nats, two
+/// values a byte, the first in the low half. Empty as long as it has read nothing.
+pub type AnnouncedReadings = Vec<u8, { MAX_VALUES / 2 }, u8>;
+
+/// Sixteenths of a nat in the half nat that is announced.
+const STEP: u8 = 8;
+
+/// The most that all readings of one robot speak against a value, in sixteenths of a nat, so that a
+/// few readings can turn it round.
+const CAP: u8 = 15 * STEP;
+
+/// What a robot has read of the unknowns of its mission.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Readings {
+    /// How much less likely they are for each value of each unknown than for the likeliest one, in
+    /// sixteenths of a nat.
+    against: [u8; MAX_VALUES],
+}
+
+impl Readings {
+    pub(super) const NONE: Self = Self { against: [0; MAX_VALUES] };
+
+    /// Counts a reading that was taken at a cell. One of which the mission says nothing counts for
+    /// nothing.
+    pub(super) fn count(&mut self, unknowns: &[Unknown<'_>], reading: Reading, at: Cell) {
+        let number = usize::from(reading.unknown);
+        let Some(unknown) = unknowns.get(number) else { return };
+        let Some(sight) = unknown.sight(at, reading.says.tells()) else { return };
+        let others = match sight.tells {
+            Tells::Value => f32::from(unknown.values().saturating_sub(1)),
+            Tells::Whether(_) => 1.0,
+        };
+        let nats = math::ln(sight.right) - math::ln((1.0 - sight.right) / others);
+        let (value, speaks_for) = match reading.says {
+            Says::Value(value) | Says::Is(value) => (value, nats > 0.0),
+            Says::IsNot(value) => (value, nats <= 0.0),
+        };
+        // A cast saturates, and what is no number becomes zero.
+        let weight = (16.0 * nats.abs() + 0.5).min(CAP.into()) as u8;
+        let first = unknowns.iter().take(number).map(|other| other.prior.len()).sum();
+        let Some(against) = self.against.get_mut(first..first + unknown.prior.len()) else { return };
+        for (place, sum) in (0..).zip(against.iter_mut()) {
+            if (place == value) != speaks_for {
+                *sum = sum.saturating_add(weight);
+            }
+        }
+        let least = against.iter().copied().min().unwrap_or(0);
+        against.iter_mut().for_each(|sum| *sum = (*sum - least).min(CAP));
+    }
+
+    /// What to announce of them in a mission whose unknowns have so many values.
+    pub(super) fn announced(&self, values: usize) -> AnnouncedReadings {
+        let halves = |pair: &[u8]| {
+            let half = |at: usize| pair.get(at).map_or(0, |&sum| (sum + STEP / 2) / STEP);
+            half(0) | half(1) << 4
+        };
+        let sums = self.against.get(..values).unwrap_or(&self.against);
+        if sums.iter().all(|&sum| sum < STEP / 2) {
+            AnnouncedReadings::new()
+        } else {
+            up_to(sums.chunks(2).map(halves))
+        }
+    }
+}
+
+/// How much evidence speaks against a value, in nats, by its place among those of all unknowns.
+pub(super) fn nats_against(evidence: &AnnouncedReadings, place: usize) -> f32 {
+    let halves = evidence.get(place / 2).map_or(0, |byte| byte >> (4 * (place % 2)) & 0xf);
+    0.5 * f32::from(halves)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::unknown::{Effect, Sight};
+    use super::*;
+
+    const SIGHTS: [Sight; 2] = [
+        Sight { from: Cell(1), tells: Tells::Value, right: 0.9 },
+        Sight { from: Cell(2), tells: Tells::Whether(2), right: 1.0 },
+    ];
+
+    fn unknowns() -> [Unknown<'static>; 2] {
+        let of = |prior| Unknown { effect: Effect::Serves, cells: &[], prior, sights: &SIGHTS };
+        [of(&[0.5, 0.5]), of(&[0.4, 0.3, 0.3])]
+    }
+
+    fn after(says: &[(u8, Says)]) -> [f32; 5] {
+        let mut readings = Readings::NONE;
+        says.iter()
+            .for_each(|&(unknown, says)| readings.count(&unknowns(), Reading { unknown, says }, Cell(1)));
+        let evidence = readings.announced(5);
+        [0, 1, 2, 3, 4].map(|place| nats_against(&evidence, place))
+    }
+
+    #[test]
+    fn readings_add_up_by_value_and_are_announced_in_half_nats() {
+        assert_eq!(after(&[]), [0.0; 5]);
+        // ln 9 = 2.2 for two values, ln 18 = 2.9 for three.
+        assert_eq!(after(&[(0, Says::Value(1))]), [2.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(after(&[(1, Says::Value(0)); 2]), [0.0, 0.0, 0.0, 6.0, 6.0]);
+        assert_eq!(after(&[(0, Says::Value(1)), (0, Says::Value(0))]), [0.0; 5]);
+    }
+
+    #[test]
+    fn a_reading_that_is_never_wrong_is_as_sure_as_can_be() {
+        assert_eq!(after(&[(1, Says::IsNot(2))]), [0.0, 0.0, 0.0, 0.0, 7.5]);
+        assert_eq!(after(&[(1, Says::Is(2)); 3]), [0.0, 0.0, 7.5, 7.5, 0.0]);
+    }
+
+    #[test]
+    fn what_the_mission_does_not_have_counts_for_nothing() {
+        assert_eq!(after(&[(2, Says::Value(0)), (0, Says::Is(1)), (1, Says::Is(1))]), [0.0; 5]);
+    }
+}

@@ -1,0 +1,165 @@
+//! What a robot makes of the running plan by what it has read since: inference at every tick.
+
+use super::super::outlook::Done;
+use super::super::policies::{HAS_UNKNOWNS, TeamPlan, moves_of, visits};
+use super::super::prospects::{Certainty, Robots};
+use super::super::unknown::MAX_WORLDS;
+use super::super::{AnnouncedReadings, Fact};
+use super::Navigation;
+use crate::bounded::up_to;
+use crate::grid::{Cell, Map, Path};
+use crate::team::rounds::Teammates;
+use heapless::Vec;
+
+/// By how much another plan must be better than what is left of this one, in eighths of a tick,
+/// beside the time that another decision takes.
+const MARGIN: u16 = 8;
+
+/// The ticks after a choice in which the robot does not want another because of what it has read,
+/// unless it has made a move.
+const REST: u8 = 10;
+
+/// The ticks after which a robot no longer waits for what others may have read at the end of a plan.
+const PATIENCE: u8 = 3;
+
+/// The probability with which a cell is blocked from which on a robot does not go there.
+const SHUT: f32 = 0.9;
+
+/// What a robot makes of the running plan.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct OwnOutlook {
+    /// What it had read, and how many moves all had made, when it last weighed the rest of the plan.
+    weighed: Option<(AnnouncedReadings, u16)>,
+    /// Whether another plan is better by what it knows now.
+    is_outdated: bool,
+    /// The ticks since the choice.
+    ticks: u8,
+    /// The ticks since all members have reported that they have made all their moves.
+    idle: u8,
+}
+
+impl OwnOutlook {
+    pub(super) const NONE: Self = Self { weighed: None, is_outdated: false, ticks: 0, idle: 0 };
+}
+
+impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
+    Navigation<'_, S, W, L, M, K>
+{
+    /// The belief over the worlds: by the facts of the round, but for what this robot has read
+    /// since.
+    pub(super) fn belief(&self) -> Vec<f32, MAX_WORLDS> {
+        let now = self.told();
+        let told = self.announced().map(|fact| &fact.readings).unwrap_or(&now);
+        self.policies.prospects().belief_after(self.mission, told, &now)
+    }
+
+    /// Whether another plan is better by what the robot knows now.
+    pub(in crate::navigation) const fn is_outdated(&self) -> bool {
+        self.outlook.is_outdated
+    }
+
+    /// Whether the team's work is not known to be done where its plan ends: it is unlikely, or this
+    /// robot may find out from where it stands. One that cannot leaves it to those that can.
+    pub(in crate::navigation) fn is_unsure(&self) -> bool {
+        let Some(ends) = self.ends().filter(|_| self.policies.is_branching()) else { return false };
+        let (prospects, belief) = (self.policies.prospects(), self.belief());
+        let here = self.standing().filter(|&cell| prospects.has_sight(cell));
+        match prospects.are_done(&belief, &ends) {
+            Certainty::Known => false,
+            Certainty::Likely => {
+                here.is_some_and(|cell| prospects.is_informative(self.mission, cell, &belief))
+            }
+            Certainty::Unlikely => true,
+        }
+    }
+
+    /// Where the members that go to goals end by the plan.
+    fn ends(&self) -> Option<Robots> {
+        let plan = self.plan()?;
+        Some(up_to(self.policies.seekers().paths(plan).map(|path| path.end(&self.mission.map))))
+    }
+
+    /// Weighs what is left of the running plan against another decision, if the robot has read
+    /// something since it last did so, or the plan has come to its end.
+    pub(super) fn weigh_rest(&mut self, teammates: &Teammates<'_, Fact<W>, K>) {
+        if !HAS_UNKNOWNS || self.mission.unknowns.is_empty() {
+            return;
+        }
+        self.outlook.ticks = self.outlook.ticks.saturating_add(1);
+        let is_idle = self.has_decided() && self.are_all_done(teammates);
+        self.outlook.idle = if is_idle { self.outlook.idle.saturating_add(1) } else { 0 };
+        let told = self.told();
+        let Some(moves) = self.course().map(|(_, moves)| moves) else { return };
+        let has_news = self.announced().is_some_and(|fact| fact.readings != told);
+        let may_ask = moves > 0 || self.outlook.ticks >= REST;
+        if !may_ask || !(has_news || self.outlook.idle >= PATIENCE) {
+            self.outlook.is_outdated = false;
+            return;
+        }
+        let moves = self.made(teammates).map_or(0, |done| done.moves.iter().sum());
+        let question = Some((told, moves));
+        if self.outlook.weighed != question {
+            self.outlook.is_outdated = self.finds_better(teammates);
+            self.outlook.weighed = question;
+        }
+    }
+
+    /// Whether the robot knows from its own readings that a path is blocked.
+    pub(super) fn is_shut(&self, cells: impl IntoIterator<Item = Cell>) -> bool {
+        if !HAS_UNKNOWNS || self.mission.unknowns.is_empty() {
+            return false;
+        }
+        let shut = self.policies.prospects().blocked(self.mission, &self.belief(), SHUT);
+        cells.into_iter().any(|cell| shut.contains(cell))
+    }
+
+    /// The moves that each member has made, by what it has reported; of a plan that is being
+    /// followed.
+    fn made(&self, teammates: &Teammates<'_, Fact<W>, K>) -> Option<Done> {
+        let rounds = self.rounds.as_ref()?;
+        let (own, view) = (self.robot(), rounds.proposal().view);
+        let mut done = Done { own: view.place(own), ..Done::NOTHING };
+        for (robot, moves) in view.iter().zip(&mut done.moves) {
+            let step = teammates.get(robot).map_or(0, |heard| heard.message.answer.step());
+            *moves = if robot == own { rounds.protocol().step() } else { step };
+        }
+        Some(done)
+    }
+
+    fn are_all_done(&self, teammates: &Teammates<'_, Fact<W>, K>) -> bool {
+        let Some((plan, done)) = self.plan().zip(self.made(teammates)) else { return false };
+        plan.paths().iter().zip(done.moves).all(|(path, made)| made >= moves_of(path))
+    }
+
+    /// The plan that is being followed.
+    fn plan(&self) -> Option<&TeamPlan> {
+        let policy = self.rounds.as_ref()?.protocol().policy()?;
+        self.policies.plans().get(policy)
+    }
+
+    /// Whether another decision is better than what is left of the plan, by more than it costs.
+    fn finds_better(&self, teammates: &Teammates<'_, Fact<W>, K>) -> bool {
+        let belief = self.belief();
+        let (prospects, map) = (self.policies.prospects(), &self.mission.map);
+        if !self.policies.is_branching() {
+            // All robots go to the goals of the world that was the likeliest.
+            let assumed = prospects.likeliest();
+            return belief.get(assumed).is_some_and(|&p| p < 0.5);
+        }
+        let Some((plan, done)) = self.plan().zip(self.made(teammates)) else { return false };
+        if self.is_shut(plan.paths().iter().zip(done.moves).flat_map(|(path, made)| ahead(map, path, made))) {
+            return true;
+        }
+        let seekers = self.policies.seekers();
+        let rest = prospects.expected(self.mission, plan, seekers, done, &belief);
+        let anew = prospects.anew(self.mission, &seekers.cells(map, plan, &done), &belief);
+        // A team that has nothing left to do loses nothing.
+        let margin = if self.is_complete() { 0 } else { MARGIN };
+        rest.total() > anew.total().saturating_add(margin)
+    }
+}
+
+/// The cells of a path that come after so many moves.
+fn ahead<'p, const W: usize>(map: &'p Map<W>, path: &'p Path, made: u16) -> impl Iterator<Item = Cell> + 'p {
+    visits(path, map).filter(move |&(moves, _)| moves > made).map(|(_, cell)| cell)
+}
