@@ -130,8 +130,8 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     /// Starts a robot that has no mission yet.
     ///
     /// # Errors
-    /// [`MissionError`] when the mission does not fit the sizes, the robot is not in its team, or it
-    /// has been started already; it is then as it was.
+    /// [`MissionError`] when the mission does not fit the sizes, the robot is not in its team, or
+    /// it has been started already; it is then as it was.
     pub fn start(&mut self, mission: &'m Mission<'m, W>, settings: &Settings) -> Result<(), MissionError> {
         self.blackboard.navigation.start(mission, settings.member(), settings.epoch())?;
         let timeout = settings.tick().0.saturating_mul(Self::TIMEOUT_TICKS);

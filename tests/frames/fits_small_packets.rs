@@ -24,7 +24,8 @@ fn packet(message: RoundMessage<Fact<WORDS>, POLICIES>, stamp: Stamp) -> usize {
 /// policies.
 fn longest(left_out: usize, policies: usize, round: u32) -> RoundMessage<Fact<WORDS>, POLICIES> {
     let last = Cell(CELLS as u16 - 1);
-    // Four claims have five bytes of cells each: of a larger span they are drawn coarser, and shorter.
+    // Four claims have five bytes of cells each: of a larger span they are drawn coarser, and
+    // shorter.
     let span = if left_out == 4 { 40 } else { CELLS as u16 };
     let wall = || Cells::<WORDS>([Cell(0), Cell(span - 1)].into_iter().collect()).to_wire(left_out);
     let view: View = (left_out as u8..8).map(RobotId).collect();

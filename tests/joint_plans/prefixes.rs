@@ -1,4 +1,5 @@
-//! Robots that begin with a given path: by a cell where they look, or on to where they can be stopped.
+//! Robots that begin with a given path: by a cell where they look, or on to where they can be
+//! stopped.
 
 use super::checker::{conflict, fault, timelines};
 use super::{Case, List, listed};

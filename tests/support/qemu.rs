@@ -67,7 +67,8 @@ pub fn image_for(name: &str, profile: &str, target: &str, board: &str) -> PathBu
 /// As [`image`].
 #[must_use]
 pub fn image_of(package: &str, name: &str, profile: &str, target: &str, board: Option<&str>) -> PathBuf {
-    // Cargo puts an image with other features in the same place: each is kept where nothing else is.
+    // Cargo puts an image with other features in the same place: each is kept where nothing else
+    // is.
     static BUILD: Mutex<()> = Mutex::new(());
     let _building = BUILD.lock().unwrap_or_else(PoisonError::into_inner);
     let built = build(package, name, profile, target, board);
@@ -176,8 +177,8 @@ impl Robot {
     }
 
     /// Starts an image on another machine of QEMU, with a page at an address. The log leaves
-    /// [`RISC_V`] by semihosting, and [`MICROBIT`] has none; of other machines the first serial port is the log. The next one
-    /// is the link.
+    /// [`RISC_V`] by semihosting, and [`MICROBIT`] has none; of other machines the first serial
+    /// port is the log. The next one is the link.
     ///
     /// # Panics
     /// As [`Robot::boot`].

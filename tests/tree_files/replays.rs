@@ -206,8 +206,9 @@ fn a_change_that_is_left_out_is_found_in_every_kind_of_tree() {
     for (title, instance, transitions) in runs(apart) {
         for omitted in 0..transitions.len() {
             let at = |time: Instant| transitions.iter().filter(|other| other.time == time).count();
-            // Where it is the only one, the tick is missing as a whole: entries have numbers for that.
-            // Where a leaf is ticked twice in a tick, it may have returned the second status at once.
+            // Where it is the only one, the tick is missing as a whole: entries have numbers for
+            // that. Where a leaf is ticked twice in a tick, it may have returned the second status
+            // at once.
             let left = transitions[omitted];
             let again = |next: &StatusChange| next.node == left.node && next.time == left.time;
             if at(left.time) < 2 || transitions.get(omitted + 1).is_some_and(again) {

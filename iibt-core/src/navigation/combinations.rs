@@ -42,11 +42,15 @@ impl Combinations {
             return None;
         }
         self.looked_at += 1;
-        let path = |((robot, fact), place): ((RobotId, &Fact<W>), u16)| {
-            let whole = list(mission, robot).get(usize::from(place))?;
-            from(whole, fact.anchor, &mission.map, rests)
+        let chosen = |((robot, _), place): ((RobotId, &Fact<W>), u16)| {
+            list(mission, robot).get(usize::from(place)).copied()
         };
-        let paths: Vec<Path, MAX_TEAM> = up_to(members.iter().zip(self.places).filter_map(path));
+        let mut paths: Vec<Path, MAX_TEAM> = up_to(members.iter().zip(self.places).filter_map(chosen));
+        for (path, fact) in paths.iter_mut().zip(members.facts()) {
+            if path.start != fact.anchor {
+                *path = from(path, fact.anchor, &mission.map, rests)?;
+            }
+        }
         let are_goals = members
             .iter()
             .zip(&paths)
@@ -70,11 +74,15 @@ impl Combinations {
             };
             let left_of = |path: &Path| from(path, fact.anchor, &mission.map, rests);
             let is_open = |&(index, path): &(usize, &Path)| {
-                let Some(left) = left_of(path) else { return false };
+                // Most robots are where their paths begin: those are not copied.
+                let rest = if path.start == fact.anchor { None } else { left_of(path) };
+                let Some(left) = rest.as_ref().or((path.start == fact.anchor).then_some(path)) else {
+                    return false;
+                };
                 let mut earlier = list(mission, robot).iter().take(if rests { index } else { 0 });
                 left.is_open(&mission.map)
                     && left.cells(&mission.map).skip(1).all(|cell| !closed.contains(cell))
-                    && earlier.all(|other| left_of(other) != Some(left))
+                    && earlier.all(|other| left_of(other).as_ref() != Some(left))
             };
             let open_from =
                 |first| list(mission, robot).iter().take(MOST.into()).enumerate().skip(first).find(is_open);
@@ -92,8 +100,11 @@ impl Combinations {
 /// What is left of a path for a robot on a cell: all of it where it begins there, and with `rests`
 /// what comes after the cell.
 fn from<const W: usize>(path: &Path, at: Cell, map: &Map<W>, rests: bool) -> Option<Path> {
-    let done = if rests { path.cells(map).position(|cell| cell == at)? } else { 0 };
-    (path.start == at || done > 0).then(|| path.rest(map, done))
+    if path.start == at {
+        return Some(*path);
+    }
+    let done = path.cells(map).position(|cell| cell == at).filter(|_| rests)?;
+    Some(path.rest(map, done))
 }
 
 /// The paths given by hand for a robot.
@@ -115,19 +126,23 @@ mod tests {
     use crate::grid::{Cell, Map};
     use crate::team::rounds::View;
 
+    fn map() -> Map<1> {
+        Map::new(5, 3).unwrap()
+    }
+
+    fn through(cells: &[u16]) -> Path {
+        let cells: std::vec::Vec<Cell> = cells.iter().copied().map(Cell).collect();
+        Path::through(&map(), &cells).unwrap()
+    }
+
     #[test]
     fn combines_open_paths_in_order() {
-        let map = Map::<1>::new(5, 3).unwrap();
-        let through = |cells: &[u16]| {
-            let cells: std::vec::Vec<Cell> = cells.iter().copied().map(Cell).collect();
-            Path::through(&map, &cells).unwrap()
-        };
         let first = [through(&[0, 1, 2]), through(&[0, 5, 6, 7, 2]), through(&[3, 2]), through(&[0, 1, 1])];
         let second = [through(&[12, 7, 2]), through(&[12, 13])];
         let lists: [&[Path]; 2] = [&first, &second];
         let starts = [Cell(0), Cell(12)];
         let goals = [Cell(2), Cell(13)];
-        let mission = Mission { paths: Some(&lists), ..Mission::new(map, &starts, &goals) };
+        let mission = Mission { paths: Some(&lists), ..Mission::new(map(), &starts, &goals) };
         let facts = starts.map(|anchor| Fact { anchor, ..Fact::default() });
         let members = Members::new(View::full(2), |robot| facts.get(robot.index()));
         let look = |closed: &CellSet<1>| {
@@ -160,18 +175,13 @@ mod tests {
 
     #[test]
     fn what_is_left_of_paths_is_combined_once_from_where_the_members_stand() {
-        let map = Map::<1>::new(5, 3).unwrap();
-        let through = |cells: &[u16]| {
-            let cells: std::vec::Vec<Cell> = cells.iter().copied().map(Cell).collect();
-            Path::through(&map, &cells).unwrap()
-        };
         // From cell 1 on, the first and the third are one.
         let first = [through(&[0, 1, 2]), through(&[0, 1, 6, 7, 2]), through(&[5, 0, 1, 2])];
         let second = [through(&[10, 11, 12])];
         let lists: [&[Path]; 2] = [&first, &second];
         let starts = [Cell(0), Cell(10)];
         let goals = [Cell(2), Cell(12)];
-        let mission = Mission { paths: Some(&lists), ..Mission::new(map, &starts, &goals) };
+        let mission = Mission { paths: Some(&lists), ..Mission::new(map(), &starts, &goals) };
         let look = |anchors: [u16; 2], closed: &[u16]| {
             let facts = anchors.map(|anchor| Fact { anchor: Cell(anchor), ..Fact::default() });
             let members = Members::new(View::full(2), |robot| facts.get(robot.index()));

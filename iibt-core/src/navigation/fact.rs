@@ -68,8 +68,8 @@ impl<const W: usize> Fact<W> {
 impl<const W: usize> rounds::Fact for Fact<W> {
     type Claim = Cells<W>;
 
-    // Cells below 2^14 take two bytes at the most. Evidence about obstacles and about unknowns share
-    // their room.
+    // Cells below 2^14 take two bytes at the most. Evidence about obstacles and about unknowns
+    // share their room.
     const MAX_BYTES: usize = 2 + (1 + 2) + 1 + NAMED_BYTES;
 
     fn anchor(&self) -> Cells<W> {
@@ -174,7 +174,8 @@ fn next<'de, T: Deserialize<'de>, A: SeqAccess<'de>>(from: &mut A) -> Result<T, 
     from.next_element()?.ok_or_else(|| A::Error::custom("a fact ends too early"))
 }
 
-/// The most bytes of all that a robot names in a message, as evidence, as readings and as way-points.
+/// The most bytes of all that a robot names in a message, as evidence, as readings and as
+/// way-points.
 pub(super) const NAMED_BYTES: usize = MAX_EVIDENCE * PLACE_BYTES;
 
 /// The bytes that a cell with its evidence takes, and a way-point at the most.

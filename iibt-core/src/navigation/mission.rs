@@ -109,15 +109,15 @@ pub enum MissionError {
     /// A charger is outside the map, blocked, or given twice.
     #[error("the charger p{} is outside the map, blocked or given twice", .0.0)]
     Charger(Cell),
-    /// More than [`MAX_UNKNOWNS`] unknowns, values or worlds than there is room for, or readings that
-    /// do not fit [small frames](super::SMALL_FRAME_POLICIES).
+    /// More than [`MAX_UNKNOWNS`] unknowns, values or worlds than there is room for, or readings
+    /// that do not fit [small frames](super::SMALL_FRAME_POLICIES).
     #[error(
         "a mission has at most {MAX_UNKNOWNS} unknowns with {MAX_VALUES} values and {MAX_WORLDS} worlds, and \
          fewer where frames are small"
     )]
     UnknownCount,
-    /// A cell of an unknown, or one from which it is seen, is outside the map, blocked, given twice,
-    /// or should be a goal and is none.
+    /// A cell of an unknown, or one from which it is seen, is outside the map, blocked, given
+    /// twice, or should be a goal and is none.
     #[error("the cell p{} of an unknown is outside the map, blocked, given twice or no goal", .0.0)]
     Unknown(Cell),
     /// The probabilities of the values of an unknown are no distribution.

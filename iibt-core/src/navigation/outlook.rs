@@ -5,7 +5,7 @@
 //! the best of a few ways to go on.
 
 use super::mission::Mission;
-use super::policies::{TeamPlan, moves_of, visits};
+use super::policies::{TeamPlan, ahead, moves_of, visits};
 use super::prospects::{LONGEST, Prospects, Robots, bits, worlds_of};
 use super::unknown::{MAX_WORLDS, Says};
 use super::ways::{ROUND, Way};
@@ -79,14 +79,15 @@ impl Rest<'_> {
         self.seekers.cells(map, self.plan, &self.done.after(ticks))
     }
 
-    fn is_complete(&self) -> bool {
-        self.done.own.is_some() && self.paths().all(|(_, path, made)| moves_of(path) <= made)
+    /// Whether all have made their moves.
+    fn is_at_its_end(&self) -> bool {
+        self.paths().all(|(_, path, made)| moves_of(path) <= made)
     }
 
     /// Whether one of these cells is on what is left of a path.
     fn is_shut<const W: usize>(&self, map: &Map<W>, closed: &CellSet<W>) -> bool {
         let enters = |(_, path, made): (usize, &Path, u16)| {
-            visits(path, map).any(|(moves, cell)| moves > made && closed.contains(cell))
+            ahead(path, map, made).any(|(_, cell)| closed.contains(cell))
         };
         !closed.is_empty() && self.paths().any(enters)
     }
@@ -118,19 +119,14 @@ impl Done {
 impl<const S: usize, const W: usize> Prospects<S, W> {
     /// What it would save to know everything, in eighths of a tick.
     pub(super) fn value_of_knowing(&self, mission: &Mission<'_, W>, robots: &[Cell]) -> Eighths {
-        let ways = self.ways(mission, robots);
-        let blind = Outlook { until: 0, readings: &[], ways: &ways }.expected(self.belief()).total();
-        let known = (0..MAX_WORLDS).map(|world| 8 * (self.ticks_to(world, robots) + ROUND));
-        let mut times = [0; MAX_WORLDS];
-        times.iter_mut().zip(known).for_each(|(slot, time)| *slot = time);
-        blind.saturating_sub(
-            Outlook { until: 0, readings: &[], ways: &[times] }.expected(self.belief()).total(),
-        )
+        let blind = self.anew(mission, robots, self.belief());
+        let times = core::array::from_fn(|world| 8 * (self.ticks_to(world, robots) + ROUND));
+        blind.total().saturating_sub(whatever_is_seen(self.belief(), &[times]).total())
     }
 
     /// The expected time of the best way on after another decision.
     pub(super) fn anew(&self, mission: &Mission<'_, W>, robots: &[Cell], belief: &[f32]) -> ExpectedTime {
-        Outlook { until: 0, readings: &[], ways: &self.ways(mission, robots) }.expected(belief)
+        whatever_is_seen(belief, &self.ways(mission, robots))
     }
 
     /// The expected time of what is left of a plan after so many moves, by a belief of now.
@@ -146,7 +142,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         let rest = Rest { plan, seekers, ticks, done };
         let Some(look) = self.first_look(mission, &rest, belief) else {
             let way = self.to_its_end(mission, &rest);
-            return Outlook { until: 0, readings: &[], ways: &[way] }.expected(belief);
+            return whatever_is_seen(belief, &[way]);
         };
         let mut readings: Vec<[f32; MAX_WORLDS], MOST_READINGS> = up_to([[1.0; MAX_WORLDS]]);
         for (_, path, made) in rest.paths() {
@@ -172,7 +168,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
             if worlds == 0 {
                 continue;
             }
-            let stays = rest.is_complete();
+            let stays = rest.done.own.is_some() && rest.is_at_its_end();
             let more = if stays {
                 [8 * LONGEST; MAX_WORLDS]
             } else {
@@ -187,26 +183,24 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         times
     }
 
-    /// After how many ticks a robot comes to where it sees something of what is not known; of a team
-    /// that stands, after one more tick.
+    /// After how many ticks a robot comes to where it sees something of what is not known; of a
+    /// team that stands, after one more tick.
     fn first_look(&self, mission: &Mission<'_, W>, rest: &Rest<'_>, belief: &[f32]) -> Option<u16> {
         let map = &mission.map;
         let tells = |cell| self.has_sight(cell) && self.is_informative(mission, cell, belief);
         let sees = |(_, path, made): (usize, &Path, u16)| {
-            let mut later = visits(path, map).filter(|&(moves, _)| moves > made);
-            later.find(|&(_, cell)| tells(cell)).map(|(moves, _)| moves - made)
+            ahead(path, map, made).find(|&(_, cell)| tells(cell)).map(|(moves, _)| moves - made)
         };
         let stays = || {
             let mut own = rest.paths().filter(|&(place, ..)| rest.done.own.is_none_or(|own| own == place));
             let tells = own.any(|(_, path, _)| tells(path.end(map)));
-            let is_complete = rest.paths().all(|(_, path, made)| moves_of(path) <= made);
-            (is_complete && tells).then_some(1)
+            (rest.is_at_its_end() && tells).then_some(1)
         };
         rest.paths().filter_map(sees).min().or_else(stays)
     }
 
-    /// Multiplies the likelihoods of the readings by those that come from a cell, as far as there is
-    /// room.
+    /// Multiplies the likelihoods of the readings by those that come from a cell, as far as there
+    /// is room.
     fn read(
         &self,
         mission: &Mission<'_, W>,
@@ -233,6 +227,11 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
             }
         }
     }
+}
+
+/// The expected time of the best of some ways, whatever is seen on them.
+fn whatever_is_seen(belief: &[f32], ways: &[[Eighths; MAX_WORLDS]]) -> ExpectedTime {
+    Outlook { until: 0, readings: &[], ways }.expected(belief)
 }
 
 /// The cell of a path after so many moves.

@@ -187,8 +187,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// The first cell on the rest of a path from where something is seen that was not known.
     #[must_use]
     pub fn look_out(&self, map: &Map<W>, path: &Path, moves: u16) -> Option<Cell> {
-        let later = visits(path, map).filter(|&(made, _)| made > moves).map(|(_, cell)| cell);
-        later.filter(|_| self.is_branching()).find(|&cell| self.prospects.has_sight(cell))
+        let mut later = ahead(path, map, moves).map(|(_, cell)| cell);
+        later.find(|&cell| self.is_branching() && self.prospects.has_sight(cell))
     }
 
     /// The policies as far as they are made, with what the rounds ask about them.
@@ -281,8 +281,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         }
     }
 
-    /// Makes the plan for the next alternative, as far as the budget lets it; returns whether that is
-    /// done.
+    /// Makes the plan for the next alternative, as far as the budget lets it; returns whether that
+    /// is done.
     #[inline(never)]
     fn branch(
         &mut self,
@@ -294,13 +294,11 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     ) -> bool {
         let targets = Targets::of(mission, members, closed);
         let variant = targets.variant(mission, &self.prospects, self.alternatives.current(), closed);
-        if let Some((targets, shut)) = variant
-            && !self.list.extend(
-                &targets.problem(mission, closed.union(&shut).union(&self.prospects.shut(mission))),
-                budget,
-            )
-        {
-            return false;
+        if let Some((targets, shut)) = variant {
+            let shut = closed.union(&shut).union(&self.prospects.shut(mission));
+            if !self.list.extend(&targets.problem(mission, shut), budget) {
+                return false;
+            }
         }
         let count = self.prospects.belief().len();
         let has_room = self.plans().len() < most;
@@ -449,6 +447,15 @@ pub(super) fn visits<'a, const W: usize>(
         visit = moves.next().map(next);
         Some((made, here))
     })
+}
+
+/// The cells of a path that come after so many moves, with the moves made until then.
+pub(super) fn ahead<'a, const W: usize>(
+    path: &'a Path,
+    map: &'a Map<W>,
+    moves: u16,
+) -> impl Iterator<Item = (u16, Cell)> + 'a {
+    visits(path, map).filter(move |&(made, _)| made > moves)
 }
 
 /// The number of moves, waits left out, that a path makes.

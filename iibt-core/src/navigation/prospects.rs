@@ -2,7 +2,7 @@
 //! cell is from its goals.
 
 use super::mission::Mission;
-use super::policies::Members;
+use super::policies::{HAS_UNKNOWNS, Members};
 use super::readings::{AnnouncedReadings, nats_against};
 use super::unknown::{Effect, MAX_WORLDS, Place, Sight, Tells, Unknown, worlds};
 use crate::grid::{Cell, CellSet};
@@ -26,13 +26,16 @@ pub(super) type Bits = u16;
 /// The cells of robots.
 pub(super) type Robots = Vec<Cell, MAX_TEAM, u8>;
 
+/// The distance tables of a robot. One that can have no unknowns needs none.
+const TABLES: usize = if HAS_UNKNOWNS { MAX_WORLDS } else { 0 };
+
 /// The worlds of a mission as a team sees them in a round, on maps of up to `S` cells in `W` words.
 #[derive(Clone, Debug)]
 pub(super) struct Prospects<const S: usize, const W: usize> {
     worlds: Worlds<MAX_WORLDS>,
     belief: Vec<f32, MAX_WORLDS>,
     /// The distance of each cell to the nearest goal of each world.
-    distances: [[u8; S]; MAX_WORLDS],
+    distances: [[u8; S]; TABLES],
     /// How many of them are made.
     made: usize,
     /// On how many goals robots must end.
@@ -57,7 +60,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     pub(super) const NONE: Self = Self {
         worlds: Worlds::NONE,
         belief: Vec::new(),
-        distances: [[NO_WAY; S]; MAX_WORLDS],
+        // Zeros: a robot that is zeros but for a little is built in place, not on the stack.
+        distances: [[0; S]; TABLES],
         made: 0,
         need: 0,
         sights: CellSet::EMPTY,
@@ -75,16 +79,14 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     }
 
     fn find_sights(&mut self, mission: &Mission<'_, W>) {
-        (self.sights, self.doubtful) = (CellSet::EMPTY, CellSet::EMPTY);
-        for (number, unknown) in (0..).zip(mission.unknowns) {
-            if self.is_known(number) {
-                continue;
-            }
-            unknown.sights.iter().for_each(|sight| _ = self.sights.insert(sight.from));
+        let (mut sights, mut doubtful) = (CellSet::EMPTY, CellSet::EMPTY);
+        for (_, unknown) in self.open(mission) {
+            unknown.sights.iter().for_each(|sight| _ = sights.insert(sight.from));
             if unknown.effect == Effect::Blocks {
-                unknown.cells.iter().for_each(|place| _ = self.doubtful.insert(place.cell));
+                unknown.cells.iter().for_each(|place| _ = doubtful.insert(place.cell));
             }
         }
+        (self.sights, self.doubtful) = (sights, doubtful);
     }
 
     /// The probability of each world.
@@ -131,14 +133,12 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// Whether all that matters of an unknown is known.
     fn is_known(&self, unknown: usize) -> bool {
-        let p = |value| self.worlds.probability(&self.belief, unknown, value);
-        (0..self.worlds.values(unknown)).any(|value| p(value) >= KNOWN)
+        (0..self.worlds.values(unknown)).any(|value| self.probability(unknown, value) >= KNOWN)
     }
 
     /// Whether it is open if an unknown has a value.
     pub(super) fn is_undecided(&self, unknown: usize, value: usize) -> bool {
-        let p = self.worlds.probability(&self.belief, unknown, value);
-        (1.0 - KNOWN..KNOWN).contains(&p)
+        is_undecided(self.probability(unknown, value))
     }
 
     /// The value of an unknown in a world.
@@ -163,14 +163,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// The values of an unknown from the likeliest on, the first of equals first.
     pub(super) fn by_value(&self, unknown: usize) -> impl Iterator<Item = usize> + '_ {
-        let mut left = (1_u32 << self.worlds.values(unknown).min(MAX_WORLDS)) - 1;
-        core::iter::from_fn(move || {
-            let p = |value: usize| self.worlds.probability(&self.belief, unknown, value);
-            let later = (0..MAX_WORLDS).filter(|value| left >> value & 1 == 1);
-            let next = later.reduce(|best, value| if p(value) > p(best) { value } else { best })?;
-            left &= !(1 << next);
-            Some(next)
-        })
+        descending(bits(0..self.worlds.values(unknown)), move |value| self.probability(unknown, value))
     }
 
     /// The likeliest world, the first of equals.
@@ -180,14 +173,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// The worlds from the likeliest on, the first of equals first.
     pub(super) fn by_belief(&self) -> impl Iterator<Item = usize> + '_ {
-        let mut left: Bits = self.all();
-        core::iter::from_fn(move || {
-            let later = (0..self.belief.len()).filter(|world| left >> world & 1 == 1);
-            let p = |world: &usize| self.belief.get(*world).copied().unwrap_or(0.0);
-            let next = later.reduce(|best, world| if p(&world) > p(&best) { world } else { best })?;
-            left &= !(1 << next);
-            Some(next)
-        })
+        descending(self.all(), |world| self.p(world))
     }
 
     /// The cells that may be blocked, by unknowns that are not known.
@@ -205,9 +191,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// The cells that are blocked in a world, of those that may be.
     pub(super) fn closed(&self, mission: &Mission<'_, W>, world: usize) -> CellSet<W> {
-        let blocks = (0..).zip(mission.unknowns).filter(|(_, unknown)| unknown.effect == Effect::Blocks);
-        blocks
-            .flat_map(|(number, unknown)| unknown.cells_of(self.worlds.value(world, number) as u8))
+        of(mission, Effect::Blocks)
+            .flat_map(|(number, unknown)| unknown.cells_of(self.value(world, number) as u8))
             .collect()
     }
 
@@ -219,9 +204,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         goals: &'a [Cell],
     ) -> impl Iterator<Item = Cell> + Clone + 'a {
         let serves = move |&goal: &Cell| {
-            let mut all = (0..).zip(mission.unknowns).filter(|(_, unknown)| unknown.effect == Effect::Serves);
-            all.all(|(number, unknown)| {
-                let value = self.worlds.value(world, number);
+            of(mission, Effect::Serves).all(|(number, unknown)| {
+                let value = self.value(world, number);
                 unknown.cells.iter().all(|place| place.cell != goal || usize::from(place.value) == value)
             })
         };
@@ -235,9 +219,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// The cells that are blocked with at least this probability.
     pub(super) fn blocked(&self, mission: &Mission<'_, W>, belief: &[f32], least: f32) -> CellSet<W> {
-        let blocks = (0..).zip(mission.unknowns).filter(|(_, unknown)| unknown.effect == Effect::Blocks);
-        let places =
-            blocks.flat_map(|(number, unknown)| unknown.cells.iter().map(move |place| (number, place)));
+        let places = of(mission, Effect::Blocks)
+            .flat_map(|(number, unknown)| unknown.cells.iter().map(move |place| (number, place)));
         let p = |number, place: &Place| self.worlds.probability(belief, number, place.value.into());
         places.filter(|(number, place)| p(*number, place) >= least).map(|(_, place)| place.cell).collect()
     }
@@ -257,10 +240,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// Whether what a sight tells is not known.
     pub(super) fn is_open(&self, number: usize, sight: &Sight, belief: &[f32]) -> bool {
-        let is_open = |value| {
-            let p = self.worlds.probability(belief, number, value);
-            (1.0 - KNOWN..KNOWN).contains(&p)
-        };
+        let is_open = |value| is_undecided(self.worlds.probability(belief, number, value));
         match sight.tells {
             Tells::Value => (0..self.worlds.values(number)).any(is_open),
             Tells::Whether(value) => is_open(value.into()),
@@ -269,8 +249,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// The worlds that are possible.
     pub(super) fn all(&self) -> Bits {
-        let possible = self.belief.iter().enumerate().filter(|(_, p)| **p > 0.0);
-        possible.fold(0, |all, (world, _)| all | 1 << world)
+        bits((0..self.belief.len()).filter(|&world| self.p(world) > 0.0))
     }
 
     pub(super) fn distance(&self, world: usize, cell: Cell) -> u8 {
@@ -283,8 +262,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         worlds.map(|(world, p)| p * f32::from(self.distance(world, cell))).sum()
     }
 
-    /// The ticks until as many robots as needed are on the goals of a world: those that are nearest,
-    /// the first of them on the farthest cell where goals lie behind each other.
+    /// The ticks until as many robots as needed are on the goals of a world: those that are
+    /// nearest, the first of them on the farthest cell where goals lie behind each other.
     pub(super) fn ticks_to(&self, world: usize, cells: &[Cell]) -> u16 {
         let mut sorted = [NO_WAY; MAX_TEAM];
         for &cell in cells {
@@ -331,6 +310,28 @@ fn evidence<'e, const W: usize>(
         let before: usize = mission.unknowns.iter().take(unknown).map(|other| other.prior.len()).sum();
         -of.clone().map(|evidence| nats_against(evidence, before + value)).sum::<f32>()
     }
+}
+
+/// The unknowns with an effect, by their places in the mission.
+fn of<'m, const W: usize>(
+    mission: &Mission<'m, W>,
+    effect: Effect,
+) -> impl Iterator<Item = (usize, &'m Unknown<'m>)> {
+    (0..).zip(mission.unknowns).filter(move |(_, unknown)| unknown.effect == effect)
+}
+
+/// Whether something with this probability is worth another look.
+fn is_undecided(p: f32) -> bool {
+    (1.0 - KNOWN..KNOWN).contains(&p)
+}
+
+/// Some of the worlds, or values, from the likeliest on, the first of equals first.
+pub(super) fn descending(mut left: Bits, p: impl Fn(usize) -> f32) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let next = worlds_of(left).reduce(|best, other| if p(other) > p(best) { other } else { best })?;
+        left &= !(1 << next);
+        Some(next)
+    })
 }
 
 pub(super) fn bits(worlds: impl Iterator<Item = usize>) -> Bits {

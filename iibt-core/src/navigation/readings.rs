@@ -1,6 +1,6 @@
 //! Readings of unknowns: what a robot has gathered of each value, and what it announces.
 //!
-//! AnnouncedReadings is a log-likelihood, relative to the value for which the readings speak most. Every
+//! Evidence is a log-likelihood, relative to the value for which the readings speak most. Every
 //! robot announces its own sums; the team's belief is the prior with the sums of all members, so
 //! nothing is counted twice, and a lost frame does no harm.
 

@@ -178,8 +178,8 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     /// it takes its start in the mission for likely; later only its localiser tells where it is.
     ///
     /// # Errors
-    /// [`MissionError`] when the mission does not fit the sizes, the robot is not in its team, or it
-    /// has been started already; it is then as it was.
+    /// [`MissionError`] when the mission does not fit the sizes, the robot is not in its team, or
+    /// it has been started already; it is then as it was.
     pub fn start(
         &mut self,
         mission: &'m Mission<'m, W>,
@@ -201,8 +201,8 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
         }
         let robot = member.robot();
         let start = mission.starts.get(robot.index()).copied().ok_or(MissionError::NoSuchRobot)?;
-        // A robot that has started before was wherever it was: its localiser knows, the mission does
-        // not.
+        // A robot that has started before was wherever it was: its localiser knows, the mission
+        // does not.
         let start = Some(start).filter(|_| epoch <= 1);
         self.localisation.start(&mission.map, start, mission.sensor_of(robot), mission.learning);
         (self.mission, self.member, self.epoch) = (mission, member, epoch);

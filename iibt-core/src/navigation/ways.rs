@@ -1,12 +1,12 @@
-//! Ways to go on in worlds that a team cannot tell apart yet, and how long each takes in every one of
-//! them.
+//! Ways to go on in worlds that a team cannot tell apart yet, and how long each takes in every one
+//! of them.
 //!
 //! A way is a rule by which the team assumes one of the worlds that are still possible, goes to the
 //! goals of that world, and assumes another one when it sees that it was wrong. How long that takes
 //! comes from distance tables, one a world; robots do not get in each other's way there.
 
 use super::mission::Mission;
-use super::prospects::{Bits, LONGEST, NO_WAY, Prospects, Robots, bits, worlds_of};
+use super::prospects::{Bits, LONGEST, NO_WAY, Prospects, Robots, bits, descending, worlds_of};
 use super::unknown::{Effect, MAX_WORLDS, Sight, Tells};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Map, Move};
@@ -193,14 +193,13 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// The world that a team assumes.
     fn assume(&self, way: Way, leg: &Leg) -> Option<usize> {
-        let p = |world: usize| self.p(world);
         let ticks = |world: usize| self.ticks_to(world, &leg.cells);
         let all = worlds_of(leg.worlds);
         match way {
             Way::First(world) if leg.worlds >> world & 1 == 1 => Some(world),
             Way::Nearest | Way::First(_) => all.min_by_key(|&world| ticks(world)),
             Way::Farthest => all.max_by_key(|&world| ticks(world)),
-            Way::Likeliest => all.reduce(|best, world| if p(world) > p(best) { world } else { best }),
+            Way::Likeliest => descending(leg.worlds, |world| self.p(world)).next(),
         }
     }
 }

@@ -123,12 +123,12 @@ impl<const W: usize, const N: usize, const M: usize> Lacam<W, N, M> {
     /// the plan shortened.
     ///
     /// # Errors
-    /// - [`Failure::Invalid`]: the problem makes no sense, or two targets are the same, or one is not
-    ///   on the map;
+    /// - [`Failure::Invalid`]: the problem makes no sense, or two targets are the same, or one is
+    ///   not on the map;
     /// - [`Failure::NoWay`]: obstacles cut a robot off from its target;
     /// - [`Failure::Impossible`]: all that can be reached has been searched;
-    /// - [`Failure::NotFound`]: the calls are used up, or 65,535 of them for one state, or the plan is
-    ///   longer than a path can be.
+    /// - [`Failure::NotFound`]: the calls are used up, or 65,535 of them for one state, or the plan
+    ///   is longer than a path can be.
     #[inline(never)] // one search at a time is on the stack
     pub fn work(
         &mut self,

@@ -152,9 +152,9 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
         self.planner.start_with(Choice::SOONEST);
     }
 
-    /// Goes on with the soonest plan for one problem, whose robots arrive when they can, and adds it
-    /// unless the list has it; returns whether that is done and another problem of the same robots
-    /// may come.
+    /// Goes on with the soonest plan for one problem, whose robots arrive when they can, and adds
+    /// it unless the list has it; returns whether that is done and another problem of the same
+    /// robots may come.
     #[inline(never)]
     pub fn extend(&mut self, problem: &Problem<'_, W>, budget: &mut u32) -> bool {
         let result = &self.planner.work(problem, budget); // where it is: it holds a plan

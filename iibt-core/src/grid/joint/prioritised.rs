@@ -136,8 +136,8 @@ impl<const W: usize, const L: usize, const N: usize> Prioritised<W, L, N> {
     /// A work unit, one of the budget, is a layer of one robot, or a path read off.
     ///
     /// # Errors
-    /// - [`Failure::Invalid`]: the problem makes no sense, or two targets are the same, or one is not
-    ///   on the map;
+    /// - [`Failure::Invalid`]: the problem makes no sense, or two targets are the same, or one is
+    ///   not on the map;
     /// - [`Failure::NoWay`]: obstacles cut a robot off from its target;
     /// - [`Failure::NotFound`]: no order that was tried has a plan of at most `L - 1` steps.
     #[inline(never)] // one search at a time is on the stack

@@ -4,7 +4,7 @@ use super::super::{Cause, Fact, Intention, Purpose};
 use super::Navigation;
 use super::outlook::OwnOutlook;
 use crate::bounded::up_to;
-use crate::grid::{Move, Path};
+use crate::grid::{CellSet, Move, Path};
 use crate::inference::{Eighths, WeighedPolicies, worth_of_nats};
 use crate::team::rounds::{Event, JointPolicies, Own, Score, Scores, Teammates, View, Waiting, Want};
 use crate::team::{MAX_TEAM, Peers};
@@ -148,16 +148,17 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// What each policy costs this robot alone.
     fn scores(&self) -> Option<Scores<K>> {
         let list = self.on_map()?;
-        let score = |policy| list.path(policy, self.robot()).map_or(Score::CANNOT, |path| self.score(path));
+        let shut = self.shut();
+        let score =
+            |policy| list.path(policy, self.robot()).map_or(Score::CANNOT, |path| self.score(path, &shut));
         Some(up_to((0..list.len()).map(score)))
     }
 
     /// What a path costs this robot: the ticks by which its drive makes it late, and what its goal
     /// is worth less than others as long as it stands there.
-    fn score(&self, path: &Path) -> Score {
+    fn score(&self, path: &Path, shut: &CellSet<W>) -> Score {
         let map = &self.mission.map;
-        let ahead = || path.cells(map).skip(1);
-        if ahead().any(|cell| self.is_blocked(cell)) || self.is_shut(ahead()) {
+        if path.cells(map).skip(1).any(|cell| self.is_blocked(cell) || shut.contains(cell)) {
             return Score::CANNOT;
         }
         let slips = self.localisation.slips();

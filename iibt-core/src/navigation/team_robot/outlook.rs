@@ -1,13 +1,13 @@
 //! What a robot makes of the running plan by what it has read since: inference at every tick.
 
 use super::super::outlook::Done;
-use super::super::policies::{HAS_UNKNOWNS, TeamPlan, moves_of, visits};
+use super::super::policies::{HAS_UNKNOWNS, TeamPlan, ahead, moves_of};
 use super::super::prospects::{Certainty, Robots};
 use super::super::unknown::MAX_WORLDS;
 use super::super::{AnnouncedReadings, Fact};
 use super::Navigation;
 use crate::bounded::up_to;
-use crate::grid::{Cell, Map, Path};
+use crate::grid::CellSet;
 use crate::team::rounds::Teammates;
 use heapless::Vec;
 
@@ -19,7 +19,8 @@ const MARGIN: u16 = 8;
 /// unless it has made a move.
 const REST: u8 = 10;
 
-/// The ticks after which a robot no longer waits for what others may have read at the end of a plan.
+/// The ticks after which a robot no longer waits for what others may have read at the end of a
+/// plan.
 const PATIENCE: u8 = 3;
 
 /// The probability with which a cell is blocked from which on a robot does not go there.
@@ -28,7 +29,8 @@ const SHUT: f32 = 0.9;
 /// What a robot makes of the running plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct OwnOutlook {
-    /// What it had read, and how many moves all had made, when it last weighed the rest of the plan.
+    /// What it had read, and how many moves all had made, when it last weighed the rest of the
+    /// plan.
     weighed: Option<(AnnouncedReadings, u16)>,
     /// Whether another plan is better by what it knows now.
     is_outdated: bool,
@@ -104,13 +106,12 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         }
     }
 
-    /// Whether the robot knows from its own readings that a path is blocked.
-    pub(super) fn is_shut(&self, cells: impl IntoIterator<Item = Cell>) -> bool {
+    /// The cells of which the robot knows from what it has read that they are blocked.
+    pub(super) fn shut(&self) -> CellSet<W> {
         if !HAS_UNKNOWNS || self.mission.unknowns.is_empty() {
-            return false;
+            return CellSet::EMPTY;
         }
-        let shut = self.policies.prospects().blocked(self.mission, &self.belief(), SHUT);
-        cells.into_iter().any(|cell| shut.contains(cell))
+        self.policies.prospects().blocked(self.mission, &self.belief(), SHUT)
     }
 
     /// The moves that each member has made, by what it has reported; of a plan that is being
@@ -147,7 +148,9 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             return belief.get(assumed).is_some_and(|&p| p < 0.5);
         }
         let Some((plan, done)) = self.plan().zip(self.made(teammates)) else { return false };
-        if self.is_shut(plan.paths().iter().zip(done.moves).flat_map(|(path, made)| ahead(map, path, made))) {
+        let shut = prospects.blocked(self.mission, &belief, SHUT);
+        let mut left = plan.paths().iter().zip(done.moves).flat_map(|(path, made)| ahead(path, map, made));
+        if left.any(|(_, cell)| shut.contains(cell)) {
             return true;
         }
         let seekers = self.policies.seekers();
@@ -157,9 +160,4 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let margin = if self.is_complete() { 0 } else { MARGIN };
         rest.total() > anew.total().saturating_add(margin)
     }
-}
-
-/// The cells of a path that come after so many moves.
-fn ahead<'p, const W: usize>(map: &'p Map<W>, path: &'p Path, made: u16) -> impl Iterator<Item = Cell> + 'p {
-    visits(path, map).filter(move |&(moves, _)| moves > made).map(|(_, cell)| cell)
 }
