@@ -23,12 +23,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod ablation;
 mod cost;
 mod disturbance;
 mod score;
 mod table;
 mod validator;
 
+pub use ablation::Ablation;
 pub use cost::{Cost, NotMeasured, cost};
 pub use disturbance::Disturbance;
 pub use score::{Comparison, Score, Summary};
@@ -52,7 +54,7 @@ pub struct Campaign<'c> {
     pub scenarios: &'c [Scenario],
     /// The disturbances, in the order of the report.
     pub disturbances: &'c [Disturbance],
-    /// The pilots; the first two are compared.
+    /// The pilots; the first is compared with each of the others.
     pub pilots: &'c [Pilot],
     /// The number of seeds, from zero on.
     pub seeds: u32,
@@ -76,8 +78,8 @@ pub struct CampaignRow {
     pub disturbance: Disturbance,
     /// A summary for each pilot.
     pub summaries: Vec<Summary>,
-    /// The first pilot compared with the second; `None` with a single one.
-    pub comparison: Option<Comparison>,
+    /// The first pilot compared with each of the others.
+    pub comparisons: Vec<Comparison>,
 }
 
 impl CampaignReport {
@@ -124,11 +126,11 @@ impl Campaign<'_> {
     fn row(&self, disturbance: Disturbance, batches: &[&[Score]]) -> CampaignRow {
         let summaries =
             self.pilots.iter().zip(batches).map(|(&pilot, scores)| Summary::of(pilot, scores)).collect();
-        let comparison = match (self.pilots, batches) {
-            (&[one, other, ..], [first, second, ..]) => Some(Comparison::of([one, other], first, second)),
-            _ => None,
-        };
-        CampaignRow { disturbance, summaries, comparison }
+        let mut pairs = self.pilots.iter().zip(batches);
+        let comparisons = pairs.next().map(|(&one, first)| {
+            pairs.map(|(&other, second)| Comparison::of([one, other], first, second)).collect()
+        });
+        CampaignRow { disturbance, summaries, comparisons: comparisons.unwrap_or_default() }
     }
 
     /// Returns the score of every flight: disturbance by disturbance, pilot by pilot, seed by seed.

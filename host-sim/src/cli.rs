@@ -116,7 +116,7 @@ enum Verb {
     #[command(after_help = reproduce::EXAMPLES)]
     Reproduce(Reproduce),
     /// Fly a scenario many times under disturbances, and compare inference with a conventional tree
-    #[command(after_help = campaign::EXAMPLES)]
+    #[command(after_help = campaign::examples())]
     Campaign(campaign::FlyMany),
     /// Draw random missions, and write them as scenario files
     #[command(after_help = missions::EXAMPLES)]

@@ -42,6 +42,8 @@ pub struct Distribution {
     pub median: f64,
     /// The least value that 95 % of all do not exceed.
     pub p95: f64,
+    /// The greatest value.
+    pub most: f64,
 }
 
 /// The difference of paired values.
@@ -92,8 +94,8 @@ impl Distribution {
         values.sort_by(f64::total_cmp);
         let (Some(mean), count) = (mean(&values), values.len()) else { return Self::default() };
         let median = f64::midpoint(values[(count - 1) / 2], values[count / 2]);
-        let p95 = values[(count * 95).div_ceil(100) - 1];
-        Self { count: count as u32, mean, interval: student(&values, mean), median, p95 }
+        let (p95, most) = (values[(count * 95).div_ceil(100) - 1], values[count - 1]);
+        Self { count: count as u32, mean, interval: student(&values, mean), median, p95, most }
     }
 }
 

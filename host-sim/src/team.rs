@@ -4,6 +4,7 @@
 //! A controller is compiled for a size of map, which is chosen here.
 
 use crate::body::{Body, body};
+use crate::campaign::Ablation;
 use crate::conventional::{ConventionalRobot, ConventionalTree, period};
 use crate::radio::KEY;
 use crate::robot::{AnyRobot, shrunk};
@@ -12,9 +13,9 @@ use clap::ValueEnum;
 use firmware::{Controller, Navigator, Settings, missions};
 use iibt_core::grid::{Cell, Path, words};
 use iibt_core::inference::learning::Rates;
-use iibt_core::navigation::{Mission, MissionError};
+use iibt_core::navigation::{Decider, Mission, MissionError};
 use iibt_core::team::{Keys, Member, MemberError, RobotId};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::num::NonZero;
 use thiserror::Error;
 
@@ -51,8 +52,7 @@ pub enum TeamError {
 }
 
 /// The pilot of the robots.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, ValueEnum)]
 pub enum Pilot {
     /// The firmware's tree with its inference node.
     #[default]
@@ -64,9 +64,17 @@ pub enum Pilot {
     /// The conventional tree of figure 8.
     Conventional,
     /// The conventional tree of figure 5(a), for missions with two goals.
-    #[serde(rename = "figure-5")]
     #[value(name = "figure-5")]
     Figure5,
+    /// The firmware's tree, but something else decides where something is unknown.
+    #[value(skip)]
+    Ablated(&'static Ablation),
+}
+
+impl Serialize for Pilot {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
 }
 
 impl Pilot {
@@ -79,6 +87,7 @@ impl Pilot {
             Self::Compact => "compact",
             Self::Conventional => "conventional",
             Self::Figure5 => "figure-5",
+            Self::Ablated(ablation) => ablation.name,
         }
     }
 
@@ -88,10 +97,15 @@ impl Pilot {
         if matches!(self, Self::Image | Self::Compact) { SMALL } else { MAX_CELLS }
     }
 
+    /// What decides where something is unknown.
+    const fn decider(self) -> Decider {
+        if let Self::Ablated(ablation) = self { ablation.decider } else { Decider::Inference }
+    }
+
     /// The conventional tree, if it is one.
     const fn figure(self) -> Option<ConventionalTree> {
         match self {
-            Self::Inference | Self::Image | Self::Compact => None,
+            Self::Inference | Self::Image | Self::Compact | Self::Ablated(_) => None,
             Self::Conventional => Some(ConventionalTree::Eight),
             Self::Figure5 => Some(ConventionalTree::Five),
         }
@@ -133,7 +147,10 @@ fn sized<const S: usize, const W: usize, T>(
             Ok(Box::new(Controller::new(robot, settings, body())))
         }));
     }
-    on_mission::<W, T>(scenario, |mission| fly(boot::<S, W, LAYERS, NODES, POLICIES>(scenario, mission)))
+    let decider = pilot.decider();
+    on_mission_by::<W, T>(decider, scenario, |mission| {
+        fly(boot::<S, W, LAYERS, NODES, POLICIES>(scenario, mission))
+    })
 }
 
 /// Robots with the sizes of images.
@@ -173,6 +190,15 @@ pub(crate) fn on_mission<const W: usize, T>(
     scenario: &Scenario,
     work: impl for<'m> FnOnce(&'m Mission<'m, W>) -> Result<T, TeamError>,
 ) -> Result<T, TeamError> {
+    on_mission_by(Decider::Inference, scenario, work)
+}
+
+/// The same for robots with another decider.
+fn on_mission_by<const W: usize, T>(
+    decider: Decider,
+    scenario: &Scenario,
+    work: impl for<'m> FnOnce(&'m Mission<'m, W>) -> Result<T, TeamError>,
+) -> Result<T, TeamError> {
     let starts: Vec<Cell> = scenario.robots.iter().map(|robot| robot.start).collect();
     let paths: Vec<&[Path]> = scenario.robots.iter().map(|robot| robot.paths.as_slice()).collect();
     let chargers: Vec<Option<Cell>> = scenario.robots.iter().map(|robot| robot.charger).collect();
@@ -190,6 +216,7 @@ pub(crate) fn on_mission<const W: usize, T>(
     }
     let unknowns: Vec<_> = scenario.unknowns.iter().map(UnknownSpec::as_known).collect();
     mission.unknowns = &unknowns;
+    mission.decider = decider;
     tune(&mut mission, scenario);
     let paces: Vec<u8> = scenario.robots.iter().map(crate::scenario::RobotSpec::steps).collect();
     let sensor = mission.sensor;

@@ -10,12 +10,13 @@
 //! | `handover` | the way-points of lost teammates |
 //! | `fact`, `claim`, `intention` | what it announces |
 //! | `frame_size` | how much of it fits small frames |
-//! | `targets`, `alternatives` | what the planner is asked for: by the facts, and in different worlds |
+//! | `targets`, `alternatives`, `tours` | what the planner is asked for: by the facts, in worlds, and to look |
 //! | `prospects`, `ways` | the worlds that are possible, and how long a team takes in each that cannot tell them apart |
 //! | `outlook` | how long a plan is expected to take, and what is seen on the way |
 //! | `policies` | the joint policies that all robots make from the same facts |
 //! | `team_robot` | a tick: rounds, the list, the choice, the next move |
 //! | `task` | the lines of Algorithm 1 |
+//! | `decider` | what decides: inference, or a rule to compare it with |
 //! | `report`, `cause` | what logs and displays show |
 //! | `experience` | learned preferences for goals |
 
@@ -23,6 +24,7 @@ mod alternatives;
 mod cause;
 mod claim;
 mod combinations;
+mod decider;
 mod errands;
 mod experience;
 mod fact;
@@ -41,11 +43,14 @@ mod report;
 mod targets;
 mod task;
 mod team_robot;
+mod tours;
 mod unknown;
 mod ways;
 
 pub use cause::Cause;
 pub use claim::{Blocks, Cells};
+#[cfg(feature = "ablation")]
+pub use decider::Decider;
 pub use errands::{MAX_WAYPOINTS, VisitError};
 pub use experience::Experience;
 pub use fact::{Fact, Purpose};

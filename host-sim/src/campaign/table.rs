@@ -1,12 +1,26 @@
 //! A campaign's report as a table for people.
 
-use super::{CampaignReport, CampaignRow, Comparison, Summary};
+use super::{Ablation, CampaignReport, CampaignRow, Comparison, Summary};
 use crate::statistics::{Difference, Distribution, Share};
+use crate::team::Pilot;
 use crate::text::counted;
 
 impl CampaignReport {
+    /// Returns a table for each disturbance with a line for each decider: what it takes, and how
+    /// much more than inference does. The best rule is named at the end of each.
+    #[must_use]
+    pub fn ablation_table(&self) -> String {
+        let mut text = format!("{}, {} each\n", self.scenario, counted(self.seeds, "seed"));
+        for row in &self.rows {
+            text += &row.ablations();
+        }
+        text += "\nTicks are those until the last robot is where it ends. Intervals are 95 %: Wilson's of a ratio,\n\
+                 Student's of a mean. Differences are of pairs with the same seed, both of which accomplished the mission.\n";
+        text
+    }
+
     /// Returns a table with a line for each disturbance and pilot, and one that compares the first
-    /// two.
+    /// with each of the others.
     #[must_use]
     pub fn table(&self) -> String {
         let mut text = format!("{}, {} each\n\n", self.scenario, counted(self.seeds, "seed"));
@@ -31,13 +45,63 @@ impl CampaignReport {
 }
 
 impl CampaignRow {
+    /// A line for each decider; those of the rules, and which of them is the best.
+    fn ablations(&self) -> String {
+        let mut text = format!(
+            "\n{:<17}  {:<24}  {:<32}  {:>5}  {}\n",
+            format!("disturbance {}", self.disturbance.name()),
+            "accomplished",
+            "ticks: mean, median, 95 %",
+            "worst",
+            "more than inference"
+        );
+        let first = self.summaries.first().into_iter().map(|summary| (summary, None));
+        let others = self.summaries.iter().skip(1).zip(self.comparisons.iter().map(Some));
+        for (summary, comparison) in first.chain(others) {
+            // A comparison is that of inference minus the other.
+            let more = comparison.map_or_else(String::new, |comparison| {
+                let [low, high] = comparison.ticks.interval;
+                difference(&Difference {
+                    mean: 0.0 - comparison.ticks.mean,
+                    interval: [0.0 - high, 0.0 - low],
+                    ..comparison.ticks
+                })
+            });
+            text += &format!(
+                "{:<17}  {}  {}  {:>5.0}  {more}\n",
+                summary.pilot.name(),
+                share(&summary.accomplished),
+                distribution(&summary.ticks),
+                summary.ticks.most
+            );
+        }
+        if let Some(best) = self.best_rule() {
+            text += &format!("the best rule in hindsight: {best}\n");
+        }
+        text
+    }
+
+    /// The rule that accomplishes the most missions, and of those that accomplish as many the one
+    /// with the fewest ticks.
+    fn best_rule(&self) -> Option<&'static str> {
+        let is_rule = |summary: &&Summary| match summary.pilot {
+            Pilot::Ablated(ablation) => Ablation::RULES.contains(ablation),
+            _ => false,
+        };
+        let better = |one: &&Summary, other: &&Summary| {
+            let done = one.accomplished.count.cmp(&other.accomplished.count).reverse();
+            done.then(one.ticks.mean.total_cmp(&other.ticks.mean))
+        };
+        self.summaries.iter().filter(is_rule).min_by(better).map(|summary| summary.pilot.name())
+    }
+
     fn lines(&self) -> String {
         let mut text = String::new();
         for (index, summary) in self.summaries.iter().enumerate() {
             let name = if index == 0 { self.disturbance.name() } else { "" };
             text += &format!("{name:<11}  {}\n{}", summary.line(), summary.missed_line());
         }
-        if let Some(comparison) = &self.comparison {
+        for comparison in &self.comparisons {
             text += &format!("{:<11}  {}\n", "", comparison.line());
         }
         text

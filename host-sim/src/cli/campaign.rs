@@ -3,7 +3,7 @@
 
 use super::{Failure, about, exit_status, report, scenario, task};
 use clap::{Args, ValueEnum};
-use host_sim::campaign::{Campaign, Disturbance};
+use host_sim::campaign::{Ablation, Campaign, Disturbance};
 use host_sim::{Pilot, Scenario};
 use std::fs;
 use std::io::{self, IsTerminal, Write};
@@ -11,12 +11,14 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-pub(super) const EXAMPLES: &str = "\
+const EXAMPLES: &str = "\
 Examples:
   host-sim campaign factory                            both trees, every disturbance, 500 seeds
   host-sim campaign warehouse --disturbance loss --seeds 2000
   host-sim missions --robots 4 --count 500 --out random-4 && host-sim campaign random-4 --disturbance bursts
   host-sim campaign factory --tree inference --json | jq '.rows[].summaries[0].accomplished'
+  host-sim campaign sign.toml --ablate                 what inference is worth there, by parts and against rules
+  host-sim campaign sign.toml --ablate no-branching,likeliest --disturbance loss
 
 Disturbances, drawn from the seed and the same for both trees:
   none       the scenario as it is
@@ -33,15 +35,26 @@ and, which `every` leaves out because the robot that is struck does not arrive:
   frozen     the localiser of one robot freezes for good
   stalled    the drive of one robot stalls for good
 
+With --ablate the same seeds are flown with a part of the decision taken out, or with a rule in its
+place; `parts` and `rules` are these, `all` both:
+{ablations}
+
 In a folder, the first seed flies the first file by name, and after the last file the first again.
 
 A task file is flown at levels of 0, 10, 20 and 30 % of wrong readings and of failed actions, without
---tree and --disturbance. Its exit status is 0 at any share of success.
+--tree, --disturbance and --ablate. Its exit status is 0 at any share of success.
 
 Exit status:
   0  no flight of the inference node had a collision
   1  one had
   2  wrong usage or input";
+
+/// The examples, with a line for each decider.
+pub(super) fn examples() -> String {
+    let line = |ablation: &Ablation| format!("  {:<17}  {}\n", ablation.name, ablation.what);
+    let lines: String = Ablation::all().map(line).collect();
+    EXAMPLES.replace("{ablations}", lines.trim_end())
+}
 
 /// The seeds of a campaign, unless told otherwise.
 const SEEDS: u32 = 500;
@@ -57,9 +70,13 @@ pub(super) struct FlyMany {
     /// The tree that flies the robots
     #[arg(long, value_name = "TREE", value_enum, default_value_t = CampaignTrees::Both)]
     tree: CampaignTrees,
-    /// The disturbance; `every` takes them one after the other
-    #[arg(long, value_name = "NAME", default_value = "every", value_parser = disturbances)]
-    disturbance: DisturbanceList,
+    /// Also fly with other deciders where something is unknown, and tell how much more they take:
+    /// `all` of them, `parts`, `rules`, or names with commas between them
+    #[arg(long, value_name = "NAMES", num_args = 0..=1, default_missing_value = "all", value_parser = ablations, conflicts_with = "tree")]
+    ablate: Option<AblationList>,
+    /// The disturbance; `every` takes them one after the other, as without --ablate
+    #[arg(long, value_name = "NAME", value_parser = disturbances)]
+    disturbance: Option<DisturbanceList>,
     /// The work units of the planner in a tick, in place of the scenario's
     #[arg(long, value_name = "UNITS", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
     budget: Option<u32>,
@@ -111,6 +128,28 @@ fn disturbances(name: &str) -> Result<DisturbanceList, String> {
     disturbance(name).map(|one| DisturbanceList(vec![one])).map_err(|reason| reason + ", every")
 }
 
+#[derive(Clone, Debug)]
+struct AblationList(Vec<&'static Ablation>);
+
+fn ablations(names: &str) -> Result<AblationList, String> {
+    let mut all = Vec::new();
+    for name in names.split(',') {
+        match name {
+            "all" => all.extend(Ablation::all()),
+            "parts" => all.extend(Ablation::PARTS),
+            "rules" => all.extend(Ablation::RULES),
+            name => all.push(Ablation::find(name).ok_or_else(|| no_ablation(name))?),
+        }
+    }
+    all.dedup();
+    Ok(AblationList(all))
+}
+
+fn no_ablation(name: &str) -> String {
+    let names: Vec<_> = Ablation::all().map(|ablation| ablation.name).collect();
+    format!("there is no '{name}': there are all, parts, rules, {}", names.join(", "))
+}
+
 /// The scenarios that an argument names: one, or those of a folder in the order of their names.
 fn scenarios(name: &str) -> Result<Vec<Scenario>, Failure> {
     let folder = Path::new(name);
@@ -142,7 +181,7 @@ impl FlyMany {
         for scenario in &mut scenarios {
             scenario.inference.budget = self.budget.or(scenario.inference.budget);
         }
-        let pilots = self.tree.pilots();
+        let pilots = self.pilots();
         let most = pilots.iter().map(|pilot| pilot.most_cells()).min().unwrap_or(0);
         if let Some(large) = scenarios.iter().find(|scenario| scenario.map.len() > most) {
             let (name, cells) = (&large.name, large.map.len());
@@ -151,25 +190,44 @@ impl FlyMany {
         let usual = if scenarios.len() > 1 { scenarios.len() as u32 } else { SEEDS };
         let campaign = Campaign {
             scenarios: &scenarios,
-            disturbances: &self.disturbance.0,
+            disturbances: &self.disturbances(),
             pilots: &pilots,
             seeds: self.seeds.unwrap_or(usual),
         };
         let flown = campaign.fly(self.threads, &|done, flights| tell(done, flights));
         let mut flown = flown.map_err(about(&self.scenario))?;
         flown.scenario.clone_from(&self.scenario);
-        report(self.json, &flown, || flown.table())?;
+        report(self.json, &flown, || {
+            if self.ablate.is_some() { flown.ablation_table() } else { flown.table() }
+        })?;
         let safe = [Pilot::Inference, Pilot::Image, Pilot::Compact];
         Ok(exit_status(safe.into_iter().all(|pilot| flown.collided(pilot) == 0)))
     }
 
+    fn pilots(&self) -> Vec<Pilot> {
+        match &self.ablate {
+            None => self.tree.pilots(),
+            Some(AblationList(ablations)) => {
+                let others = ablations.iter().map(|ablation| Pilot::Ablated(ablation));
+                [Pilot::Inference].into_iter().chain(others).collect()
+            }
+        }
+    }
+
+    fn disturbances(&self) -> Vec<Disturbance> {
+        match &self.disturbance {
+            Some(DisturbanceList(given)) => given.clone(),
+            None if self.ablate.is_some() => vec![Disturbance::None],
+            None => Disturbance::USUAL.to_vec(),
+        }
+    }
+
     /// A task file at several levels of wrong readings and failed actions.
     fn fly_task(&self, text: &str) -> Result<ExitCode, Failure> {
-        let is_every = self.disturbance.0.len() == Disturbance::USUAL.len();
-        if self.tree != CampaignTrees::Both || !is_every {
+        if self.tree != CampaignTrees::Both || self.disturbance.is_some() || self.ablate.is_some() {
             let name = &self.scenario;
             return Err(format!(
-                "{name}: a task is flown at several levels of noise, without --tree and --disturbance"
+                "{name}: a task is flown at several levels of noise, without --tree, --disturbance and --ablate"
             )
             .into());
         }

@@ -76,7 +76,7 @@ fn items(mission: &str, row: &CampaignRow) -> Vec<Item> {
             side_by_side(|summary| number(summary.in_place.mean)),
         ),
     ];
-    if let Some(comparison) = &row.comparison {
+    if let Some(comparison) = row.comparisons.first() {
         let what = format!("{mission}, {name}: who wins");
         items.push(Item::measured(what, winner(comparison)));
     }

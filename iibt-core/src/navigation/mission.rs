@@ -1,6 +1,7 @@
 //! The mission of a team: the map, the starts, the goals, and the parameters of the generative
 //! model.
 
+use super::decider::Decider;
 use super::fact::MAX_CELLS;
 use super::unknown::{self, MAX_UNKNOWNS, MAX_VALUES, MAX_WORLDS, Unknown};
 use crate::grid::{Cell, Map, Path};
@@ -66,9 +67,13 @@ pub struct Mission<'m, const W: usize> {
     /// The number of joint policies to weigh, at least 1, by default 4; the robot's `K` is the
     /// most. Of a mission that lists paths, all their combinations are weighed, up to `K`.
     pub policies: u8,
-    /// The precision β of the posterior over policies, in nats per tick. The choice does not depend
-    /// on it, only how sure it is.
+    /// The precision β of the posterior over policies, in nats per tick. It says how sure a choice
+    /// is, and by how many ticks another plan must be better for robots to leave the one that runs:
+    /// its odds are then e times those of [`habit`](Self::habit).
     pub precision: f32,
+    /// The habit of going on with the plan that runs, ln E in nats, 0 or more: how likely it is
+    /// beforehand, beside any other.
+    pub habit: f32,
     /// The probability that a robot's own localiser is right.
     pub sensor: f32,
     /// The probability that each robot's own localiser is right, where it differs from `sensor`.
@@ -82,6 +87,9 @@ pub struct Mission<'m, const W: usize> {
     /// The number of ticks after which evidence about obstacles fades by a sixteenth of a nat; it
     /// never does for zero.
     pub forgets: u16,
+    /// What decides where something is unknown: inference, unless it is to be compared with a rule.
+    #[cfg(feature = "ablation")]
+    pub decider: Decider,
 }
 
 /// Why a mission cannot be flown.
@@ -124,7 +132,7 @@ pub enum MissionError {
     #[error("the prior of unknown {0} is no distribution")]
     Prior(u8),
     /// A number of the model is out of its range.
-    #[error("a probability, pace, precision or number of policies is out of range")]
+    #[error("a probability, pace, precision, habit or number of policies is out of range")]
     Number,
     /// The robot has [no planner](super::Navigation), and the mission has no paths, or it has
     /// chargers or unknown cells to which no path leads.
@@ -162,12 +170,23 @@ impl<'m, const W: usize> Mission<'m, W> {
             unknowns: &[],
             policies: 4,
             precision: 1.0,
+            habit: 0.0,
             sensor: 0.9952,
             sensors: &[],
             paces: &[],
             learning: Rates::new(1.0, 0.02),
             forgets: 0,
+            #[cfg(feature = "ablation")]
+            decider: Decider::Inference,
         }
+    }
+
+    /// What decides where something is unknown.
+    pub(super) const fn decider(&self) -> Decider {
+        #[cfg(feature = "ablation")]
+        return self.decider;
+        #[cfg(not(feature = "ablation"))]
+        Decider::Inference
     }
 
     /// Returns the size of the team, at most 255.
@@ -286,8 +305,8 @@ impl<'m, const W: usize> Mission<'m, W> {
         let probability = |p: f32| (0.0..=1.0).contains(&p);
         let sensors = [self.sensor].into_iter().chain(self.sensors.iter().copied());
         let are_paces = self.paces.iter().all(|pace| (1..=MAX_PACE).contains(pace));
-        let is_precision = self.precision.is_finite() && self.precision >= 0.0;
-        if is_precision && are_paces && self.policies > 0 && sensors.into_iter().all(probability) {
+        let are_weights = [self.precision, self.habit].iter().all(|nats| nats.is_finite() && *nats >= 0.0);
+        if are_weights && are_paces && self.policies > 0 && sensors.into_iter().all(probability) {
             Ok(())
         } else {
             Err(MissionError::Number)

@@ -196,6 +196,11 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
             .collect()
     }
 
+    /// Whether it is not known which goals serve.
+    pub(super) fn has_doubtful_goals(&self, mission: &Mission<'_, W>) -> bool {
+        self.open(mission).any(|(_, unknown)| unknown.effect == Effect::Serves)
+    }
+
     /// The goals that serve in a world, of these.
     pub(super) fn goals<'a>(
         &'a self,
@@ -215,6 +220,14 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     /// The cells that are as good as certain to be blocked, of those that might not have been.
     pub(super) fn shut(&self, mission: &Mission<'_, W>) -> CellSet<W> {
         self.blocked(mission, &self.belief, KNOWN)
+    }
+
+    /// The probability that a cell is blocked.
+    pub(super) fn p_blocked(&self, mission: &Mission<'_, W>, cell: Cell) -> f32 {
+        let places = of(mission, Effect::Blocks)
+            .flat_map(|(number, unknown)| unknown.cells.iter().map(move |place| (number, place)));
+        let here = places.filter(|(_, place)| place.cell == cell);
+        here.map(|(number, place)| self.probability(number, place.value.into())).sum()
     }
 
     /// The cells that are blocked with at least this probability.

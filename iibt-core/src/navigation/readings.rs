@@ -4,6 +4,7 @@
 //! robot announces its own sums; the team's belief is the prior with the sums of all members, so
 //! nothing is counted twice, and a lost frame does no harm.
 
+use super::decider::Counting;
 use super::unknown::{MAX_VALUES, Reading, Says, Tells, Unknown};
 use crate::bounded::up_to;
 use crate::grid::Cell;
@@ -35,7 +36,7 @@ impl Readings {
 
     /// Counts a reading that was taken at a cell. One of which the mission says nothing counts for
     /// nothing.
-    pub(super) fn count(&mut self, unknowns: &[Unknown<'_>], reading: Reading, at: Cell) {
+    pub(super) fn count(&mut self, unknowns: &[Unknown<'_>], reading: Reading, at: Cell, counting: Counting) {
         let number = usize::from(reading.unknown);
         let Some(unknown) = unknowns.get(number) else { return };
         let Some(sight) = unknown.sight(at, reading.says.tells()) else { return };
@@ -49,9 +50,17 @@ impl Readings {
             Says::IsNot(value) => (value, nats <= 0.0),
         };
         // A cast saturates, and what is no number becomes zero.
-        let weight = (16.0 * nats.abs() + 0.5).min(CAP.into()) as u8;
+        let mut weight = (16.0 * nats.abs() + 0.5).min(CAP.into()) as u8;
         let first = unknowns.iter().take(number).map(|other| other.prior.len()).sum();
         let Some(against) = self.against.get_mut(first..first + unknown.prior.len()) else { return };
+        match counting {
+            Counting::Sums => (),
+            Counting::First if against.contains(&CAP) => return,
+            Counting::First | Counting::Last => {
+                against.fill(0);
+                weight = CAP;
+            }
+        }
         for (place, sum) in (0..).zip(against.iter_mut()) {
             if (place == value) != speaks_for {
                 *sum = sum.saturating_add(weight);
@@ -99,8 +108,9 @@ mod tests {
 
     fn after(says: &[(u8, Says)]) -> [f32; 5] {
         let mut readings = Readings::NONE;
-        says.iter()
-            .for_each(|&(unknown, says)| readings.count(&unknowns(), Reading { unknown, says }, Cell(1)));
+        says.iter().for_each(|&(unknown, says)| {
+            readings.count(&unknowns(), Reading { unknown, says }, Cell(1), Counting::Sums);
+        });
         let evidence = readings.announced(5);
         [0, 1, 2, 3, 4].map(|place| nats_against(&evidence, place))
     }

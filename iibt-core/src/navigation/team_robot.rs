@@ -363,7 +363,8 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
     }
 
     fn fact(&self, anchor: Cell, purpose: Purpose) -> Fact<W> {
-        let readings = self.told();
+        let shares = self.mission.decider().shares();
+        let readings = if shares { self.told() } else { AnnouncedReadings::new() };
         let evidence = self.evidence(Intention::<W, K>::places_beside(readings.len()));
         Fact { anchor, purpose, evidence, readings }
     }

@@ -80,7 +80,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         times: &mut [Eighths; MAX_WORLDS],
         legs: &mut Vec<Leg, MAX_WORLDS>,
     ) {
-        let Some(assumed) = self.assume(way, &leg) else { return };
+        let Some(assumed) = self.assume(way, &leg.cells, leg.worlds) else { return };
         let only = 1 << assumed;
         let ticks = self.ticks_to(assumed, &leg.cells);
         let towards = self.towards(assumed, &leg);
@@ -183,7 +183,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         worlds_of(worlds).find(|&world| !self.looks_like(number, sight, world, assumed))
     }
 
-    fn looks_like(&self, number: usize, sight: &Sight, one: usize, other: usize) -> bool {
+    /// Whether two worlds look alike from there.
+    pub(super) fn looks_like(&self, number: usize, sight: &Sight, one: usize, other: usize) -> bool {
         let [one, other] = [one, other].map(|world| self.value(world, number));
         match sight.tells {
             Tells::Value => one == other,
@@ -191,15 +192,15 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         }
     }
 
-    /// The world that a team assumes.
-    fn assume(&self, way: Way, leg: &Leg) -> Option<usize> {
-        let ticks = |world: usize| self.ticks_to(world, &leg.cells);
-        let all = worlds_of(leg.worlds);
+    /// The world that a team assumes, of some.
+    pub(super) fn assume(&self, way: Way, cells: &[Cell], worlds: Bits) -> Option<usize> {
+        let ticks = |world: usize| self.ticks_to(world, cells);
+        let all = worlds_of(worlds);
         match way {
-            Way::First(world) if leg.worlds >> world & 1 == 1 => Some(world),
+            Way::First(world) if worlds >> world & 1 == 1 => Some(world),
             Way::Nearest | Way::First(_) => all.min_by_key(|&world| ticks(world)),
             Way::Farthest => all.max_by_key(|&world| ticks(world)),
-            Way::Likeliest => descending(leg.worlds, |world| self.p(world)).next(),
+            Way::Likeliest => descending(worlds, |world| self.p(world)).next(),
         }
     }
 }

@@ -11,9 +11,8 @@ use crate::grid::CellSet;
 use crate::team::rounds::Teammates;
 use heapless::Vec;
 
-/// By how much another plan must be better than what is left of this one, in eighths of a tick,
-/// beside the time that another decision takes.
-const MARGIN: u16 = 8;
+/// How much likelier another plan must be than what is left of this one, in nats: e times.
+const ODDS: f32 = 1.0;
 
 /// The ticks after a choice in which the robot does not want another because of what it has read,
 /// unless it has made a move.
@@ -153,11 +152,15 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         if left.any(|(_, cell)| shut.contains(cell)) {
             return true;
         }
-        let seekers = self.policies.seekers();
+        let (seekers, decider) = (self.policies.seekers(), self.mission.decider());
+        if !decider.infers() {
+            return self.ends().is_some_and(|ends| prospects.is_refuted(decider, seekers, &ends, &belief));
+        }
         let rest = prospects.expected(self.mission, plan, seekers, done, &belief);
         let anew = prospects.anew(self.mission, &seekers.cells(map, plan, &done), &belief);
+        let ticks = 0.125 * (f32::from(rest.total()) - f32::from(anew.total()));
         // A team that has nothing left to do loses nothing.
-        let margin = if self.is_complete() { 0 } else { MARGIN };
-        rest.total() > anew.total().saturating_add(margin)
+        let odds = if self.is_complete() { 0.0 } else { ODDS + self.mission.habit };
+        ticks > 0.0 && self.mission.precision * ticks > odds
     }
 }

@@ -105,7 +105,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let may_read = HAS_UNKNOWNS && !self.is_in_doubt();
         let Some(here) = self.standing().filter(|_| may_read) else { return };
         for &reading in &percept.readings {
-            self.readings.count(self.mission.unknowns, reading, here);
+            self.readings.count(self.mission.unknowns, reading, here, self.mission.decider().counting());
         }
     }
 
