@@ -2,6 +2,7 @@
 //! first.
 
 use super::mission::Mission;
+use super::policies::TeamPlan;
 use super::prospects::Prospects;
 use super::targets::Targets;
 use super::unknown::{Effect, Sight, Tells, Unknown};
@@ -25,6 +26,8 @@ pub(super) enum Alternative {
     Shut,
     /// The nearest robot reads this unknown first.
     Look(usize, Others),
+    /// Each robot goes from one cell where it sees something to the next.
+    Tours,
     /// Each robot goes where it sees something else.
     Spread,
 }
@@ -65,14 +68,15 @@ impl Alternatives {
             let is_there = self.may_look && unknown < unknowns;
             Some(Alternative::Look(unknown, Others::Middle)).filter(|_| is_there)
         };
-        let spread = || Some(Alternative::Spread).filter(|_| self.may_look);
+        let tours = || Some(Alternative::Tours).filter(|_| self.may_look);
         let next = match self.current {
             Alternative::Free => world(0),
             Alternative::World(0) => Some(Alternative::Shut),
             Alternative::Shut => look(0).or_else(|| world(1)),
             Alternative::Look(unknown, Others::Middle) => Some(Alternative::Look(unknown, Others::GoOn)),
             Alternative::Look(unknown, Others::GoOn) => Some(Alternative::Look(unknown, Others::Stand)),
-            Alternative::Look(unknown, Others::Stand) => look(unknown + 1).or_else(spread),
+            Alternative::Look(unknown, Others::Stand) => look(unknown + 1).or_else(tours),
+            Alternative::Tours => Some(Alternative::Spread),
             Alternative::Spread => world(1),
             Alternative::World(rank) => world(rank + 1),
         };
@@ -81,12 +85,18 @@ impl Alternatives {
     }
 }
 
-/// What a planner is asked for, and the cells that are blocked beside those that are so in every
-/// world.
-type Variant<const W: usize> = (Targets, CellSet<W>);
+/// How the plan for an alternative comes about.
+#[derive(Clone, Debug)]
+pub(super) enum Variant<const W: usize> {
+    /// A planner makes it for these targets, with cells blocked beside those that are so in every
+    /// world.
+    Searched(Targets, CellSet<W>),
+    /// It is there.
+    Made(TeamPlan),
+}
 
 impl Targets {
-    /// What a planner is asked for in an alternative; `None` where there is nothing of the kind.
+    /// How the plan for an alternative comes about; `None` where there is nothing of the kind.
     pub(super) fn variant<const S: usize, const W: usize>(
         &self,
         mission: &Mission<'_, W>,
@@ -94,14 +104,18 @@ impl Targets {
         alternative: Alternative,
         closed: &CellSet<W>,
     ) -> Option<Variant<W>> {
-        let in_world =
-            |world| (self.clone().in_world(mission, prospects, world), prospects.closed(mission, world));
+        let in_world = |world| {
+            Variant::Searched(
+                self.clone().in_world(mission, prospects, world),
+                prospects.closed(mission, world),
+            )
+        };
         match alternative {
-            Alternative::Free => Some((self.clone(), CellSet::EMPTY)),
+            Alternative::Free => Some(Variant::Searched(self.clone(), CellSet::EMPTY)),
             Alternative::World(rank) => prospects.by_belief().nth(rank).map(in_world),
             Alternative::Shut => {
                 let shut = prospects.doubtful();
-                (!shut.is_empty()).then(|| (self.clone(), *shut))
+                (!shut.is_empty()).then(|| Variant::Searched(self.clone(), *shut))
             }
             Alternative::Look(number, others) => {
                 let (_, unknown) = prospects.open(mission).find(|&(open, _)| open == number)?;
@@ -109,6 +123,7 @@ impl Targets {
                 let (place, at) = self.look_out(mission, prospects, (number, unknown), &closed)?;
                 self.looking(mission, prospects, (place, at), others, &closed)
             }
+            Alternative::Tours => self.tours(mission, prospects, closed).map(Variant::Made),
             Alternative::Spread => self.spread(mission, prospects, closed),
         }
     }
@@ -136,7 +151,8 @@ impl Targets {
             let ways = seekers.map(|(place, errand)| (distance(errand.from), place, cell));
             ways.filter(|&(distance, ..)| distance < u8::MAX).min()
         };
-        let (_, place, cell) = cells.filter_map(nearest).min()?;
+        let in_reach = |(moves, ..): &(u8, usize, Cell)| *moves <= mission.decider().farthest_look();
+        let (_, place, cell) = cells.filter_map(nearest).min().filter(in_reach)?;
         Some((place, cell))
     }
 
@@ -158,18 +174,19 @@ impl Targets {
             Others::Middle => {
                 targets.goals = up_to(targets.middle(mission, prospects, at, closed).take(rest));
                 targets.need = rest.min(targets.goals.len());
-                Some((targets, *prospects.doubtful()))
+                Some(Variant::Searched(targets, *prospects.doubtful()))
             }
             Others::GoOn => {
                 let world = prospects.likeliest();
                 targets.need = targets.need.min(rest);
-                Some((targets.in_world(mission, prospects, world), prospects.closed(mission, world)))
+                let closed = prospects.closed(mission, world);
+                Some(Variant::Searched(targets.in_world(mission, prospects, world), closed))
             }
             Others::Stand => {
                 let waiting = targets.errands.iter_mut().filter(|errand| errand.target == Target::Any);
                 waiting.for_each(|errand| errand.target = Target::Stand);
                 targets.need = 0;
-                Some((targets, *prospects.doubtful()))
+                Some(Variant::Searched(targets, *prospects.doubtful()))
             }
         }
     }
@@ -251,6 +268,6 @@ impl Targets {
         let seekers = targets.seekers().len();
         targets.goals = up_to(places.into_iter().take(seekers));
         targets.need = targets.goals.len();
-        (targets.need > 1).then_some((targets, *prospects.doubtful()))
+        (targets.need > 1).then_some(Variant::Searched(targets, *prospects.doubtful()))
     }
 }

@@ -6,7 +6,7 @@
 
 use super::mission::Mission;
 use super::policies::{TeamPlan, ahead, moves_of, visits};
-use super::prospects::{LONGEST, Prospects, Robots, bits, worlds_of};
+use super::prospects::{Bits, LONGEST, Prospects, Robots, bits, worlds_of};
 use super::unknown::{MAX_WORLDS, Says};
 use super::ways::{ROUND, Way};
 use crate::bounded::up_to;
@@ -140,7 +140,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     ) -> ExpectedTime {
         let ticks = u16::from(plan.execution().ticks).saturating_sub(done.most());
         let rest = Rest { plan, seekers, ticks, done };
-        let Some(look) = self.first_look(mission, &rest, belief) else {
+        let look = if mission.decider().branches() { self.first_look(mission, &rest, belief) } else { None };
+        let Some(look) = look else {
             let way = self.to_its_end(mission, &rest);
             return whatever_is_seen(belief, &[way]);
         };
@@ -152,7 +153,13 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         let later = Rest { done: done.after(look), ticks: ticks.saturating_sub(look), ..rest };
         // There is room for one more than those.
         let _ = ways.push(self.to_its_end(mission, &later));
-        Outlook { until: 8 * look, readings: &readings, ways: &ways }.expected(belief)
+        let once = Outlook { until: 8 * look, readings: &readings, ways: &ways }.expected(belief);
+        // What is seen later still can change how the team goes on as well.
+        if let Some(way) = ways.last_mut() {
+            *way = self.until_known(mission, &later, *way);
+        }
+        let total = Outlook { until: 8 * look, readings: &readings, ways: &ways }.expected(belief).total();
+        ExpectedTime { epistemic: once.pragmatic.saturating_sub(total), ..once }
     }
 
     /// The time in each world if a plan is followed to its end, whatever is seen. Where a way is
@@ -181,6 +188,48 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
             }
         }
         times
+    }
+
+    /// The time in each world if a plan is followed until the team knows the world, or to its end,
+    /// which takes these times.
+    fn until_known(
+        &self,
+        mission: &Mission<'_, W>,
+        rest: &Rest<'_>,
+        mut times: [Eighths; MAX_WORLDS],
+    ) -> [Eighths; MAX_WORLDS] {
+        let mut alike = [self.all(); MAX_WORLDS];
+        let mut left = self.all();
+        for ticks in 0..=rest.ticks {
+            let cells = rest.cells(&mission.map, ticks);
+            for &cell in cells.iter().filter(|cell| self.has_sight(**cell)) {
+                self.tell_apart(mission, cell, &mut alike);
+            }
+            let is_known = |&world: &usize| alike.get(world).is_some_and(|alike| *alike == 1 << world);
+            for world in worlds_of(left).filter(is_known) {
+                left &= !(1 << world);
+                let anew = 8 * (ticks + ROUND + self.ticks_to(world, &cells)).min(LONGEST);
+                if let Some(time) = times.get_mut(world) {
+                    *time = anew.min(*time);
+                }
+            }
+            if left == 0 {
+                break;
+            }
+        }
+        times
+    }
+
+    /// Takes from the worlds that look like each one those that look otherwise from a cell.
+    fn tell_apart(&self, mission: &Mission<'_, W>, cell: Cell, alike: &mut [Bits; MAX_WORLDS]) {
+        for (number, unknown) in (0..).zip(mission.unknowns) {
+            for sight in unknown.sights.iter().filter(|sight| sight.from == cell) {
+                for (world, alike) in alike.iter_mut().enumerate() {
+                    let looks_like = |&other: &usize| self.looks_like(number, sight, world, other);
+                    *alike = bits(worlds_of(*alike).filter(looks_like));
+                }
+            }
+        }
     }
 
     /// After how many ticks a robot comes to where it sees something of what is not known; of a

@@ -1,6 +1,6 @@
 //! The list of joint policies of a round: made from its facts, alike in every robot.
 
-use super::alternatives::Alternatives;
+use super::alternatives::{Alternatives, Variant};
 use super::claim::{Blocks, Cells};
 use super::combinations::Combinations;
 use super::fact::{Fact, Purpose, blocked};
@@ -275,7 +275,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.prospects.make(mission, &targets.goals, closed);
         if self.prospects.to_make() == 0 {
             let worth = self.prospects.value_of_knowing(mission, &targets.seeking());
-            self.alternatives = Alternatives::new(worth >= LOOK_IF_WORTH);
+            self.alternatives = Alternatives::new(mission.decider().looks() && worth >= LOOK_IF_WORTH);
             self.list.start_extending();
             self.stage = Stage::Branching;
         }
@@ -293,12 +293,18 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         budget: &mut u32,
     ) -> bool {
         let targets = Targets::of(mission, members, closed);
-        let variant = targets.variant(mission, &self.prospects, self.alternatives.current(), closed);
-        if let Some((targets, shut)) = variant {
-            let shut = closed.union(&shut).union(&self.prospects.shut(mission));
-            if !self.list.extend(&targets.problem(mission, shut), budget) {
-                return false;
+        let current = self.alternatives.current();
+        let is_listed = self.prospects.is_listed(mission, &targets.seeking(), current);
+        let variant = is_listed.then(|| targets.variant(mission, &self.prospects, current, closed)).flatten();
+        match variant {
+            Some(Variant::Searched(targets, shut)) => {
+                let shut = closed.union(&shut).union(&self.prospects.shut(mission));
+                if !self.list.extend(&targets.problem(mission, shut), budget) {
+                    return false;
+                }
             }
+            Some(Variant::Made(plan)) => self.list.include(plan, &mission.map),
+            None => (),
         }
         let count = self.prospects.belief().len();
         let has_room = self.plans().len() < most;
@@ -311,12 +317,16 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     /// Weighs the next plan over the worlds.
     fn weigh_next(&mut self, mission: &Mission<'_, W>) {
-        let Some(plan) = self.plans().get(self.expected.len()) else {
+        let (index, prospects) = (self.expected.len(), &self.prospects);
+        let Some(plan) = self.plans().get(index) else {
             self.stage = Stage::Done;
             return;
         };
-        let prospects = &self.prospects;
-        let expected = prospects.expected(mission, plan, self.seekers, Done::NOTHING, prospects.belief());
+        let expected = if mission.decider().infers() {
+            prospects.expected(mission, plan, self.seekers, Done::NOTHING, prospects.belief())
+        } else {
+            ExpectedTime { pragmatic: prospects.by_rule(mission, index, plan), epistemic: 0 }
+        };
         if self.expected.push(expected).is_err() {
             self.stage = Stage::Done;
         }

@@ -1,6 +1,6 @@
 //! The joint policies that a team chooses from: several plans for one problem.
 
-use super::super::{Cell, CellSet, WaitPlace};
+use super::super::{Cell, CellSet, Map, WaitPlace};
 use super::attempt::{Choice, LATER_TOGETHER};
 use super::network::Turn;
 use super::planner::JointPlanner;
@@ -168,6 +168,16 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
         }
         self.planner.start_with(Choice::SOONEST);
         true
+    }
+
+    /// Adds a plan that was made elsewhere, whose robots arrive when they can, unless the list has
+    /// it or is full. Only a list that is [extended](Self::start_extending) takes it.
+    pub fn include(&mut self, plan: JointPlan<N>, map: &Map<W>) {
+        if let Some(slot) = self.policies.get_mut(self.len) {
+            *slot = plan;
+            slot.stagger::<W, L>(map);
+            self.keep_new();
+        }
     }
 
     /// Adds a plan that was made elsewhere; returns whether there was room. Only a list that has
