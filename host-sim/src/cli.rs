@@ -1,6 +1,8 @@
 //! The verbs, what they read and what they print.
 
 mod campaign;
+mod draws;
+mod family;
 mod frames;
 #[cfg(unix)]
 mod hil;
@@ -121,6 +123,9 @@ enum Verb {
     /// Draw random missions, and write them as scenario files
     #[command(after_help = missions::EXAMPLES)]
     Missions(missions::Missions),
+    /// Draw random missions with something unknown, and write them as scenario files
+    #[command(after_help = family::EXAMPLES)]
+    Family(family::DrawFamily),
     /// Run a model from a notebook: beliefs, expected free energies and a decision, as JSON
     #[command(after_help = notebook::INFER_EXAMPLES)]
     Infer(notebook::Infer),
@@ -206,6 +211,7 @@ impl Cli {
             Some(Verb::Reproduce(reproduce)) => reproduce.run(),
             Some(Verb::Campaign(campaign)) => campaign.run(),
             Some(Verb::Missions(missions)) => missions.run().map(|()| ExitCode::SUCCESS),
+            Some(Verb::Family(family)) => family.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Infer(infer)) => infer.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Export(export)) => export.run().map(|()| ExitCode::SUCCESS),
             Some(Verb::Frames(frames)) => frames.run(),

@@ -30,6 +30,8 @@ mod body;
 pub mod campaign;
 mod changes;
 mod conventional;
+mod draws;
+pub mod families;
 mod faults;
 mod firmware_log;
 mod flight;

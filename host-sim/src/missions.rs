@@ -5,6 +5,7 @@
 
 mod solvable;
 
+use crate::draws::{DRAWS, map_entry, some, within};
 use crate::random::{Random, Stream};
 use crate::scenario::{Floor, Scenario};
 use iibt_core::grid::{Cell, CellSet};
@@ -12,9 +13,6 @@ use solvable::JointSearch;
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 use thiserror::Error;
-
-/// The most draws for one mission.
-const DRAWS: u32 = 10_000;
 
 /// The ground on which missions are drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,11 +113,8 @@ impl RandomMissions {
         if part.len() < robots.max(goals) {
             return None;
         }
-        let mut some = |count| {
-            let mut left = part.clone();
-            (0..count).map(|_| left.swap_remove(random.below(left.len()))).collect()
-        };
-        let drawn = DrawnMission { map, starts: some(robots), goals: some(goals), is_owned: self.is_owned };
+        let (starts, goals) = (some(random, &part, robots)?, some(random, &part, goals)?);
+        let drawn = DrawnMission { map, starts, goals, is_owned: self.is_owned };
         (!drawn.is_done(&drawn.starts)).then_some(drawn)
     }
 
@@ -134,7 +129,7 @@ impl RandomMissions {
 
 impl Ground {
     /// A map; `None` when one of this size is not possible.
-    fn draw(&self, random: &mut Random) -> Option<Floor> {
+    pub(crate) fn draw(&self, random: &mut Random) -> Option<Floor> {
         let (width, height, walls) = match self {
             Self::Given(map) => return Some(**map),
             Self::Drawn { width, height, walls } => (width, height, walls),
@@ -180,36 +175,16 @@ impl DrawnMission {
             let goals: Vec<_> = self.goals.iter().map(|goal| goal.0.to_string()).collect();
             let _ = writeln!(text, "goals = [{}]", goals.join(", "));
         }
-        text += "map = \"\"\"\n";
-        for cell in (0..self.map.len() as u16).map(Cell) {
-            text.push(self.mark(cell));
-            if (cell.0 + 1).is_multiple_of(self.map.width()) {
-                text.push('\n');
-            }
-        }
-        text += "\"\"\"\n";
+        text += &map_entry(&self.map, &self.starts, &[]);
         for goal in self.goals.iter().filter(|_| self.is_owned) {
             let _ = writeln!(text, "\n[[robot]]\ngoal = {}", goal.0);
         }
         text
     }
-
-    fn mark(&self, cell: Cell) -> char {
-        match self.starts.iter().position(|&start| start == cell) {
-            Some(robot) => (b'1' + robot as u8).into(),
-            None if self.map.is_free(cell) => '.',
-            None => '#',
-        }
-    }
-}
-
-/// A number of a range.
-fn within(random: &mut Random, range: &RangeInclusive<usize>) -> usize {
-    range.start() + random.below(range.end() + 1 - range.start())
 }
 
 /// The cells of the largest part of a map between which ways lead.
-fn largest_part(map: &Floor) -> Vec<Cell> {
+pub(crate) fn largest_part(map: &Floor) -> Vec<Cell> {
     let (mut seen, mut largest) = (CellSet::EMPTY, CellSet::EMPTY);
     for cell in map.free_cells().iter() {
         let part = if seen.contains(cell) { CellSet::EMPTY } else { map.connected(cell) };

@@ -32,6 +32,8 @@ pub(crate) enum Stream {
     Fault = 11,
     /// The maps, starts and goals of random missions.
     Mission = 12,
+    /// Random missions with something unknown.
+    Family = 13,
     /// The readings of a robot that works on a table task.
     Reading = 16,
     /// Whether an action of such a robot fails.

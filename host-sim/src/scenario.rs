@@ -11,7 +11,7 @@ mod file;
 mod reach;
 mod team;
 mod unknown;
-pub(crate) use reach::parts;
+pub(crate) use reach::{enough_goals, parts};
 
 use crate::input::{Fault, FileError, utf8};
 use iibt_core::grid::{Cell, Map, Move, Path};
@@ -319,6 +319,21 @@ impl Scenario {
         self.goals.contains(&cell)
             || self.robots.iter().any(is_charger)
             || self.events.iter().any(is_waypoint)
+    }
+
+    /// The cells of all unknowns with an effect that belong to the values they have, or, where
+    /// `is_real` is false, to other values. Each unknown has one of `values`.
+    pub(crate) fn cells_of_unknowns(
+        &self,
+        effect: Effect,
+        values: &[u8],
+        is_real: bool,
+    ) -> impl Iterator<Item = Cell> {
+        let of = self.unknowns.iter().zip(values).filter(move |(unknown, _)| unknown.effect == effect);
+        of.flat_map(move |(unknown, &value)| {
+            let places = unknown.cells.iter().filter(move |place| (place.value == value) == is_real);
+            places.map(|place| place.cell)
+        })
     }
 
     /// The scenario with its first robots only, and without what happens to the others; `None` when

@@ -44,18 +44,10 @@ impl World {
     pub(crate) fn new(scenario: &Scenario, seed: u64) -> Self {
         let mut random = Random::of(seed, Stream::Unknown);
         let values: Vec<u8> = scenario.unknowns.iter().map(|unknown| value(unknown, &mut random)).collect();
-        let all = || scenario.unknowns.iter().zip(&values);
-        let cells = |effect: Effect, is_real: bool| {
-            let of = all().filter(move |(unknown, _)| unknown.effect == effect);
-            of.flat_map(move |(unknown, &value)| {
-                let places = unknown.cells.iter().filter(move |place| (place.value == value) == is_real);
-                places.map(|place| place.cell)
-            })
-        };
         Self {
             known: scenario.map,
-            floor: scenario.map.avoiding(cells(Effect::Blocks, true)),
-            useless: cells(Effect::Serves, false).collect(),
+            floor: scenario.map.avoiding(scenario.cells_of_unknowns(Effect::Blocks, &values, true)),
+            useless: scenario.cells_of_unknowns(Effect::Serves, &values, false).collect(),
             values,
             cells: scenario.robots.iter().map(|robot| robot.start).collect(),
             under_way: vec![None; scenario.robots.len()],

@@ -387,6 +387,33 @@ fn random_missions_are_drawn_and_flown_as_a_campaign() {
 }
 
 #[test]
+fn missions_of_a_family_are_listed_drawn_and_refused_with_a_reason() {
+    let names = ["sign", "rooms", "gates", "search", "floor", "far-sign"];
+    let list = host_sim("family").assert().success().stderr(is_empty());
+    let list = String::from_utf8_lossy(&list.get_output().stdout).into_owned();
+    assert!(list.lines().map(|line| line.split(' ').next()).eq(names.map(Some)), "{list}");
+    let help = names.into_iter().map(|name| contains(format!("- {name}:")));
+    help.fold(host_sim("family --help").assert().success(), assert_cmd::assert::Assert::stdout);
+    let one = host_sim("family sign --right 0.9 --seed 10").assert().success().stderr(is_empty());
+    let drawn = String::from_utf8_lossy(&one.get_output().stdout).into_owned();
+    assert!(drawn.starts_with("title = \"Random mission 10: ") && drawn.contains("right = 0.9"), "{drawn}");
+    let out = folder("family");
+    let line = "family sign --right 0.9 --count 2 --seed 9 --out";
+    host_sim(line).arg(&out).assert().success().stdout(contains("2 missions in "));
+    assert_eq!(fs::read_to_string(out.join("10.toml")).expect("a file"), drawn);
+    host_sim("run --quiet").arg(out.join("09.toml")).assert().success();
+    refuses(host_sim(line).arg(&out), "not empty");
+    refuses(&mut host_sim("family sing"), "[possible values: sign, rooms, gates, search, floor, far-sign]");
+    refuses(host_sim("family --out").arg(&out), "name one of sign, rooms, gates, search, floor, far-sign");
+    refuses(&mut host_sim("family sign --robots 9"), "a number of robots is 1 to 8");
+    refuses(&mut host_sim("family sign --need 0"), "a number of goals is 1 or more");
+    refuses(&mut host_sim("family sign --right 1.1"), "a probability is a number from 0 to 1");
+    refuses(&mut host_sim("family gates --need 2"), "gates: a need of 2..2 goals");
+    refuses(&mut host_sim("family sign --robots 1"), "sign: a need of 2..2 goals");
+    refuses(&mut host_sim("family sign --count 2"), "--out");
+}
+
+#[test]
 fn missions_that_cannot_be_drawn_or_flown_are_refused_with_a_reason() {
     refuses(&mut host_sim("missions --robots 9"), "a number of robots is 1 to 8");
     refuses(&mut host_sim("missions --size 33x32"), "a size is WxH or WxH..WxH, with 2 to 1024 cells");

@@ -1,15 +1,12 @@
 //! `missions`: random missions, as scenario files.
 
-use super::{Failure, about, print, scenario};
+use super::draws::{Draws, range, robots};
+use super::{Failure, scenario};
 use clap::Args;
+use host_sim::MAX_CELLS;
 use host_sim::missions::{Ground, RandomMissions};
-use host_sim::{MAX_CELLS, MAX_TICKS};
 use iibt_core::navigation::MAX_GOALS;
-use iibt_core::team::MAX_TEAM;
-use std::fs;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
-use std::str::FromStr;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
@@ -33,13 +30,13 @@ pub(super) struct Missions {
     size: Size,
     /// The share of cells that are blocked, or a range, as in 0..0.3
     #[arg(long, value_name = "SHARE", default_value = "0.15", value_parser = walls, conflicts_with = "map")]
-    walls: Walls,
+    walls: RangeInclusive<f64>,
     /// Draw robots and goals on the map of this scenario, in place of its own
     #[arg(long, value_name = "NAME|FILE.toml")]
     map: Option<String>,
     /// The number of robots, or a range, as in 2..4
     #[arg(long, value_name = "N", default_value = "3", value_parser = robots)]
-    robots: Robots,
+    robots: RangeInclusive<usize>,
     /// The number of goals; one for each robot unless set
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=MAX_GOALS as i64), conflicts_with = "owned")]
     goals: Option<u8>,
@@ -50,18 +47,8 @@ pub(super) struct Missions {
     /// which another leaves
     #[arg(long)]
     solvable: bool,
-    /// The ticks after which the missions count as not accomplished
-    #[arg(long, value_name = "TICKS", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_TICKS)))]
-    limit: u32,
-    /// The seed of the first mission; the next one takes the next seed
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u64,
-    /// How many missions, into a folder
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000), requires = "out")]
-    count: u32,
-    /// A new or empty folder for the files, named by their seeds; else the mission is printed
-    #[arg(long, value_name = "FOLDER")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    draws: Draws,
 }
 
 #[derive(Clone, Debug)]
@@ -70,29 +57,10 @@ struct Size {
     height: RangeInclusive<u16>,
 }
 
-#[derive(Clone, Debug)]
-struct Walls(RangeInclusive<f64>);
-
-#[derive(Clone, Debug)]
-struct Robots(RangeInclusive<usize>);
-
 impl Missions {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let kind = self.kind()?;
-        let Some(folder) = &self.out else { return Ok(print(&kind.draw(self.seed)?)?) };
-        let named = |reason: &dyn std::fmt::Display| format!("{}: {reason}", folder.display());
-        fs::create_dir_all(folder).map_err(|error| named(&error))?;
-        if fs::read_dir(folder).map_err(|error| named(&error))?.next().is_some() {
-            return Err(named(&"not empty: missions are written into a new or an empty folder").into());
-        }
-        let last =
-            self.seed.checked_add(u64::from(self.count - 1)).ok_or("the last seed is over 2^64 - 1")?;
-        let digits = last.to_string().len();
-        for seed in self.seed..=last {
-            let file = folder.join(format!("{seed:0digits$}.toml"));
-            fs::write(&file, kind.draw(seed)?).map_err(about(file.display()))?;
-        }
-        Ok(print(&format!("{} missions in {}\n", self.count, folder.display()))?)
+        self.draws.write(|seed| kind.draw(seed))
     }
 
     fn kind(&self) -> Result<RandomMissions, Failure> {
@@ -101,25 +69,18 @@ impl Missions {
             None => Ground::Drawn {
                 width: self.size.width.clone(),
                 height: self.size.height.clone(),
-                walls: self.walls.0.clone(),
+                walls: self.walls.clone(),
             },
         };
         Ok(RandomMissions {
             ground,
-            robots: self.robots.0.clone(),
+            robots: self.robots.clone(),
             goals: self.goals.map(usize::from),
             is_owned: self.owned,
             is_solvable: self.solvable,
-            limit: self.limit,
+            limit: self.draws.limit,
         })
     }
-}
-
-/// A number, or two with `..` between them.
-fn range<T: FromStr + Copy + PartialOrd>(text: &str) -> Option<RangeInclusive<T>> {
-    let (least, most) = text.split_once("..").unwrap_or((text, text));
-    let (least, most) = (least.parse().ok()?, most.parse().ok()?);
-    (least <= most).then_some(least..=most)
 }
 
 fn size(text: &str) -> Result<Size, String> {
@@ -139,16 +100,10 @@ fn size(text: &str) -> Result<Size, String> {
     read.filter(fits).ok_or_else(reason)
 }
 
-fn walls(text: &str) -> Result<Walls, String> {
+fn walls(text: &str) -> Result<RangeInclusive<f64>, String> {
     let is_share = |range: &RangeInclusive<f64>| *range.start() >= 0.0 && *range.end() < 1.0;
     let reason = "a share of walls is a number from 0 to below 1, or LEAST..MOST";
-    range(text).filter(is_share).map(Walls).ok_or_else(|| reason.to_owned())
-}
-
-fn robots(text: &str) -> Result<Robots, String> {
-    let is_team = |range: &RangeInclusive<usize>| *range.start() >= 1 && *range.end() <= MAX_TEAM;
-    let reason = || format!("a number of robots is 1 to {MAX_TEAM}, or LEAST..MOST");
-    range(text).filter(is_team).map(Robots).ok_or_else(reason)
+    range(text).filter(is_share).ok_or_else(|| reason.to_owned())
 }
 
 #[cfg(test)]
@@ -156,16 +111,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_shares_and_teams_are_read_and_what_is_wrong_is_refused() {
+    fn sizes_and_shares_are_read_and_what_is_wrong_is_refused() {
         let both = size("2x3..4x5").expect("a range");
         assert_eq!((both.width, both.height), (2..=4, 3..=5));
         assert!(size("32x32").is_ok() && size("1024x1").is_ok());
         for wrong in ["", "8", "8x", "1x1", "33x32", "4x4..3x5", "2x2..", "8x8x8", "-1x8", "0x9"] {
             assert!(size(wrong).is_err(), "{wrong}");
         }
-        assert_eq!(walls("0..0.3").expect("a range").0, 0.0..=0.3);
+        assert_eq!(walls("0..0.3"), Ok(0.0..=0.3));
         assert!(["1", "-0.1", "NaN", "0.3..0.2", "x"].iter().all(|wrong| walls(wrong).is_err()));
-        assert_eq!(robots("2..8").expect("a range").0, 2..=8);
-        assert!(["0", "9", "4..2", "", "2..9"].iter().all(|wrong| robots(wrong).is_err()));
     }
 }

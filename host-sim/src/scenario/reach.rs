@@ -8,10 +8,10 @@ use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Planner};
 
 /// A robot without a goal, by its index, and the reason.
-pub(super) type Stranded = (usize, String);
+pub(crate) type Stranded = (usize, String);
 
 /// Assigns robots to goals that differ, as many as needed, or names the first robot without one.
-pub(super) fn enough_goals(
+pub(crate) fn enough_goals(
     map: &Floor,
     goals: &[Cell],
     robots: &[RobotSpec],
