@@ -1,6 +1,8 @@
 //! The events of a flight that are shown and recorded.
 
 use crate::awaited::Awaited;
+use crate::beliefs::told;
+use crate::phases::WeighedPolicy;
 use crate::scenario::{Device, Scenario};
 use crate::text::route;
 use iibt_core::grid::Cell;
@@ -39,6 +41,26 @@ pub enum FlightEvent {
         path: Vec<Cell>,
         /// The posterior probability of the choice.
         probability: f32,
+    },
+    /// The joint policies of a round were weighed, of a mission of which not all is known.
+    Weighed {
+        /// In which round.
+        round: u32,
+        /// How many there are.
+        policies: usize,
+        /// The place of the best one in the list, from zero, and its terms.
+        best: (usize, WeighedPolicy),
+        /// The same of the next best one.
+        next: Option<(usize, WeighedPolicy)>,
+    },
+    /// A robot believes something else about what is not known.
+    Believes {
+        /// Who.
+        robot: usize,
+        /// The probability of each value of each unknown.
+        unknowns: Vec<Vec<f32>>,
+        /// The probability of each world: the value of the last unknown changes fastest.
+        worlds: Vec<f32>,
     },
     /// All members of the round know the joint plan.
     Agreed {
@@ -175,6 +197,16 @@ impl FlightEvent {
                 goal.0,
                 route(path)
             ),
+            Self::Weighed { round, policies, best, next } => {
+                let (best, others) = (
+                    weighed(*best),
+                    next.map_or_else(String::new, |next| format!("; next {}", weighed(next))),
+                );
+                format!("round {round} weighs {policies} policies: {best}{others}")
+            }
+            Self::Believes { robot, unknowns, .. } => {
+                format!("{} believes: {}", name(*robot), told(&scenario.unknowns, unknowns))
+            }
             Self::Agreed { round } => format!("all know the plan (round {round})"),
             Self::Arrived { robot, cell } => format!("{} has arrived at {}", name(*robot), cell.0),
             Self::Asked { robot, cell } => format!("{} is to visit {}", name(*robot), cell.0),
@@ -203,4 +235,13 @@ impl FlightEvent {
             Self::Collided { times } => format!("COLLISION ({times})"),
         }
     }
+}
+
+/// A policy by its place in the list, and what it takes.
+fn weighed((place, policy): (usize, WeighedPolicy)) -> String {
+    let WeighedPolicy { total, epistemic, probability, .. } = policy;
+    let ticks = total.map_or_else(|| "no".to_owned(), |total| format!("{total:.1}"));
+    let seen =
+        if epistemic > 0.0 { format!(" ({epistemic:.1} saved by what will be seen)") } else { String::new() };
+    format!("{place} in {ticks} ticks{seen} with {probability:.3}")
 }

@@ -1,6 +1,7 @@
 //! A scenario flown to its end, with its observers and its record.
 
 use crate::awaited::{Awaited, Waits};
+use crate::beliefs::Beliefs;
 use crate::changes;
 use crate::faults::Faults;
 use crate::flight::Flight;
@@ -136,6 +137,7 @@ struct Recorder<'f, 'm> {
     waypoints: Vec<Vec<Cell>>,
     visited: Vec<Vec<Cell>>,
     waits: Waits,
+    beliefs: Beliefs,
     phases: Vec<Phase>,
     certainty: Vec<Vec<f32>>,
     frames: Vec<u8>,
@@ -161,6 +163,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
             waypoints: vec![Vec::new(); size],
             visited: vec![Vec::new(); size],
             waits: Waits::new(size),
+            beliefs: Beliefs::new(&scenario.unknowns, size),
             phases: Vec::new(),
             certainty: Vec::new(),
             frames: Vec::new(),
@@ -294,11 +297,34 @@ impl<'f, 'm> Recorder<'f, 'm> {
             }
         }
         let (reports, world) = (self.flight.reports(), self.flight.world());
-        phases::note(&mut self.phases, tick, reports, world.floor(), || world.obstacles().collect());
+        let obstacles = || world.obstacles().collect();
+        let weighed = |robot| self.flight.robot(robot).weighed();
+        phases::note(&mut self.phases, tick, reports, world.floor(), obstacles, weighed);
         let mut events = changes::between(before, reports, world);
+        events.splice(0..0, self.weighed_in(tick));
+        events.extend(self.beliefs());
         events.splice(0..0, self.ticked_off());
         events.extend(self.long_waits());
         events
+    }
+
+    /// The rounds whose policies were weighed in this tick, where something is unknown.
+    fn weighed_in(&self, tick: u32) -> Vec<FlightEvent> {
+        if self.scenario.unknowns.is_empty() {
+            return Vec::new();
+        }
+        let is_new = |phase: &&Phase| phase.choices.iter().flatten().all(|choice| choice.tick == tick);
+        self.phases.iter().filter(is_new).filter_map(Phase::weighed).collect()
+    }
+
+    /// The robots that have come to believe something else.
+    fn beliefs(&mut self) -> Vec<FlightEvent> {
+        let unknowns = &self.scenario.unknowns;
+        if unknowns.is_empty() {
+            return Vec::new();
+        }
+        let robots = self.flight.robots().enumerate();
+        robots.filter_map(|(robot, state)| self.beliefs.changed(unknowns, robot, state.worlds())).collect()
     }
 
     /// The way-points that robots have visited, given up or taken over in this tick.

@@ -25,6 +25,7 @@
 
 mod awaited;
 mod battery;
+mod beliefs;
 pub mod beyond;
 mod body;
 pub mod campaign;
@@ -84,7 +85,7 @@ pub use frames::{
 pub use input::FileError;
 pub use learn::{Learned, MoveRatio, RobotRatios};
 pub use log::{Attempt, ExecutionLog, Logbook};
-pub use phases::{Chosen, Phase};
+pub use phases::{Chosen, Phase, WeighedPolicy};
 pub use provision::{ANY_SKILL, AnyPage, AnyPageTree, Provision, ProvisionError};
 pub use radio::{KEY, Traffic};
 pub use random::Random;

@@ -1,6 +1,7 @@
 //! The simulator's view of a robot with any pilot.
 
 use crate::body::Body;
+use crate::phases::WeighedPolicy;
 use crate::scenario::Floor;
 use firmware::{Controller, LinkReport, Navigator};
 use iibt_core::grid::{Cell, Map};
@@ -39,6 +40,15 @@ pub trait AnyRobot {
     fn waypoints(&self) -> &[Cell];
     /// The probability that it gives to a cell of being its own.
     fn belief(&self, cell: Cell) -> f32;
+    /// The probability that it gives to each world of a mission of which not all is known; none
+    /// before its first decision.
+    fn worlds(&self) -> Vec<f32> {
+        Vec::new()
+    }
+    /// The joint policies as it has weighed them in its round, in the order of the list.
+    fn weighed(&self) -> Vec<WeighedPolicy> {
+        Vec::new()
+    }
     /// The body it works in.
     fn body(&mut self) -> &mut Body;
 }
@@ -98,6 +108,16 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     fn belief(&self, cell: Cell) -> f32 {
         self.robot().navigation().localisation().probability_of(cell)
+    }
+
+    fn worlds(&self) -> Vec<f32> {
+        self.robot().navigation().worlds().to_vec()
+    }
+
+    fn weighed(&self) -> Vec<WeighedPolicy> {
+        let weighed = self.robot().navigation().weighed();
+        let pairs = weighed.costs().iter().zip(weighed.posterior());
+        pairs.map(|(&cost, &probability)| WeighedPolicy::of(cost, probability)).collect()
     }
 
     fn body(&mut self) -> &mut Body {

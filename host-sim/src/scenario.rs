@@ -266,6 +266,8 @@ pub struct Radio {
 pub struct InferenceSpec {
     /// The precision β of the posterior over policies, in nats per tick.
     pub precision: Option<f32>,
+    /// The habit of going on with the plan that runs, ln E in nats.
+    pub habit: Option<f32>,
     /// The modelled probability that a robot's own localiser is right.
     pub sensor: Option<f32>,
     /// The number of joint policies that are weighed.

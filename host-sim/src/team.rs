@@ -258,7 +258,11 @@ fn settings(
 
 fn tune<const W: usize>(mission: &mut Mission<'_, W>, scenario: &Scenario) {
     let wanted = &scenario.inference;
-    let settings = [(&mut mission.sensor, wanted.sensor), (&mut mission.precision, wanted.precision)];
+    let settings = [
+        (&mut mission.sensor, wanted.sensor),
+        (&mut mission.precision, wanted.precision),
+        (&mut mission.habit, wanted.habit),
+    ];
     for (setting, value) in settings {
         *setting = value.unwrap_or(*setting);
     }

@@ -3,6 +3,7 @@
 
 use super::*;
 use host_sim::{Conditions, KEY, Observer, Outcome, Record, Scenario, Snapshot, TeamFrames, fly};
+use iibt_core::navigation::{Effect, Place, Sight, Tells, Unknown};
 
 /// A mission of which the team does not know all, by the name of its file.
 fn mission(name: &str) -> Scenario {
@@ -131,6 +132,106 @@ fn the_others_go_on_when_the_one_that_looks_dies() {
         let record = flown(&with_event(&sign), seed, None);
         assert!(record.outcome.is_success(), "seed {seed}: {:?}", record.outcome);
     }
+}
+
+/// A hall with a bay of two goals on either side, one of which serves, and a sign at its end. Robots
+/// misread the sign and the bays in one of five cases.
+mod hall {
+    use super::*;
+
+    static STARTS: [Cell; 3] = [Cell(37), Cell(38), Cell(39)];
+    static GOALS: [Cell; 4] = [Cell(7), Cell(8), Cell(12), Cell(13)];
+    static PLACES: [Place; 4] =
+        [Place::new(Cell(7), 0), Place::new(Cell(8), 0), Place::new(Cell(12), 1), Place::new(Cell(13), 1)];
+    pub(super) const PRIOR: [f32; 2] = [0.6, 0.4];
+    pub(super) static SIGHTS: [Sight; 7] = [
+        sight(45, Tells::Value),
+        sight(7, Tells::Whether(0)),
+        sight(8, Tells::Whether(0)),
+        sight(9, Tells::Whether(0)),
+        sight(11, Tells::Whether(1)),
+        sight(12, Tells::Whether(1)),
+        sight(13, Tells::Whether(1)),
+    ];
+    static UNKNOWNS: [Unknown<'_>; 1] =
+        [Unknown { effect: Effect::Serves, cells: &PLACES, prior: &PRIOR, sights: &SIGHTS }];
+
+    const fn sight(from: u16, tells: Tells) -> Sight {
+        Sight { from: Cell(from), tells, right: 0.8 }
+    }
+
+    pub(super) fn mission() -> Mission<'static, 2> {
+        let map = Map::drawn(
+            &["##...##", ".......", "##...##", "##...##", "##...##", "##...##", "##...##"].join("\n"),
+        );
+        Mission {
+            unknowns: &UNKNOWNS,
+            need: Some(2),
+            ..Mission::new(map.expect("49 cells"), &STARTS, &GOALS)
+        }
+    }
+}
+
+/// The prior times the likelihoods of what all members have told when the round began, each once.
+#[test]
+fn a_round_counts_what_every_member_has_read_once() {
+    let mission = hall::mission();
+    let (mut rounds, mut together) = (0, 0);
+    for seed in 0..40 {
+        let faults = Faults { radio: Radio { loss: 0.2, ..Radio::default() }, ..Faults::default() };
+        let mut team = Team::over(&mission, faults, seed).expect("it is sound");
+        let mut checked = [None; 3];
+        while team.ticks() < 120 && !team.has_arrived() {
+            team.tick();
+            let protocols =
+                [0, 1, 2].map(|robot| task(&team, robot).rounds().map(|rounds| rounds.protocol()));
+            let [Some(first), Some(second), Some(third)] = protocols else { continue };
+            let all = [first, second, third];
+            let round = first.proposal().round;
+            if !all.iter().all(|protocol| protocol.proposal().round == round && protocol.has_decided()) {
+                continue;
+            }
+            // Half a nat in half a byte, for each value the evidence against it.
+            let against = |value: usize| {
+                let of = |protocol: &Protocol<Fact, POLICIES>| {
+                    let byte = protocol.fact().readings.first().copied().unwrap_or(0);
+                    0.5 * f32::from(byte >> (4 * value) & 0xf)
+                };
+                all.iter().map(|protocol| of(protocol)).sum::<f32>()
+            };
+            let weights = [0, 1].map(|value| hall::PRIOR[value] * (-against(value)).exp());
+            let expected = weights[0] / (weights[0] + weights[1]);
+            let told = all.iter().filter(|protocol| !protocol.fact().readings.is_empty()).count();
+            for (robot, checked) in checked.iter_mut().enumerate() {
+                let sees = hall::SIGHTS.iter().any(|sight| sight.from == team.cells()[robot]);
+                if sees || checked.replace(round) == Some(round) {
+                    continue;
+                }
+                let believes = task(&team, robot).worlds();
+                assert!((believes[0] - expected).abs() < 1e-3, "seed {seed}: {believes:?}, not {expected}");
+                rounds += u32::from(told > 0);
+                together += u32::from(told > 1);
+            }
+        }
+    }
+    println!("{rounds} beliefs by what was read, {together} of them by more than one robot");
+    assert!(rounds > 40 && together > 10, "{rounds} {together}");
+}
+
+/// The ticks of the worlds in which the likelier bays are the wrong ones, altogether.
+fn where_the_guess_is_wrong(precision: f32, habit: f32) -> u32 {
+    let mut sign = mission("sign");
+    (sign.inference.precision, sign.inference.habit) = (Some(precision), Some(habit));
+    let ticks = in_every_world(&sign);
+    ticks[2] + ticks[3]
+}
+
+#[test]
+fn robots_leave_a_plan_that_has_turned_out_worse_by_their_precision_and_habit() {
+    let [usual, blunt, stubborn] = [(1.0, 0.0), (0.0, 0.0), (1.0, 20.0)]
+        .map(|(precision, habit)| where_the_guess_is_wrong(precision, habit));
+    println!("{usual} ticks, {blunt} without precision, {stubborn} with a habit of 20 nats");
+    assert!(blunt >= usual + 8 && stubborn >= usual + 8);
 }
 
 /// Keeps all frames.

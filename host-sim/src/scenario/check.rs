@@ -162,6 +162,7 @@ fn drive_fault(fault: &Spanned<file::DriveFaultEntry>, robots: &[RobotSpec]) -> 
 fn inference(written: &file::InferenceEntry) -> Read<InferenceSpec> {
     Ok(InferenceSpec {
         precision: parameter("precision", written.precision.as_ref(), 0.0..=1000.0)?,
+        habit: parameter("habit", written.habit.as_ref(), 0.0..=1000.0)?,
         sensor: parameter("sensor", written.sensor.as_ref(), 0.0..=1.0)?,
         policies: optional("policies", written.policies.as_ref(), 1..=POLICIES)?.map(|count| count as u8),
         budget: optional("budget", written.budget.as_ref(), 1..=1_000_000_000)?,

@@ -37,6 +37,7 @@ pub(super) struct ScenarioFile {
 #[serde(deny_unknown_fields)]
 pub(super) struct InferenceEntry {
     pub precision: Option<RealNumber>,
+    pub habit: Option<RealNumber>,
     pub sensor: Option<RealNumber>,
     pub policies: Option<WholeNumber>,
     pub budget: Option<WholeNumber>,

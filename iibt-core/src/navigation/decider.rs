@@ -152,8 +152,14 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
                 is_world(Way::Likeliest) || matches!(alternative, Alternative::Look(_, Others::GoOn))
             }
             Decider::Random | Decider::First | Decider::Shortest | Decider::Matching | Decider::Priced(_) => {
-                // Where one of several goals serves, they go to those of a world.
-                alternative != Alternative::Free || !self.has_doubtful_goals(mission)
+                // Where one of several goals serves, they go to those of a world that may be.
+                match alternative {
+                    Alternative::Free => !self.has_doubtful_goals(mission),
+                    Alternative::World(rank) => {
+                        self.by_belief().nth(rank).is_some_and(|world| self.plausible() >> world & 1 == 1)
+                    }
+                    _ => true,
+                }
             }
             _ => true,
         }

@@ -303,6 +303,12 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         on_goals >= self.need.min(cells.len())
     }
 
+    /// Whether a cell is a goal that might have served, but is known not to.
+    pub(super) fn is_in_vain(&self, belief: &[f32], cell: Cell) -> bool {
+        let serves = belief.iter().enumerate().filter(|&(world, _)| self.distance(world, cell) == 0);
+        serves.clone().next().is_some() && serves.map(|(_, p)| p).sum::<f32>() <= 1.0 - KNOWN
+    }
+
     /// How certain it is that as many robots as needed are on goals that serve.
     pub(super) fn are_done(&self, belief: &[f32], cells: &[Cell]) -> Certainty {
         let done = belief.iter().enumerate().filter(|&(world, _)| self.is_done(world, cells));

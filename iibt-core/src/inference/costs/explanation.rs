@@ -76,18 +76,19 @@ impl<const K: usize> WeighedPolicies<K> {
     }
 }
 
-/// `policy 1 with 0.665 at 48/8 ticks (time 40, habit 0, delay 8, price 0)`.
+/// `policy 1 with 0.665 at 48/8 ticks (time 44, epistemic 4, habit 0, delay 8, price 0)`.
 #[cfg(feature = "defmt")]
 impl defmt::Format for RankedPolicy {
     fn format(&self, f: defmt::Formatter<'_>) {
-        let PolicyCost { time, habit, delay, price, .. } = self.cost;
+        let PolicyCost { time, epistemic, habit, delay, price, .. } = self.cost;
         defmt::write!(
             f,
-            "policy {=usize} with {=f32} at {=u32}/8 ticks (time {=u16}, habit {=u16}, delay {=u16}, price {=u16})",
+            "policy {=usize} with {=f32} at {=u32}/8 ticks (time {=u16}, epistemic {=u16}, habit {=u16}, delay {=u16}, price {=u16})",
             self.policy,
             self.probability,
             self.cost.total(),
             time,
+            epistemic,
             habit,
             delay,
             price

@@ -60,7 +60,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     }
 
     /// Whether the team's work is not known to be done where its plan ends: it is unlikely, or this
-    /// robot may find out from where it stands. One that cannot leaves it to those that can.
+    /// robot may find out from where it stands, or it knows that its own goal is not the one. Any
+    /// other leaves it to those that can tell.
     pub(in crate::navigation) fn is_unsure(&self) -> bool {
         let Some(ends) = self.ends().filter(|_| self.policies.is_branching()) else { return false };
         let (prospects, belief) = (self.policies.prospects(), self.belief());
@@ -68,7 +69,9 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         match prospects.are_done(&belief, &ends) {
             Certainty::Known => false,
             Certainty::Likely => {
-                here.is_some_and(|cell| prospects.is_informative(self.mission, cell, &belief))
+                let may_tell = |cell| prospects.is_informative(self.mission, cell, &belief);
+                let is_in_vain = |cell| prospects.is_in_vain(&belief, cell);
+                here.is_some_and(may_tell) || self.standing().is_some_and(is_in_vain)
             }
             Certainty::Unlikely => true,
         }
