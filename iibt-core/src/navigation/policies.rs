@@ -140,8 +140,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     pub(super) fn fingerprint(mission: &Mission<'_, W>) -> u64 {
         let list = PolicyList::<W, L, MAX_TEAM, M, K>::digest(mission.policies.into());
         // Robots without room for unknowns agree with others where there are none.
-        let worlds = if mission.unknowns.is_empty() { 0 } else { MAX_WORLDS as u64 };
-        list.wrapping_add(worlds)
+        let branching = if mission.unknowns.is_empty() { 0 } else { BRANCHING << 8 | MAX_WORLDS as u64 };
+        list.wrapping_add(branching)
     }
 
     /// Forgets the list, to make another.
@@ -365,6 +365,9 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         Some(())
     }
 }
+
+/// The version of the alternatives that a list has where something is unknown.
+const BRANCHING: u64 = 2;
 
 /// Whether there can be anything unknown: else no code for it is in the image.
 pub(super) const HAS_UNKNOWNS: bool = MAX_WORLDS > 1;

@@ -50,16 +50,11 @@ impl Readings {
             Says::IsNot(value) => (value, nats <= 0.0),
         };
         // A cast saturates, and what is no number becomes zero.
-        let mut weight = (16.0 * nats.abs() + 0.5).min(CAP.into()) as u8;
+        let weight = (16.0 * nats.abs() + 0.5).min(CAP.into()) as u8;
         let first = unknowns.iter().take(number).map(|other| other.prior.len()).sum();
         let Some(against) = self.against.get_mut(first..first + unknown.prior.len()) else { return };
-        match counting {
-            Counting::Sums => (),
-            Counting::First if against.contains(&CAP) => return,
-            Counting::First | Counting::Last => {
-                against.fill(0);
-                weight = CAP;
-            }
+        if counting != Counting::Sums {
+            return take_as_fact(against, (value, speaks_for), counting == Counting::First);
         }
         for (place, sum) in (0..).zip(against.iter_mut()) {
             if (place == value) != speaks_for {
@@ -81,6 +76,23 @@ impl Readings {
             AnnouncedReadings::new()
         } else {
             up_to(sums.chunks(2).map(halves))
+        }
+    }
+}
+
+/// Takes a reading of a value, and whether it speaks for it, for a fact. One that contradicts earlier
+/// ones is ignored where these stay, and takes their place else.
+fn take_as_fact(against: &mut [u8], (value, speaks_for): (u8, bool), stays: bool) {
+    let is_against = |place: u8| (place == value) != speaks_for;
+    let fits = (0..).zip(against.iter()).any(|(place, sum)| !is_against(place) && *sum < CAP);
+    if stays && !fits {
+        return;
+    }
+    for (place, sum) in (0..).zip(against.iter_mut()) {
+        if is_against(place) {
+            *sum = CAP;
+        } else if !fits {
+            *sum = 0;
         }
     }
 }
@@ -128,6 +140,20 @@ mod tests {
     fn a_reading_that_is_never_wrong_is_as_sure_as_can_be() {
         assert_eq!(after(&[(1, Says::IsNot(2))]), [0.0, 0.0, 0.0, 0.0, 7.5]);
         assert_eq!(after(&[(1, Says::Is(2)); 3]), [0.0, 0.0, 7.5, 7.5, 0.0]);
+    }
+
+    #[test]
+    fn facts_stay_or_give_way() {
+        let [cap, none] = [CAP, 0];
+        let after = |readings: &[(u8, bool)], stays: bool| {
+            let mut against = [0; 3];
+            readings.iter().for_each(|&reading| take_as_fact(&mut against, reading, stays));
+            against
+        };
+        let (not_first, second, first) = ((0, false), (1, true), (0, true));
+        assert_eq!(after(&[not_first, second], true), [cap, none, cap], "they go together");
+        assert_eq!(after(&[not_first, second, first], true), [cap, none, cap]);
+        assert_eq!(after(&[not_first, second, first], false), [none, cap, cap]);
     }
 
     #[test]
