@@ -165,7 +165,7 @@ mod report {
         };
         let report = campaign.fly(None, &|_, _| ()).expect("the mission fits");
         let [inference, conventional] = &report.rows[0].summaries[..] else { panic!("two pilots") };
-        let comparison = report.rows[0].comparison.expect("two pilots");
+        let comparison = &report.rows[0].comparisons[0];
         assert_eq!((inference.accomplished.of, comparison.ticks.pairs), (3, 3));
         assert_eq!(comparison.ticks.mean, inference.ticks.mean - conventional.ticks.mean);
         let table = report.table();
@@ -189,7 +189,7 @@ mod comparison {
     fn the_conventional_tree_is_faster_and_sends_less_but_for_three_robots_in_bursts() {
         for name in ["two-goals", "factory"] {
             for row in rows(name, &passing(), 100) {
-                let comparison = row.comparison.as_ref().expect("two pilots");
+                let comparison = &row.comparisons[0];
                 let sign =
                     if name == "factory" && row.disturbance == Disturbance::Bursts { -1.0 } else { 1.0 };
                 for difference in [&comparison.ticks, &comparison.messages] {
@@ -209,7 +209,7 @@ mod comparison {
                 "{name}: {:?}",
                 row.summaries.iter().map(|summary| summary.together.ratio).collect::<Vec<_>>()
             );
-            let together = row.comparison.as_ref().expect("two pilots").together;
+            let together = row.comparisons[0].together;
             together.is_significant().then_some(together.mean > 0.0)
         };
         assert_eq!(["two-goals", "factory", "warehouse"].map(ahead), [Some(false), None, Some(false)]);
@@ -221,7 +221,7 @@ mod comparison {
             let undisturbed = &rows(name, &[Disturbance::None], 20)[0];
             assert!(undisturbed.summaries.iter().all(|summary| summary.together.count == 20), "{name}");
             let slips = &rows(name, &[Disturbance::Slips], 500)[0];
-            let together = slips.comparison.expect("two pilots").together;
+            let together = slips.comparisons[0].together;
             assert!(together.interval[1] > 0.0 && together.interval[0] > -0.06, "{name}: {slips:?}");
         }
     }
@@ -230,7 +230,7 @@ mod comparison {
     fn a_robot_that_stops_for_good_stops_the_conventional_tree_and_not_the_team_that_decides() {
         for name in ["two-goals", "factory"] {
             let row = &rows(name, &[Disturbance::Stop], 48)[0];
-            assert!(row.comparison.expect("two pilots").accomplished.interval[0] > 0.0, "{name}: {row:?}");
+            assert!(row.comparisons[0].accomplished.interval[0] > 0.0, "{name}: {row:?}");
             assert_eq!(row.summaries[1].accomplished.count, 0, "{name}: {row:?}");
             assert!(row.summaries.iter().all(|summary| summary.collided.count == 0), "{name}: {row:?}");
         }

@@ -6,6 +6,7 @@
 //! checked with the other tests.
 
 mod doubt;
+mod inference;
 mod rounds;
 
 use std::fs;
@@ -52,7 +53,7 @@ struct Table {
     targets: &'static [&'static str],
 }
 
-const TABLES: [Table; 2] = [rounds::TABLE, doubt::TABLE];
+const TABLES: [Table; 3] = [rounds::TABLE, doubt::TABLE, inference::TABLE];
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
@@ -80,6 +81,12 @@ fn no_guard_of_the_rounds_can_be_taken_out_unseen() {
 #[ignore = "a build of the simulator and a run for each guard: tests/nightly"]
 fn no_guard_of_a_robot_in_doubt_can_be_taken_out_unseen() {
     doubt::TABLE.take_out_each();
+}
+
+#[test]
+#[ignore = "a build of the simulator and a run for each guard: tests/nightly"]
+fn no_part_of_inference_can_be_taken_out_unseen() {
+    inference::TABLE.take_out_each();
 }
 
 impl Table {

@@ -147,6 +147,8 @@ fn kind(event: &host_sim::FlightEvent) -> &'static str {
         host_sim::FlightEvent::Waits { .. } => "waits",
         host_sim::FlightEvent::Found { .. } => "found",
         host_sim::FlightEvent::Chose { .. } => "chose",
+        host_sim::FlightEvent::Weighed { .. } => "weighed",
+        host_sim::FlightEvent::Believes { .. } => "believes",
         host_sim::FlightEvent::Agreed { .. } => "agreed",
         host_sim::FlightEvent::Arrived { .. } => "arrived",
         host_sim::FlightEvent::Collided { .. } => "collided",
