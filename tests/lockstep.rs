@@ -3,13 +3,19 @@
 
 use firmware::bench::joint_plans::Planner;
 use firmware::bench::lockstep::{self, CELLS, KEY, WORDS, problem, robot};
+use firmware::bench::sign;
 use firmware::missions::{LAYERS, NODES, POLICIES};
 use host_sim::{Faults, NavigatorFlight, Reading};
+use iibt_core::grid::Cell;
 use std::path::Path;
 use tests::budgets::{assert_stack_within, assert_within};
-use tests::qemu::{Robot, image, number};
+use tests::qemu::{Robot, image, image_for, number};
 
-type Flight<'m> = NavigatorFlight<'m, CELLS, WORDS, LAYERS, NODES, POLICIES>;
+type Flight<'m, const S: usize = CELLS, const W: usize = WORDS> =
+    NavigatorFlight<'m, S, W, LAYERS, NODES, POLICIES>;
+
+/// A team that looks for the bay that serves.
+type Looking<'m> = Flight<'m, { sign::CELLS }, { sign::WORDS }>;
 
 /// The problems that a team flies, of those in which all can come to goals.
 const FLIGHTS: usize = 8;
@@ -34,16 +40,36 @@ impl Measured {
         let mut chip = Robot::boot_counting(image);
         chip.wait_for("boot");
         chip.send(&[robots as u8, draw as u8, number as u8, 0]);
-        let stage = |flight: &Flight<'_>| {
+        self.follow(&mut flight, &mut chip, number);
+    }
+
+    /// Flies the mission with the sign until all have arrived, one of the robots on the chip.
+    fn look(&mut self, image: &Path, robots: usize, number: usize, (serving, seed): (u8, u64)) {
+        let mission = sign::mission(robots).expect("a team");
+        let mut flight = Looking::with_key(&mission, KEY, Faults::default(), seed).expect("it is sound");
+        let mut chip = Robot::boot_counting(image);
+        chip.wait_for("boot");
+        chip.send(&[robots as u8, serving, number as u8, 2]);
+        self.follow(&mut flight, &mut chip, number);
+    }
+
+    /// Flies until all have arrived, and keeps what the ticks of the robot on the chip take.
+    fn follow<const S: usize, const W: usize>(
+        &mut self,
+        flight: &mut Flight<'_, S, W>,
+        chip: &mut Robot,
+        number: usize,
+    ) {
+        let stage = |flight: &Flight<'_, S, W>| {
             let protocol = flight.robot(number).robot().navigation().rounds().map(|rounds| rounds.protocol());
             protocol.map(|protocol| (protocol.proposal().round, protocol.digest(), protocol.has_decided()))
         };
         let mut heard = Vec::new();
         while !flight.has_arrived() {
-            assert!(flight.ticks() < 60, "no arrival in problem {draw} for {robots}");
-            let before = stage(&flight);
-            let took = in_step(&mut flight, &mut chip, number, &mut heard);
-            let after = stage(&flight);
+            assert!(flight.ticks() < 60, "no arrival");
+            let before = stage(flight);
+            let took = in_step(flight, chip, number, &mut heard);
+            let after = stage(flight);
             let has = |decided: bool, stage: Option<(u32, Option<_>, bool)>| {
                 stage.is_some_and(|(_, digest, has_decided)| digest.is_some() && (has_decided || !decided))
             };
@@ -59,7 +85,12 @@ impl Measured {
 }
 
 /// Ticks the flight and the robot on the chip; returns the instructions that the latter took.
-fn in_step(flight: &mut Flight<'_>, chip: &mut Robot, number: usize, heard: &mut Vec<u8>) -> u64 {
+fn in_step<const S: usize, const W: usize>(
+    flight: &mut Flight<'_, S, W>,
+    chip: &mut Robot,
+    number: usize,
+    heard: &mut Vec<u8>,
+) -> u64 {
     let (robots, here) = (flight.cells().len(), flight.cells()[number]);
     flight.set_reading(number, Reading::Cell(here));
     flight.tick();
@@ -112,6 +143,51 @@ fn a_robot_of_any_team_ticks_on_the_chip_as_on_the_host_and_within_budget() {
             assert_within("team_of_eight", "worst_ordinary_tick", worst(ordinary));
             assert_within("team_of_eight", "deciding_tick", mean(deciding));
         }
+    }
+}
+
+/// A seed for each bay with which that is the one, by where a team ends.
+fn worlds() -> Vec<(u8, u64)> {
+    let mission = sign::mission(3).expect("a team");
+    let mut found: [Option<u64>; 4] = [None; 4];
+    for seed in 0..100 {
+        let mut flight = Looking::with_key(&mission, KEY, Faults::default(), seed).expect("it is sound");
+        while !flight.has_arrived() {
+            assert!(flight.ticks() < 60, "no arrival with seed {seed}");
+            flight.tick();
+        }
+        let is_held = |goal: &Cell| flight.cells().contains(goal);
+        let bay = mission.goals.chunks(2).position(|bay| bay.iter().all(is_held)).expect("they are in a bay");
+        found[bay].get_or_insert(seed);
+    }
+    (0..).zip(found).map(|(bay, seed)| (bay, seed.expect("each bay is drawn"))).collect()
+}
+
+/// The mission of `host-sim/scenarios/sign.toml` in each of its worlds, by three robots, and in the
+/// likeliest and the least likely one by eight.
+#[test]
+fn a_robot_that_looks_for_the_bay_that_serves_ticks_on_the_chip_as_on_the_host() {
+    let image = image_for("lockstep", "firmware", "thumbv7em-none-eabihf", "stm32f405,unknowns");
+    let worlds = worlds();
+    let few = [worlds[0], worlds[3]];
+    for (robots, worlds) in [(3, &worlds[..]), (8, &few[..])] {
+        let mut ticks = Measured::default();
+        for (place, &world) in worlds.iter().enumerate() {
+            ticks.look(&image, robots, place % robots, world);
+        }
+        let Measured { ordinary, listing, deciding } = &ticks;
+        for (kind, ticks) in [("ordinary", ordinary), ("listing", listing), ("deciding", deciding)] {
+            println!(
+                "sign, {robots} robots: {} {kind} ticks, mean {}, worst {}",
+                ticks.len(),
+                mean(ticks),
+                worst(ticks)
+            );
+        }
+        assert!(listing.len() >= worlds.len() && ordinary.len() > 8 * worlds.len());
+        let name = if robots == 3 { "sign_of_three" } else { "sign_of_eight" };
+        assert_within(name, "list_with_unknowns", worst(listing));
+        assert_within(name, "ordinary_tick_with_unknowns", worst(ordinary));
     }
 }
 

@@ -26,7 +26,7 @@ fn flown(scenario: &Scenario, seed: u64, loss: Option<f64>) -> Record {
     record
 }
 
-/// The ticks of an accomplished flight in each world of the only unknown.
+/// The ticks until the last robot is where it ends, in each world of the only unknown.
 fn in_every_world(scenario: &Scenario) -> Vec<u32> {
     let values = scenario.unknowns[0].prior.len() as u8;
     let of = |real| {
@@ -34,7 +34,7 @@ fn in_every_world(scenario: &Scenario) -> Vec<u32> {
         scenario.unknowns[0].real = Some(real);
         let record = flown(&scenario, 1, None);
         assert!(record.outcome.is_success(), "{} in world {real}: {:?}", scenario.name, record.outcome);
-        record.ticks
+        record.last_arrival()
     };
     (0..values).map(of).collect()
 }
@@ -80,7 +80,7 @@ fn readings_that_may_be_wrong_add_up() {
     for loss in [None, Some(0.2)] {
         let flights: Vec<_> = (1..=100).map(|seed| flown(&noisy, seed, loss)).collect();
         let done = flights.iter().filter(|record| record.outcome.is_success()).count();
-        let ticks: Vec<u32> = flights.iter().map(|record| record.ticks).collect();
+        let ticks: Vec<u32> = flights.iter().map(Record::last_arrival).collect();
         let mean = f64::from(ticks.iter().sum::<u32>()) / 100.0;
         println!(
             "loss {loss:?}: {done} of 100 accomplished, {mean:.1} ticks, at most {:?}",
@@ -101,20 +101,20 @@ fn a_gate_that_is_seen_to_be_shut_sends_the_team_another_way() {
         }
         let record = flown(&scenario, 1, None);
         assert!(record.outcome.is_success(), "gates {worlds:03b}: {:?}", record.outcome);
-        all += record.ticks;
+        all += record.last_arrival();
     }
     println!("{:.2} ticks in the mean", f64::from(all) / 8.0);
     assert!(f64::from(all) / 8.0 <= 12.2 + 7.0, "{all}");
 }
 
-/// A round takes three ticks, and the one that tells all that it is found three more; without them
-/// the bar is 9.6 in the mean.
+/// Two rounds take six ticks, the second one because the leak is found; without them the bar is 9.6
+/// in the mean.
 #[test]
 fn a_team_shares_a_search() {
     let leak = mission("leak");
     let ticks = in_every_world(&leak);
     println!("{:.2} {ticks:?}", mean(&leak, &ticks));
-    assert!(mean(&leak, &ticks) < 9.6 + 9.0, "{ticks:?}");
+    assert!(mean(&leak, &ticks) <= 9.6 + 6.5, "{ticks:?}");
 }
 
 /// The missions of a family with the first seeds, each flown with its own.

@@ -3,8 +3,8 @@
 //! counted.
 
 use super::joint_plans::{Instance, Problems};
-use crate::adapters::{Body, ByteQueue};
-use crate::hardware::{Clock, Drive, Link, Localiser};
+use crate::adapters::{Absent, Body, ByteQueue};
+use crate::hardware::{Clock, Drive, Link, Localiser, Scanner};
 use crate::missions::{LAYERS, NODES, POLICIES};
 use crate::{Controller, Navigator, Settings};
 use core::num::NonZero;
@@ -23,11 +23,12 @@ pub const WORDS: usize = words(8, 8);
 /// The key of the team; it keeps nothing secret.
 pub const KEY: Key = Key::new(*b"robots in step..");
 
-/// A robot of the team.
-pub type Robot<'m> = Controller<Navigator<'m, CELLS, WORDS, LAYERS, NODES, POLICIES>, Hardware>;
+/// A robot of a team, on maps of `S` cells in `W` words, with eyes of its own.
+pub type Robot<'m, const S: usize = CELLS, const W: usize = WORDS, E = Absent> =
+    Controller<Navigator<'m, S, W, LAYERS, NODES, POLICIES>, Hardware<E>>;
 
 /// What the robot works on: one frame is sent in a tick at the most.
-pub type Hardware = Body<Line, Ticks, Still, Told>;
+pub type Hardware<E = Absent> = Body<Line, Ticks, Still, Told, E>;
 
 /// The problem of a team, by the number of robots and of a draw.
 ///
@@ -47,14 +48,14 @@ pub fn problem(robots: usize, draw: usize) -> Option<Instance> {
 #[must_use]
 pub fn robot<'m>(mission: &'m Mission<'m, WORDS>, number: u8) -> Option<Robot<'m>> {
     let settings = settings(mission, number)?;
-    let mut robot = idle(&settings);
+    let mut robot = idle(&settings, Absent);
     start(&mut robot, mission, &settings)?;
     Some(robot)
 }
 
 /// The settings of a robot; `None` if the team does not have it.
 #[must_use]
-pub fn settings(mission: &Mission<'_, WORDS>, number: u8) -> Option<Settings> {
+pub fn settings<const W: usize>(mission: &Mission<'_, W>, number: u8) -> Option<Settings> {
     let member = Member::new(RobotId(number), mission.starts.len()).ok()?;
     Some(Settings::new(member, KEY, 1, NonZero::<u16>::MIN))
 }
@@ -62,26 +63,48 @@ pub fn settings(mission: &Mission<'_, WORDS>, number: u8) -> Option<Settings> {
 /// A robot without a mission, to be started where it lies.
 #[inline(always)] // built where it is to be, not on the stack
 #[must_use]
-pub fn idle<'m>(settings: &Settings) -> Robot<'m> {
-    let body = Body::new(Line::default(), Ticks(0)).driving(Still, Told(None));
+pub fn idle<'m, const S: usize, const W: usize, E: Senses>(
+    settings: &Settings,
+    eyes: E,
+) -> Robot<'m, S, W, E> {
+    let (link, clock) = (Line::default(), Ticks(0));
+    let body = Body { link, clock, drive: Still, localiser: Told(None), scanner: eyes, battery: Absent };
     Controller::idle(Navigator::idle(), settings.clone(), body)
 }
 
 /// Starts a robot; `None` if it cannot fly the mission.
-pub fn start<'m>(robot: &mut Robot<'m>, mission: &'m Mission<'m, WORDS>, settings: &Settings) -> Option<()> {
+pub fn start<'m, const S: usize, const W: usize, E: Senses>(
+    robot: &mut Robot<'m, S, W, E>,
+    mission: &'m Mission<'m, W>,
+    settings: &Settings,
+) -> Option<()> {
     robot.start(|navigator| navigator.start(mission, settings)).ok()
 }
 
 /// Ticks a robot once, with the cell that it reads and the bytes that it hears; returns the frame
 /// that it sends, empty if it sends none. It makes its whole list in one tick.
-pub fn tick<'r>(robot: &'r mut Robot<'_>, reading: Cell) -> &'r [u8] {
+pub fn tick<'r, const S: usize, const W: usize, E: Senses>(
+    robot: &'r mut Robot<'_, S, W, E>,
+    reading: Cell,
+) -> &'r [u8] {
     robot.robot_mut().navigation_mut().set_budget(u32::MAX);
     let hardware = robot.hardware_mut();
     hardware.localiser = Told(Some(reading));
+    hardware.scanner.stand(reading);
     hardware.clock.0 = hardware.clock.0.wrapping_add(1);
     hardware.link.sent.clear();
     robot.tick();
     &robot.hardware().link.sent
+}
+
+/// A scanner that is told where its robot stands.
+pub trait Senses: Scanner {
+    /// Looks around from a cell.
+    fn stand(&mut self, at: Cell);
+}
+
+impl Senses for Absent {
+    fn stand(&mut self, _: Cell) {}
 }
 
 /// A link whose two ends are buffers.

@@ -49,9 +49,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// The belief over the worlds: by the facts of the round, but for what this robot has read
     /// since.
     pub(super) fn belief(&self) -> Vec<f32, MAX_WORLDS> {
-        let now = self.told();
-        let told = self.announced().map(|fact| &fact.readings).unwrap_or(&now);
-        self.policies.prospects().belief_after(self.mission, told, &now)
+        self.policies.prospects().belief_after(self.mission, self.robot(), &self.told())
     }
 
     /// Whether another plan is better by what the robot knows now.
@@ -103,7 +101,9 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let moves = self.made(teammates).map_or(0, |done| done.moves.iter().sum());
         let question = Some((told, moves));
         if self.outlook.weighed != question {
-            self.outlook.is_outdated = self.finds_better(teammates);
+            // What it has not told may make sure those that are not.
+            let may_help = self.outlook.idle >= PATIENCE && has_news && self.is_unsure();
+            self.outlook.is_outdated = may_help || self.finds_better(teammates);
             self.outlook.weighed = question;
         }
     }
@@ -163,7 +163,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let anew = prospects.anew(self.mission, &seekers.cells(map, plan, &done), &belief);
         let ticks = 0.125 * (f32::from(rest.total()) - f32::from(anew.total()));
         // A team that has nothing left to do loses nothing.
-        let odds = if self.is_complete() { 0.0 } else { ODDS + self.mission.habit };
-        ticks > 0.0 && self.mission.precision * ticks > odds
+        let odds = ODDS + self.mission.habit;
+        let is_kept = !self.is_complete() && self.mission.precision * ticks <= odds;
+        ticks > 0.0 && !is_kept
     }
 }
