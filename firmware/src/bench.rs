@@ -8,7 +8,6 @@ pub mod joint_plans;
 pub mod lockstep;
 pub mod random_model;
 pub mod self_test;
-#[cfg(feature = "unknowns")]
 pub mod sign;
 pub mod t1;
 pub mod t2;

@@ -1,5 +1,5 @@
 //! A team that looks for the bay that serves, on 11 x 9 cells, and eyes that read what a robot sees
-//! there: the same on the host and on the target. It has unknowns with the feature `unknowns` only.
+//! there: the same on the host and on the target. Robots fly it with the feature `unknowns` only.
 
 use super::lockstep::Senses;
 use crate::hardware::Scanner;
@@ -12,35 +12,35 @@ pub const CELLS: usize = 128;
 /// The words of the map.
 pub const WORDS: usize = words(11, 9);
 
-/// The bays, two cells each: one of them serves.
-const BAYS: [[u16; 2]; 4] = [[11, 12], [20, 21], [77, 78], [86, 87]];
+/// The bays, of two cells each: one of them serves.
+const BAYS: [[Cell; 2]; 4] =
+    [[Cell(11), Cell(12)], [Cell(20), Cell(21)], [Cell(77), Cell(78)], [Cell(86), Cell(87)]];
 
 /// The cells before the bays, from where is seen whether one serves.
-const BEFORE: [u16; 4] = [13, 19, 79, 85];
+const BEFORE: [Cell; 4] = [Cell(13), Cell(19), Cell(79), Cell(85)];
 
 /// Where the sign is read, which tells the bay.
 const SIGN: Cell = Cell(46);
 
-static STARTS: [Cell; 8] = [38, 49, 60, 37, 59, 26, 71, 48].map(Cell);
+static STARTS: [Cell; 8] = [Cell(38), Cell(49), Cell(60), Cell(37), Cell(59), Cell(26), Cell(71), Cell(48)];
 
 static GOALS: [Cell; 8] = {
     let [a, b, c, d] = BAYS;
-    [a[0], a[1], b[0], b[1], c[0], c[1], d[0], d[1]].map(Cell)
+    [a[0], a[1], b[0], b[1], c[0], c[1], d[0], d[1]]
 };
 
 static PLACES: [Place; 8] = {
     let mut places = [Place::new(Cell(0), 0); 8];
     let mut at = 0;
     while at < 8 {
-        places[at] = Place::new(Cell(BAYS[at / 2][at % 2]), at as u8 / 2);
+        places[at] = Place::new(BAYS[at / 2][at % 2], at as u8 / 2);
         at += 1;
     }
     places
 };
 
 static SIGHTS: [Sight; 13] = {
-    let sure = |from, tells| Sight { from: Cell(from), tells, right: 1.0 };
-    let mut sights = [sure(SIGN.0, Tells::Value); 13];
+    let mut sights = [sure(SIGN, Tells::Value); 13];
     let mut bay = 0;
     while bay < 4 {
         let tells = Tells::Whether(bay as u8);
@@ -51,6 +51,10 @@ static SIGHTS: [Sight; 13] = {
     }
     sights
 };
+
+const fn sure(from: Cell, tells: Tells) -> Sight {
+    Sight { from, tells, right: 1.0 }
+}
 
 static UNKNOWNS: [Unknown<'static>; 1] =
     [Unknown { effect: Effect::Serves, cells: &PLACES, prior: &[0.4, 0.3, 0.2, 0.1], sights: &SIGHTS }];

@@ -89,9 +89,9 @@ impl Targets {
         let is_serving = |(_, unknown): &(_, &Unknown<'_>)| unknown.effect == Effect::Serves;
         let (number, unknown) = prospects.open(mission).find(is_serving)?;
         let seekers = self.errands.iter().enumerate().filter(|(_, errand)| errand.target == Target::Any);
-        let begin = |(place, at): (usize, Cell)| Tour::<S>::begin(&mission.map, place as u8, at, &closed);
-        let mut tours: Vec<Tour<S>, MAX_TEAM> =
-            up_to(seekers.map(|(place, errand)| begin((place, errand.from))));
+        let mut tours: Vec<Tour<S>, MAX_TEAM> = up_to(
+            seekers.map(|(place, errand)| Tour::begin(&mission.map, place as u8, errand.from, &closed)),
+        );
         let mut left =
             bits(prospects.by_value(number).filter(|&value| prospects.is_undecided(number, value)));
         while let Some((index, value, cell)) = best(&tours, prospects, (number, unknown), left) {
@@ -106,16 +106,15 @@ impl Targets {
         }
         // Those that stand are in the way of all; then each keeps out of the way of those before it.
         let mut paths: Vec<Path, MAX_TEAM> = up_to(self.errands.iter().map(|errand| Path::at(errand.from)));
-        for tour in tours.iter().filter(|tour| !tour.stops.is_empty()) {
-            let own = usize::from(tour.robot);
-            let is_fixed = |place: usize| {
-                let later = tours.iter().filter(|other| !other.stops.is_empty() && other.robot > tour.robot);
-                place != own && later.into_iter().all(|other| usize::from(other.robot) != place)
-            };
-            let others = paths.iter().enumerate().filter(|&(place, _)| is_fixed(place));
-            let others: Vec<Path, MAX_TEAM> = up_to(others.map(|(_, path)| *path));
+        tours.retain(|tour| !tour.stops.is_empty());
+        let stands = |place: usize| tours.iter().all(|tour| usize::from(tour.robot) != place);
+        let mut others: Vec<Path, MAX_TEAM> =
+            up_to(paths.iter().enumerate().filter(|&(place, _)| stands(place)).map(|(_, path)| *path));
+        for tour in &tours {
             let path = tour.clear_of(&mission.map, &others);
-            if let Some(slot) = paths.get_mut(own) {
+            // There is room for one of each robot.
+            let _ = others.push(path);
+            if let Some(slot) = paths.get_mut(usize::from(tour.robot)) {
                 *slot = path;
             }
         }
