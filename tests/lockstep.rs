@@ -11,11 +11,13 @@ use std::path::Path;
 use tests::budgets::{assert_stack_within, assert_within};
 use tests::qemu::{Robot, image, image_for, number};
 
-type Flight<'m, const S: usize = CELLS, const W: usize = WORDS> =
-    NavigatorFlight<'m, S, W, LAYERS, NODES, POLICIES>;
+/// Robots with the sizes of the images, on any map.
+type OnMap<'m, const S: usize, const W: usize> = NavigatorFlight<'m, S, W, LAYERS, NODES, POLICIES>;
+
+type Flight<'m> = OnMap<'m, CELLS, WORDS>;
 
 /// A team that looks for the bay that serves.
-type Looking<'m> = Flight<'m, { sign::CELLS }, { sign::WORDS }>;
+type Looking<'m> = OnMap<'m, { sign::CELLS }, { sign::WORDS }>;
 
 /// The problems that a team flies, of those in which all can come to goals.
 const FLIGHTS: usize = 8;
@@ -56,11 +58,11 @@ impl Measured {
     /// Flies until all have arrived, and keeps what the ticks of the robot on the chip take.
     fn follow<const S: usize, const W: usize>(
         &mut self,
-        flight: &mut Flight<'_, S, W>,
+        flight: &mut OnMap<'_, S, W>,
         chip: &mut Robot,
         number: usize,
     ) {
-        let stage = |flight: &Flight<'_, S, W>| {
+        let stage = |flight: &OnMap<'_, S, W>| {
             let protocol = flight.robot(number).robot().navigation().rounds().map(|rounds| rounds.protocol());
             protocol.map(|protocol| (protocol.proposal().round, protocol.digest(), protocol.has_decided()))
         };
@@ -86,7 +88,7 @@ impl Measured {
 
 /// Ticks the flight and the robot on the chip; returns the instructions that the latter took.
 fn in_step<const S: usize, const W: usize>(
-    flight: &mut Flight<'_, S, W>,
+    flight: &mut OnMap<'_, S, W>,
     chip: &mut Robot,
     number: usize,
     heard: &mut Vec<u8>,
