@@ -8,6 +8,7 @@ use super::super::{AnnouncedReadings, Fact};
 use super::Navigation;
 use crate::bounded::up_to;
 use crate::grid::CellSet;
+use crate::inference::Eighths;
 use crate::team::rounds::Teammates;
 use heapless::Vec;
 
@@ -114,6 +115,32 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             return CellSet::EMPTY;
         }
         self.policies.prospects().blocked(self.mission, &self.belief(), SHUT)
+    }
+
+    /// How much later each policy is by what the robot has read since its fact was frozen, in eighths
+    /// of a tick, beside the one that gains most by it.
+    ///
+    /// It goes into the delays, the largest of which counts: what all members see counts once. Where
+    /// the tick has no room for it, the robot leaves it to the next decision.
+    pub(super) fn later(&self) -> Vec<Eighths, K> {
+        let decider = self.mission.decider();
+        let has_news = self.announced().is_some_and(|fact| fact.readings != self.told());
+        if !HAS_UNKNOWNS || !has_news || !decider.infers() || !decider.shares() {
+            return Vec::new();
+        }
+        let (prospects, seekers, belief) =
+            (self.policies.prospects(), self.policies.seekers(), self.belief());
+        let plans = self.policies.plans().iter().zip(self.policies.expected());
+        if (self.left as usize) < plans.len() * belief.len() {
+            return Vec::new();
+        }
+        let shifts = plans.map(|(plan, before)| {
+            let now = prospects.expected(self.mission, plan, seekers, Done::NOTHING, &belief);
+            i32::from(now.total()) - i32::from(before.total())
+        });
+        let shifts: Vec<i32, K> = up_to(shifts);
+        let least = shifts.iter().copied().min().unwrap_or(0);
+        up_to(shifts.iter().map(|shift| (shift - least) as Eighths))
     }
 
     /// The moves that each member has made, by what it has reported; of a plan that is being
