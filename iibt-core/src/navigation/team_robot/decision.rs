@@ -161,7 +161,9 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// `later` by so many eighths of a tick.
     fn score(&self, path: &Path, shut: &CellSet<W>, later: Eighths) -> Score {
         let map = &self.mission.map;
-        if path.cells(map).skip(1).any(|cell| self.is_blocked(cell) || shut.contains(cell)) {
+        // It may leave a cell on which a stranger waits for that.
+        let mut entered = path.cells(map).skip_while(|&cell| cell == path.start);
+        if entered.any(|cell| self.is_blocked(cell) || shut.contains(cell)) {
             return Score::CANNOT;
         }
         let slips = self.localisation.slips();

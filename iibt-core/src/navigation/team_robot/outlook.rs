@@ -1,6 +1,6 @@
 //! What a robot makes of the running plan by what it has read since: inference at every tick.
 
-use super::super::outlook::Done;
+use super::super::outlook::{Done, after};
 use super::super::policies::{HAS_UNKNOWNS, TeamPlan, ahead, moves_of};
 use super::super::prospects::{Certainty, Robots};
 use super::super::unknown::MAX_WORLDS;
@@ -154,6 +154,19 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             *moves = if robot == own { rounds.protocol().step() } else { step };
         }
         Some(done)
+    }
+
+    /// Where the members are, by what they have reported.
+    pub(super) fn members_at(&self, teammates: &Teammates<'_, Fact<W>, K>) -> CellSet<W> {
+        let mut cells: CellSet<W> = [self.localisation.position().0].into_iter().collect();
+        match self.plan().zip(self.made(teammates)) {
+            Some((plan, done)) => {
+                let paths = plan.paths().iter().zip(done.moves);
+                paths.for_each(|(path, made)| _ = cells.insert(after(&self.mission.map, path, made)));
+            }
+            None => teammates.iter().for_each(|(_, heard)| _ = cells.insert(heard.message.fact.anchor)),
+        }
+        cells
     }
 
     fn are_all_done(&self, teammates: &Teammates<'_, Fact<W>, K>) -> bool {
