@@ -6,6 +6,7 @@ mod fallbacks;
 mod given_paths;
 mod lines;
 mod members;
+mod mute;
 mod obstacles;
 mod progress;
 mod twins;

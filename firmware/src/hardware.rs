@@ -7,7 +7,7 @@
 
 use iibt_core::grid::{Cell, Move};
 use iibt_core::iibt::table::Command;
-use iibt_core::navigation::Reading;
+use iibt_core::navigation::{Reading, Sighting};
 use iibt_core::time::Instant;
 
 /// A broadcast link to and from all teammates, of bytes or of packets.
@@ -110,6 +110,16 @@ pub trait Scanner {
     /// robot stands. Readings of different ticks count as independent: one that cannot be wrong in
     /// another way than the one before it is worth no second reading.
     fn recognise(&mut self) -> Option<Reading> {
+        None
+    }
+
+    /// Returns where a robot is seen that is no member of the team, one at a time; `None` when there
+    /// is no more. A sensor that can tell none leaves this out.
+    ///
+    /// Asked up to [`MAX_UNKNOWNS`](iibt_core::navigation::MAX_UNKNOWNS) times a tick, also while
+    /// the robot moves. Each is to be seen at least two cells away, diagonals included, and in every
+    /// tick in which it is so near: the robot keeps out of every cell to which it may move.
+    fn sight(&mut self) -> Option<Sighting> {
         None
     }
 

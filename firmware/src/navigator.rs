@@ -208,6 +208,12 @@ where
             // There is room: the list is not full.
             let _ = self.percept.readings.push(reading);
         }
+        self.percept.sightings.clear();
+        while !self.percept.sightings.is_full() {
+            let Some(sighting) = hardware.sight() else { break };
+            // There is room: the list is not full.
+            let _ = self.percept.sightings.push(sighting);
+        }
         self.percept.clear.clear();
         for cell in self.blackboard.navigation.watched().filter(|&cell| hardware.is_clear(cell)) {
             // Without room, a cell that is still clear is told at a later tick.

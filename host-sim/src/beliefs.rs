@@ -49,13 +49,15 @@ fn marginals(unknowns: &[UnknownSpec], worlds: &[f32]) -> Vec<Vec<f32>> {
     all
 }
 
-/// Beliefs in words: which goals serve, which cells are blocked, each with its probability.
+/// Beliefs in words: which goals serve or are taken, which cells are blocked, each with its
+/// probability.
 pub(crate) fn told(unknowns: &[UnknownSpec], beliefs: &[Vec<f32>]) -> String {
     let mut parts = Vec::new();
     for (unknown, of_values) in unknowns.iter().zip(beliefs) {
         let what = match unknown.effect {
             Effect::Blocks => "blocked",
             Effect::Serves => "serves",
+            Effect::Takes => "is taken",
         };
         for (value, p) in of_values.iter().enumerate() {
             let first = unknown.cells.iter().find(|place| usize::from(place.value) == value);

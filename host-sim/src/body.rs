@@ -5,7 +5,7 @@
 
 use firmware::{adapters, hardware};
 use iibt_core::grid::{Cell, Move};
-use iibt_core::navigation::Reading;
+use iibt_core::navigation::{Reading, Sighting};
 use iibt_core::time::Instant;
 use std::collections::VecDeque;
 
@@ -54,6 +54,8 @@ pub struct Scanner {
     clear: Vec<Cell>,
     /// What is read of the unknowns of the mission in this tick.
     pub(crate) readings: VecDeque<Reading>,
+    /// Where strangers are seen in this tick.
+    pub(crate) sightings: VecDeque<Sighting>,
 }
 
 /// The battery and its charge in percent.
@@ -130,6 +132,10 @@ impl hardware::Scanner for Scanner {
 
     fn recognise(&mut self) -> Option<Reading> {
         self.readings.pop_front()
+    }
+
+    fn sight(&mut self) -> Option<Sighting> {
+        self.sightings.pop_front()
     }
 }
 

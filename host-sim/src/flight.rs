@@ -248,22 +248,26 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
                 continue;
             }
             let reading = self.locate(index);
-            let in_view: Vec<_> = self.world.in_view(index, self.scenario.robots[index].view).collect();
+            let view = self.scenario.robots[index].view;
+            let in_view: Vec<_> = self.world.in_view(index, view).collect();
             for &cell in &in_view {
                 if !self.found.contains(&cell) {
                     self.found.push(cell);
                     events.push(FlightEvent::Found { robot: index, cell });
                 }
             }
-            let clear = self.world.clear_in_view(index, self.scenario.robots[index].view).collect();
+            // To a scanner a stranger is an obstacle like any other.
+            let scanned = in_view.into_iter().chain(self.world.strangers_in_view(index, view)).collect();
+            let clear = self.world.clear_in_view(index, view).collect();
             let readings = self.read(index);
+            let sightings: VecDeque<_> = self.world.sightings(index, view).collect();
             let body = self.robots[index].body();
             body.clock.now = self.began.wrapping_add(self.tick).wrapping_add(self.turned[index]);
             body.battery.charge = self.world.battery(index).percent();
             body.localiser.reading = reading;
             body.drive.moving = self.world.is_moving(index);
-            body.scanner.look(in_view, clear);
-            body.scanner.readings = readings;
+            body.scanner.look(scanned, clear);
+            (body.scanner.readings, body.scanner.sightings) = (readings, sightings);
         }
         for (receiver, frame) in self.radio.arrivals(self.tick) {
             self.deliver(receiver, &frame);
@@ -323,12 +327,18 @@ impl<'m, R: AnyRobot + ?Sized> Flight<'m, R> {
     fn drive(&mut self) -> Option<FlightEvent> {
         self.commands = self.robots.iter_mut().map(|robot| robot.body().drive.command.take()).collect();
         let commands: Vec<_> = (0..self.robots.len()).map(|robot| self.made(robot)).collect();
-        let (before, faults) = (self.world.cells().to_vec(), self.collisions.total());
+        let (before, faults) = (self.all_cells(), self.collisions.total());
         self.world.carry_out(&commands);
-        let (cells, entering) = (self.world.cells(), self.world.entering().collect::<Vec<_>>());
-        self.collisions.judge(self.world.floor(), (&before, &commands), (cells, &entering));
+        let (cells, mut entering) = (self.all_cells(), self.world.entering().collect::<Vec<_>>());
+        entering.resize(cells.len(), None);
+        self.collisions.judge(self.world.floor(), (&before, &commands), (&cells, &entering));
         let times = self.collisions.total() - faults;
         (times > 0).then_some(FlightEvent::Collided { times })
+    }
+
+    /// Where the robots stand, and after them the strangers.
+    fn all_cells(&self) -> Vec<Cell> {
+        self.world.cells().iter().copied().chain(self.world.strangers()).collect()
     }
 
     /// The move that a robot actually makes.
@@ -477,6 +487,11 @@ impl<R: AnyRobot + ?Sized> Flight<'_, R> {
     #[must_use]
     pub fn cells(&self) -> &[Cell] {
         self.world.cells()
+    }
+
+    /// The cells of the strangers, in the order of their unknowns.
+    pub fn strangers(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.world.strangers()
     }
 
     /// The number of the present start of a robot.

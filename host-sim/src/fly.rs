@@ -41,6 +41,8 @@ pub struct Snapshot<'f> {
     pub floor: &'f Floor,
     /// The robots' true cells.
     pub cells: &'f [Cell],
+    /// The cells of the strangers.
+    pub strangers: &'f [Cell],
     /// The robots' reports.
     pub reports: &'f [Report],
     /// The charge of their batteries in percent.
@@ -143,6 +145,7 @@ struct Recorder<'f, 'm> {
     frames: Vec<u8>,
     events: Vec<TimedEvent>,
     history: Vec<Vec<Cell>>,
+    strangers: Vec<Vec<Cell>>,
 }
 
 impl<'f, 'm> Recorder<'f, 'm> {
@@ -169,6 +172,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
             frames: Vec::new(),
             events: Vec::new(),
             history: vec![flight.cells().to_vec()],
+            strangers: vec![flight.strangers().collect()],
             flight,
         })
     }
@@ -212,12 +216,14 @@ impl<'f, 'm> Recorder<'f, 'm> {
         let charges: Vec<_> = robots.clone().map(|robot| world.battery(robot).percent()).collect();
         let stopped: Vec<_> = robots.clone().map(|robot| world.is_stopped(robot)).collect();
         let moving: Vec<_> = robots.map(|robot| world.is_moving(robot)).collect();
+        let strangers: Vec<_> = world.strangers().collect();
         let tree_entries: Vec<_> = self.flight.robots().map(AnyRobot::tree_entry).collect();
         observer.observe(&Snapshot {
             scenario: self.scenario,
             tick: self.flight.ticks(),
             floor: world.floor(),
             cells: world.cells(),
+            strangers: &strangers,
             reports: self.flight.reports(),
             charges: &charges,
             stopped: &stopped,
@@ -284,6 +290,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
         self.certainty
             .push(self.flight.robots().zip(stood).map(|(robot, cell)| robot.belief(cell)).collect());
         self.history.push(self.flight.cells().to_vec());
+        self.strangers.push(self.flight.strangers().collect());
         events.extend(self.compare(tick, &before));
         self.events.extend(events.into_iter().map(|event| TimedEvent { tick, event }));
     }
@@ -385,6 +392,7 @@ impl<'f, 'm> Recorder<'f, 'm> {
             events: self.events,
             phases: self.phases,
             history: self.history,
+            strangers: if self.scenario.has_strangers() { self.strangers } else { Vec::new() },
             certainty: self.certainty,
         }
     }

@@ -64,6 +64,7 @@ mod scenario;
 mod series;
 pub mod show;
 pub mod statistics;
+mod stranger;
 pub mod task;
 mod team;
 mod testbed;

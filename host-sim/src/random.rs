@@ -44,6 +44,8 @@ pub(crate) enum Stream {
     Unknown = 19,
     /// What robots read of them.
     Sight = 20,
+    /// The ways of strangers.
+    Stranger = 21,
 }
 
 /// A generator of random numbers (PCG-32): the same seed draws the same numbers on every machine.

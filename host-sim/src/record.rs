@@ -66,6 +66,9 @@ pub struct Record {
     /// The robots' cells at first and after every tick, so two entries more than the last tick's
     /// number.
     pub history: Vec<Vec<Cell>>,
+    /// The cells of the strangers at the same times; empty for a mission without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub strangers: Vec<Vec<Cell>>,
     /// The probability that each robot gave to the cell it stood in, in every tick before its move.
     pub certainty: Vec<Vec<f32>>,
 }

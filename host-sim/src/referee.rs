@@ -9,7 +9,7 @@ use serde::Serialize;
 /// The collisions so far, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Collisions {
-    /// Pairs of robots in the same cell, counted in every tick.
+    /// Pairs of robots in the same cell, strangers included, counted in every tick.
     pub shared: u32,
     /// Pairs of robots that went through each other.
     pub swapped: u32,
@@ -25,7 +25,8 @@ impl Collisions {
     }
 
     /// Counts the collisions of one tick from the robots' cells before, their commands and their
-    /// cells now. A robot between two cells is in both.
+    /// cells now. A robot between two cells is in both. Strangers come after the robots, without
+    /// commands.
     pub(crate) fn judge(
         &mut self,
         floor: &Floor,

@@ -105,6 +105,18 @@ pub struct UnknownSpec {
     pub sights: Vec<Sight>,
     /// Its value; `None` for one that is drawn from the prior by the seed of the flight.
     pub real: Option<u8>,
+    /// The stranger whose goal it is: of an unknown that [takes](Effect::Takes) a goal.
+    pub stranger: Option<StrangerSpec>,
+}
+
+/// A robot that is no member of the team: it says nothing, and goes to the goal that is the value
+/// of its unknown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StrangerSpec {
+    /// The start cell.
+    pub start: Cell,
+    /// The range in which the robots see it, in cells, diagonals included; `None` for everywhere.
+    pub range: Option<u16>,
 }
 
 impl UnknownSpec {
@@ -117,10 +129,17 @@ impl UnknownSpec {
 }
 
 impl From<&Unknown<'_>> for UnknownSpec {
-    /// One whose value is drawn.
+    /// One whose value is drawn, and without a stranger: a mission says nothing of where one starts.
     fn from(unknown: &Unknown<'_>) -> Self {
         let Unknown { effect, cells, prior, sights } = *unknown;
-        Self { effect, cells: cells.to_vec(), prior: prior.to_vec(), sights: sights.to_vec(), real: None }
+        Self {
+            effect,
+            cells: cells.to_vec(),
+            prior: prior.to_vec(),
+            sights: sights.to_vec(),
+            real: None,
+            stranger: None,
+        }
     }
 }
 
@@ -321,6 +340,18 @@ impl Scenario {
         self.goals.contains(&cell)
             || self.robots.iter().any(is_charger)
             || self.events.iter().any(is_waypoint)
+    }
+
+    /// Whether there are robots that are no members of the team.
+    pub(crate) fn has_strangers(&self) -> bool {
+        self.unknowns.iter().any(|unknown| unknown.stranger.is_some())
+    }
+
+    /// The goals on which no robot of the team counts in a world: those that do not serve, and those
+    /// that strangers take. Each unknown has one of `values`.
+    pub(crate) fn useless_goals(&self, values: &[u8]) -> impl Iterator<Item = Cell> {
+        let idle = self.cells_of_unknowns(Effect::Serves, values, false);
+        idle.chain(self.cells_of_unknowns(Effect::Takes, values, true))
     }
 
     /// The cells of all unknowns with an effect that belong to the values they have, or, where

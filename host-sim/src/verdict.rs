@@ -50,7 +50,7 @@ pub(crate) struct Evidence<'f> {
     pub moving: &'f [bool],
     /// Whether each robot takes part at the end: goals that others hold do not count.
     pub members: &'f [bool],
-    /// The goals that do not serve.
+    /// The goals that do not serve, and those that strangers take.
     pub useless: &'f [Cell],
     /// Whether a robot that takes part has a way-point left.
     pub has_errand: bool,

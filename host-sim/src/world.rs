@@ -5,8 +5,9 @@ use crate::flight_event::FlightEvent;
 use crate::progress::Progress;
 use crate::random::{Random, Stream};
 use crate::scenario::{Device, Event, EventEffect, Floor, Scenario, Trigger, UnknownSpec};
+use crate::stranger::Stranger;
 use iibt_core::grid::{Cell, Move};
-use iibt_core::navigation::Effect;
+use iibt_core::navigation::{Effect, Sighting};
 
 /// The truth of a flight.
 #[derive(Debug)]
@@ -25,10 +26,12 @@ pub(crate) struct World {
     frozen: Vec<[Option<u32>; Device::ALL.len()]>,
     to_come: Vec<Event>,
     due: Vec<Cell>,
-    /// The goals that do not serve.
+    /// The goals that do not serve, and those that strangers take.
     useless: Vec<Cell>,
     /// The value of each unknown.
     values: Vec<u8>,
+    strangers: Vec<Stranger>,
+    ways: Random,
 }
 
 /// A move that takes more than a tick.
@@ -47,7 +50,9 @@ impl World {
         Self {
             known: scenario.map,
             floor: scenario.map.avoiding(scenario.cells_of_unknowns(Effect::Blocks, &values, true)),
-            useless: scenario.cells_of_unknowns(Effect::Serves, &values, false).collect(),
+            useless: scenario.useless_goals(&values).collect(),
+            strangers: Stranger::of(scenario, &values),
+            ways: Stranger::draws(seed),
             values,
             cells: scenario.robots.iter().map(|robot| robot.start).collect(),
             under_way: vec![None; scenario.robots.len()],
@@ -65,7 +70,22 @@ impl World {
         &self.values
     }
 
-    /// The goals that do not serve.
+    /// Where the strangers stand.
+    pub(crate) fn strangers(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.strangers.iter().map(|stranger| stranger.cell)
+    }
+
+    /// The strangers that a robot sees which looks so many cells around itself.
+    pub(crate) fn sightings(&self, robot: usize, view: u16) -> impl Iterator<Item = Sighting> + '_ {
+        let distance = move |at| self.distance(self.cells[robot], at);
+        let is_seen = move |stranger: &&Stranger| {
+            distance(stranger.cell) <= view || stranger.is_seen_from(distance(stranger.cell))
+        };
+        let seen = self.strangers.iter().filter(is_seen);
+        seen.map(|stranger| Sighting { unknown: stranger.unknown, at: stranger.cell })
+    }
+
+    /// The goals that do not serve, and those that strangers take.
     pub(crate) fn useless(&self) -> &[Cell] {
         &self.useless
     }
@@ -179,7 +199,7 @@ impl World {
         let events: Vec<_> = to_come.extract_if(.., is_due).collect();
         self.to_come = to_come;
         happened.extend(events.into_iter().filter_map(|event| self.happen(event.effect, tick)));
-        let taken: Vec<_> = self.cells.iter().copied().chain(self.entering().flatten()).collect();
+        let taken = self.taken();
         let appearing: Vec<_> = self.due.extract_if(.., |cell| !taken.contains(cell)).collect();
         let appeared = appearing.into_iter().filter(|&cell| self.floor.block(cell));
         happened.extend(appeared.map(|cell| FlightEvent::Appeared { cell }));
@@ -242,17 +262,40 @@ impl World {
         self.obstacles().filter(move |&cell| self.distance(here, cell) <= view)
     }
 
+    /// The cells within `view` cells of a robot on which strangers are.
+    pub(crate) fn strangers_in_view(&self, robot: usize, view: u16) -> impl Iterator<Item = Cell> + '_ {
+        let here = self.cells[robot];
+        self.strangers().filter(move |&cell| self.distance(here, cell) <= view)
+    }
+
     /// The cells within `view` cells of a robot on which there is nothing.
     pub(crate) fn clear_in_view(&self, robot: usize, view: u16) -> impl Iterator<Item = Cell> + '_ {
         let here = self.cells[robot];
-        let is_empty = |cell: &Cell| self.floor.is_free(*cell) && !self.cells.contains(cell);
+        let is_stranger = |cell: Cell| self.strangers().any(|at| at == cell);
+        let is_empty =
+            move |cell: &Cell| self.floor.is_free(*cell) && !self.cells.contains(cell) && !is_stranger(*cell);
         let cells = (0..self.floor.len() as u16).map(Cell).filter(is_empty);
         cells.filter(move |&cell| self.distance(here, cell) <= view)
     }
 
-    /// Carries out one command of every robot, all at once; a robot that runs into something stays,
-    /// and one between two cells goes on.
+    /// The cells of all robots and strangers, and those that robots are on their way to.
+    fn taken(&self) -> Vec<Cell> {
+        self.cells.iter().copied().chain(self.entering().flatten()).chain(self.strangers()).collect()
+    }
+
+    /// Lets the strangers move: each sees where the others are, but not where they go.
+    fn move_strangers(&mut self) {
+        for number in 0..self.strangers.len() {
+            let taken = self.taken();
+            let (stranger, ways) = (&mut self.strangers[number], &mut self.ways);
+            stranger.cell = stranger.next(&self.floor, &taken, ways);
+        }
+    }
+
+    /// Carries out one command of every robot, all at once, and lets the strangers move; a robot
+    /// that runs into something stays, and one between two cells goes on.
     pub(crate) fn carry_out(&mut self, commands: &[Move]) {
+        self.move_strangers();
         for (robot, &step) in commands.iter().enumerate() {
             let (before, next) = (self.cells[robot], self.floor.neighbour(self.cells[robot], step));
             let begun = Some(Passage { to: next, ticks: self.paces[robot] });

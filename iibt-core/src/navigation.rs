@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `mission` | what all robots of a team know from the beginning |
 //! | `unknown`, `readings` | what the team does not know, and what a robot has read of it |
+//! | `strangers` | robots that are no members: where they go, and where they may be next |
 //! | `localisation` | where a robot believes it is, and how reliable its drive is |
 //! | `progress` | whether its readings follow its moves |
 //! | `obstacles`, `errands` | what it has seen; what it is to do before it goes to a goal |
@@ -40,6 +41,7 @@ mod progress;
 mod prospects;
 mod readings;
 mod report;
+mod strangers;
 mod targets;
 mod task;
 mod team_robot;
@@ -63,6 +65,7 @@ pub use obstacles::{Announced, CellEvidence, MAX_EVIDENCE, MAX_OBSTACLES};
 pub use policies::{Policies, TeamPlan};
 pub use readings::AnnouncedReadings;
 pub use report::{Report, Stage};
+pub use strangers::Sighting;
 pub use task::{
     BLOCKED, CHARGED, CURRENT, JointPolicy, ON_COURSE, PRECONDITION, PROGRESS, REACHED, SERVED, VISITED,
 };

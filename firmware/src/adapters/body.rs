@@ -3,7 +3,7 @@
 use super::Absent;
 use crate::hardware::{Battery, Clock, Drive, Link, Localiser, Scanner};
 use iibt_core::grid::{Cell, Move};
-use iibt_core::navigation::Reading;
+use iibt_core::navigation::{Reading, Sighting};
 use iibt_core::time::Instant;
 
 /// A composition of hardware parts; a part that the robot does not have is [`Absent`].
@@ -124,6 +124,10 @@ impl<L, C, D, P, S: Scanner, B> Scanner for Body<L, C, D, P, S, B> {
 
     fn recognise(&mut self) -> Option<Reading> {
         self.scanner.recognise()
+    }
+
+    fn sight(&mut self) -> Option<Sighting> {
+        self.scanner.sight()
     }
 }
 

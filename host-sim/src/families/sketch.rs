@@ -43,6 +43,7 @@ impl UnknownSketch {
         let effect = match self.effect {
             Effect::Blocks => "blocks",
             Effect::Serves => "serves",
+            Effect::Takes => "takes",
         };
         let group = |group: &Vec<Cell>| listed(group.iter().map(|cell| cell.0.to_string()));
         let groups = listed(self.groups.iter().map(group));

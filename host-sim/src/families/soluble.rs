@@ -14,7 +14,7 @@ pub(super) fn is_soluble(scenario: &Scenario) -> bool {
     let reached = |start: Cell| goals.iter().all(|&goal| map.connected(start).contains(goal));
     let is_soluble_in = |world: &Vec<u8>| {
         let floor = map.avoiding(scenario.cells_of_unknowns(Effect::Blocks, world, true));
-        let useless: Vec<Cell> = scenario.cells_of_unknowns(Effect::Serves, world, false).collect();
+        let useless: Vec<Cell> = scenario.useless_goals(world).collect();
         let serving: Vec<Cell> = goals.iter().copied().filter(|goal| !useless.contains(goal)).collect();
         serving.len() >= *need && enough_goals(&floor, &serving, robots, *need).is_ok()
     };

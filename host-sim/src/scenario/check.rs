@@ -29,7 +29,7 @@ pub(super) fn check(name: &str, text: &str, file: &ScenarioFile) -> Read<Scenari
         .map_err(|(robot, reason)| Fault::new(start_of(robot, file), reason))?;
     let events = file.events.iter().map(|event| drawing.event(event, &robots));
     let serves = services(file, &goals)?;
-    let unknowns = drawing.unknowns(file, &goals)?;
+    let unknowns = drawing.unknowns(file, &goals, &robots)?;
     Ok(Scenario {
         name: name.to_owned(),
         title: line_of_text("title", &file.title, LONGEST_TITLE)?,

@@ -95,6 +95,9 @@ pub(super) struct GoalEntry {
 pub(super) struct UnknownEntry {
     pub blocks: Option<Spanned<Vec<Vec<WholeNumber>>>>,
     pub serves: Option<Spanned<Vec<Vec<WholeNumber>>>>,
+    pub takes: Option<Spanned<Vec<Vec<WholeNumber>>>>,
+    pub start: Option<WholeNumber>,
+    pub range: Option<WholeNumber>,
     pub prior: Spanned<Vec<RealNumber>>,
     pub beside: Option<RealNumber>,
     #[serde(default, rename = "sight")]

@@ -1,19 +1,34 @@
 //! What the robots of a mission do not know, as written and checked.
 
-use super::UnknownSpec;
 use super::drawing::Drawing;
 use super::file::{self, ScenarioFile};
-use crate::input::{Fault, Read, refuse, share, whole};
+use super::{MAX_CELLS, RobotSpec, StrangerSpec, UnknownSpec};
+use crate::input::{Fault, Read, optional, refuse, share, whole};
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::{Effect, MAX_UNKNOWNS, MAX_VALUES, MAX_WORLDS, Place, Sight, Tells};
 
+/// The range in which a stranger must be seen: two robots that are no nearer come to no common cell
+/// in a tick.
+const NEAREST: u32 = 2;
+
+/// As far as any map goes.
+const FARTHEST: u32 = MAX_CELLS as u32;
+
 impl Drawing {
     /// The unknowns of the mission.
-    pub(super) fn unknowns(&self, file: &ScenarioFile, goals: &[Cell]) -> Read<Vec<UnknownSpec>> {
+    pub(super) fn unknowns(
+        &self,
+        file: &ScenarioFile,
+        goals: &[Cell],
+        robots: &[RobotSpec],
+    ) -> Read<Vec<UnknownSpec>> {
         let mut unknowns: Vec<UnknownSpec> = Vec::new();
         for written in &file.unknowns {
-            let unknown =
-                self.unknown(written.get_ref(), goals).map_err(|fault| fault.or_at(&written.span()))?;
+            let of = |fault: Fault| fault.or_at(&written.span());
+            let mut unknown = self.unknown(written.get_ref(), goals).map_err(of)?;
+            let strangers = unknowns.iter().filter_map(|unknown| Some(unknown.stranger?.start));
+            let taken: Vec<Cell> = robots.iter().map(|robot| robot.start).chain(strangers).collect();
+            unknown.stranger = self.stranger(written.get_ref(), &unknown, &taken).map_err(of)?;
             unknowns.push(unknown);
             let (values, worlds) = (
                 unknowns.iter().map(|unknown| unknown.prior.len()).sum::<usize>(),
@@ -32,12 +47,13 @@ impl Drawing {
     }
 
     fn unknown(&self, written: &file::UnknownEntry, goals: &[Cell]) -> Read<UnknownSpec> {
-        let (effect, groups, first) = match (&written.blocks, &written.serves) {
-            (Some(groups), None) => (Effect::Blocks, groups, 1),
-            (None, Some(groups)) => (Effect::Serves, groups, 0),
+        let (effect, groups, first) = match (&written.blocks, &written.serves, &written.takes) {
+            (Some(groups), None, None) => (Effect::Blocks, groups, 1),
+            (None, Some(groups), None) => (Effect::Serves, groups, 0),
+            (None, None, Some(groups)) => (Effect::Takes, groups, 0),
             _ => {
-                let reason = "an unknown says either which cells it blocks, or which goals serve: \
-                              blocks = [[CELL, ...], ...] or serves = [[CELL, ...], ...]";
+                let reason = "an unknown says which cells it blocks, which goals serve, or which goal a \
+                              stranger takes: blocks = [[CELL, ...], ...], or serves, or takes";
                 return Err(Fault::anywhere(reason));
             }
         };
@@ -46,10 +62,10 @@ impl Drawing {
         for (value, group) in groups.get_ref().iter().enumerate() {
             for number in group {
                 let cell = self.free("a cell of an unknown", number)?;
-                if effect == Effect::Serves && !goals.contains(&cell) {
+                if effect != Effect::Blocks && !goals.contains(&cell) {
                     return refuse(
                         number.span(),
-                        format!("{} is no goal, so it is not known to serve", cell.0),
+                        format!("{} is no goal: it neither serves nor is taken", cell.0),
                     );
                 }
                 if cells.iter().any(|place| place.cell == cell) {
@@ -73,7 +89,44 @@ impl Drawing {
         }
         let last = prior.len() as u32 - 1;
         let real = written.real.as_ref().map(|real| whole("real", Some(real), 0..=last, 0)).transpose()?;
-        Ok(UnknownSpec { effect, cells, prior, sights, real: real.map(|value| value as u8) })
+        let real = real.map(|value| value as u8);
+        Ok(UnknownSpec { effect, cells, prior, sights, real, stranger: None })
+    }
+
+    /// The stranger whose goal an unknown is; it starts where nobody else does, with a way to every
+    /// goal that it may take.
+    fn stranger(
+        &self,
+        written: &file::UnknownEntry,
+        unknown: &UnknownSpec,
+        taken: &[Cell],
+    ) -> Read<Option<StrangerSpec>> {
+        let Some(number) = &written.start else {
+            return match (unknown.effect, &written.range) {
+                (Effect::Takes, _) => Err(Fault::anywhere("a stranger takes a goal: write its start = CELL")),
+                (_, Some(range)) => refuse(range.span(), "only a stranger has a range".to_owned()),
+                _ => Ok(None),
+            };
+        };
+        if unknown.effect != Effect::Takes {
+            return refuse(number.span(), "only a stranger, which takes a goal, has a start".to_owned());
+        }
+        if unknown.cells.len() != unknown.prior.len() {
+            return Err(Fault::anywhere("a stranger goes to one goal: takes = [[CELL], [CELL], ...]"));
+        }
+        let start = self.free("start", number)?;
+        if taken.contains(&start) {
+            return refuse(number.span(), format!("another robot starts on {}", start.0));
+        }
+        let near = self.map.connected(start);
+        if let Some(place) = unknown.cells.iter().find(|place| !near.contains(place.cell)) {
+            return refuse(
+                number.span(),
+                format!("no way leads from {} to the goal {}", start.0, place.cell.0),
+            );
+        }
+        let range = optional("range", written.range.as_ref(), NEAREST..=FARTHEST)?;
+        Ok(Some(StrangerSpec { start, range: range.map(|cells| cells as u16) }))
     }
 
     fn sight(&self, written: &file::SightEntry, values: usize) -> Read<Sight> {

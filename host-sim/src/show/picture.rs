@@ -45,8 +45,8 @@ impl Palette {
 
 /// The snapshot in lines of the same number at every tick.
 ///
-/// Robots are drawn as their numbers, goals as `G`, walls as `##`, obstacles that appeared as `XX`,
-/// and the cells that robots still mean to enter as `*`.
+/// Robots are drawn as their numbers, strangers as `M`, goals as `G`, walls as `##`, obstacles that
+/// appeared as `XX`, and the cells that robots still mean to enter as `*`.
 #[must_use]
 pub fn picture(snapshot: &Snapshot<'_>, palette: Palette) -> Vec<String> {
     let mut lines = vec![format!("tick {}", snapshot.tick), String::new()];
@@ -65,6 +65,9 @@ pub fn picture(snapshot: &Snapshot<'_>, palette: Palette) -> Vec<String> {
 fn square(snapshot: &Snapshot<'_>, cell: Cell, palette: Palette) -> String {
     if let Some(robot) = snapshot.cells.iter().position(|&at| at == cell) {
         return palette.paint(colour(robot).bold(), &format!("{} ", robot + 1));
+    }
+    if snapshot.strangers.contains(&cell) {
+        return palette.paint(OBSTACLE, "M ");
     }
     if !snapshot.scenario.map.is_free(cell) {
         return palette.paint(WALL, "##");

@@ -7,7 +7,7 @@
 use super::mission::Mission;
 use super::policies::{TeamPlan, ahead, moves_of, visits};
 use super::prospects::{Bits, LONGEST, Prospects, Robots, bits, worlds_of};
-use super::unknown::{MAX_WORLDS, Says};
+use super::unknown::{Effect, MAX_WORLDS, Says, Sight, Tells, Unknown};
 use super::ways::{ROUND, Way};
 use crate::bounded::up_to;
 use crate::grid::{Cell, CellSet, Map, Path};
@@ -17,6 +17,12 @@ use heapless::Vec;
 
 /// The readings that may come at once.
 const MOST_READINGS: usize = 8;
+
+/// The ticks after which the moves of a stranger are taken to have shown where it goes.
+const SHOWN: u16 = 2;
+
+/// How probably they are then taken for what they mean.
+const SHOWN_RIGHT: f32 = 0.9;
 
 /// The members of a round that go to goals which no robot owns, by their places: a bit for each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -140,7 +146,11 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     ) -> ExpectedTime {
         let ticks = u16::from(plan.execution().ticks).saturating_sub(done.most());
         let rest = Rest { plan, seekers, ticks, done };
-        let look = if mission.decider().branches() { self.first_look(mission, &rest, belief) } else { None };
+        // A team that has come to its end would wait for ever for a stranger that waits for it.
+        let strangers = || self.strangers(mission, belief).filter(|_| !rest.is_at_its_end());
+        let shown = strangers().next().map(|_| SHOWN.min(ticks.max(1)));
+        let looks = [self.first_look(mission, &rest, belief), shown];
+        let look = looks.into_iter().flatten().min().filter(|_| mission.decider().branches());
         let Some(look) = look else {
             let way = self.to_its_end(mission, &rest);
             return whatever_is_seen(belief, &[way]);
@@ -148,6 +158,10 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         let mut readings: Vec<[f32; MAX_WORLDS], MOST_READINGS> = up_to([[1.0; MAX_WORLDS]]);
         for (_, path, made) in rest.paths() {
             self.read(mission, after(&mission.map, path, made.saturating_add(look)), belief, &mut readings);
+        }
+        for (number, unknown) in strangers().filter(|_| shown == Some(look)) {
+            let moves = Sight { from: Cell(0), tells: Tells::Value, right: SHOWN_RIGHT };
+            self.read_from((number, unknown), &moves, &mut readings);
         }
         let mut ways = self.ways(mission, &rest.cells(&mission.map, look));
         let later = Rest { done: done.after(look), ticks: ticks.saturating_sub(look), ..rest };
@@ -168,7 +182,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     fn to_its_end(&self, mission: &Mission<'_, W>, rest: &Rest<'_>) -> [Eighths; MAX_WORLDS] {
         let (end, now) = (rest.cells(&mission.map, u16::MAX), rest.cells(&mission.map, 0));
         let of = |is: &dyn Fn(usize) -> bool| bits(worlds_of(self.all()).filter(|&world| is(world)));
-        let shut = of(&|world| rest.is_shut(&mission.map, &self.closed(mission, world)));
+        let shut = of(&|world| rest.is_shut(&mission.map, &self.walls(mission, world)));
         let missed = of(&|world| !self.is_done(world, &end)) & !shut;
         let mut times = [8 * rest.ticks; MAX_WORLDS];
         for (worlds, from, ticks) in [(shut, &now, 0), (missed, &end, rest.ticks)] {
@@ -260,21 +274,41 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         for (number, unknown) in (0..).zip(mission.unknowns) {
             let here = unknown.sights.iter().filter(|sight| sight.from == from);
             for sight in here.filter(|sight| self.is_open(number, sight, belief)) {
-                let outcomes = sight.outcomes(unknown.values());
-                if readings.len() * outcomes.clone().count() > MOST_READINGS {
-                    continue;
-                }
-                let with = |row: &[f32; MAX_WORLDS], says: Says| {
-                    let mut row = *row;
-                    for (world, p) in row.iter_mut().enumerate() {
-                        *p *= sight.likelihood(says, self.value(world, number) as u8, unknown.values());
-                    }
-                    row
-                };
-                let all = readings.iter().flat_map(|row| outcomes.clone().map(move |says| with(row, says)));
-                *readings = up_to(all);
+                self.read_from((number, unknown), sight, readings);
             }
         }
+    }
+
+    /// Multiplies the likelihoods of the readings by those of a sight, if there is room.
+    fn read_from(
+        &self,
+        (number, unknown): (usize, &Unknown<'_>),
+        sight: &Sight,
+        readings: &mut Vec<[f32; MAX_WORLDS], MOST_READINGS>,
+    ) {
+        let outcomes = sight.outcomes(unknown.values());
+        if readings.len() * outcomes.clone().count() > MOST_READINGS {
+            return;
+        }
+        let with = |row: &[f32; MAX_WORLDS], says: Says| {
+            let mut row = *row;
+            for (world, p) in row.iter_mut().enumerate() {
+                *p *= sight.likelihood(says, self.value(world, number) as u8, unknown.values());
+            }
+            row
+        };
+        let all = readings.iter().flat_map(|row| outcomes.clone().map(move |says| with(row, says)));
+        *readings = up_to(all);
+    }
+
+    /// The unknowns that say where strangers go, as far as that is not known.
+    fn strangers<'m>(
+        &self,
+        mission: &Mission<'m, W>,
+        belief: &[f32],
+    ) -> impl Iterator<Item = (usize, &'m Unknown<'m>)> {
+        let takes = |&(_, unknown): &(usize, &Unknown<'_>)| unknown.effect == Effect::Takes;
+        (0..).zip(mission.unknowns).filter(takes).filter(|&(number, _)| self.is_undecided_by(number, belief))
     }
 }
 
@@ -284,6 +318,6 @@ fn whatever_is_seen(belief: &[f32], ways: &[[Eighths; MAX_WORLDS]]) -> ExpectedT
 }
 
 /// The cell of a path after so many moves.
-fn after<const W: usize>(map: &Map<W>, path: &Path, moves: u16) -> Cell {
+pub(super) fn after<const W: usize>(map: &Map<W>, path: &Path, moves: u16) -> Cell {
     visits(path, map).take_while(|&(made, _)| made <= moves).last().map_or(path.start, |(_, cell)| cell)
 }

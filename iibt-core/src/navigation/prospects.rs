@@ -3,11 +3,10 @@
 
 use super::mission::Mission;
 use super::policies::{HAS_UNKNOWNS, Members};
-use super::readings::{AnnouncedReadings, nats_against};
+use super::readings::{AnnouncedReadings, evidence};
 use super::unknown::{Effect, MAX_WORLDS, Place, Sight, Tells, Unknown, worlds};
 use crate::grid::{Cell, CellSet};
 use crate::inference::Worlds;
-use crate::math;
 use crate::team::{MAX_TEAM, RobotId};
 use heapless::Vec;
 
@@ -50,6 +49,8 @@ pub(super) struct Prospects<const S: usize, const W: usize> {
     sights: CellSet<W>,
     /// The cells that may be blocked.
     doubtful: CellSet<W>,
+    /// Where members stand: a stranger does not come there before they leave.
+    standing: CellSet<W>,
 }
 
 /// How certain something is.
@@ -73,6 +74,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         need: 0,
         sights: CellSet::EMPTY,
         doubtful: CellSet::EMPTY,
+        standing: CellSet::EMPTY,
     };
 
     /// Starts over with the facts of a round.
@@ -87,8 +89,9 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
                 slot.clone_from(&fact.readings);
             }
         }
-        self.belief = self.worlds.belief(evidence(mission, self.told.iter()));
+        self.belief = self.worlds.belief(evidence(mission.unknowns, self.told.iter()));
         self.find_sights(mission);
+        self.standing = members.facts().map(|fact| fact.anchor).collect();
     }
 
     fn find_sights(&mut self, mission: &Mission<'_, W>) {
@@ -114,18 +117,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         robot: RobotId,
         now: &AnnouncedReadings,
     ) -> Vec<f32, MAX_WORLDS> {
-        let before = evidence(mission, self.told.get(robot.index()).into_iter());
-        let after = evidence(mission, core::iter::once(now));
-        let mut belief = self.belief.clone();
-        for (world, p) in belief.iter_mut().enumerate() {
-            let values =
-                (0..self.worlds.unknowns()).map(|unknown| (unknown, self.worlds.value(world, unknown)));
-            let more: f32 =
-                values.map(|(unknown, value)| after(unknown, value) - before(unknown, value)).sum();
-            *p = math::ln(*p) + more;
-        }
-        math::softmax(&mut belief);
-        belief
+        let of = |(other, told)| if other == robot.index() { now } else { told };
+        self.worlds.belief(evidence(mission.unknowns, self.told.iter().enumerate().map(of)))
     }
 
     /// The number of distance tables that are still to be made.
@@ -136,7 +129,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     /// Makes the next distance table, around the cells that are closed in every world.
     pub(super) fn make(&mut self, mission: &Mission<'_, W>, goals: &[Cell], closed: &CellSet<W>) {
         let world = self.made;
-        let shut = closed.union(&self.closed(mission, world));
+        let shut = closed.union(&self.walls(mission, world));
         let to = self.goals(mission, world, goals).collect();
         if let Some(table) = self.distances.get_mut(world) {
             mission.map.distances(&to, &shut, table);
@@ -203,18 +196,28 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     }
 
     /// The cells that are blocked in a world, of those that may be.
+    pub(super) fn walls(&self, mission: &Mission<'_, W>, world: usize) -> CellSet<W> {
+        self.cells(mission, Effect::Blocks, world)
+    }
+
+    /// The cells that no path is to lead to in a world: those that are blocked, and where strangers
+    /// come to stand.
     pub(super) fn closed(&self, mission: &Mission<'_, W>, world: usize) -> CellSet<W> {
-        of(mission, Effect::Blocks)
-            .flat_map(|(number, unknown)| unknown.cells_of(self.value(world, number) as u8))
-            .collect()
+        self.walls(mission, world).union(&self.cells(mission, Effect::Takes, world).without(&self.standing))
+    }
+
+    /// The cells of all unknowns with an effect that belong to their values in a world.
+    fn cells(&self, mission: &Mission<'_, W>, effect: Effect, world: usize) -> CellSet<W> {
+        let of = of(mission, effect);
+        of.flat_map(|(number, unknown)| unknown.cells_of(self.value(world, number) as u8)).collect()
     }
 
     /// Whether it is not known which goals serve.
     pub(super) fn has_doubtful_goals(&self, mission: &Mission<'_, W>) -> bool {
-        self.open(mission).any(|(_, unknown)| unknown.effect == Effect::Serves)
+        self.open(mission).any(|(_, unknown)| unknown.effect != Effect::Blocks)
     }
 
-    /// The goals that serve in a world, of these.
+    /// The goals that serve in a world, of these: not those that strangers take.
     pub(super) fn goals<'a>(
         &'a self,
         mission: &'a Mission<'_, W>,
@@ -222,9 +225,14 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         goals: &'a [Cell],
     ) -> impl Iterator<Item = Cell> + Clone + 'a {
         let serves = move |&goal: &Cell| {
-            of(mission, Effect::Serves).all(|(number, unknown)| {
+            (0..).zip(mission.unknowns).all(|(number, unknown)| {
                 let value = self.value(world, number);
-                unknown.cells.iter().all(|place| place.cell != goal || usize::from(place.value) == value)
+                let mut here = unknown.cells.iter().filter(|place| place.cell == goal);
+                match unknown.effect {
+                    Effect::Blocks => true,
+                    Effect::Serves => here.all(|place| usize::from(place.value) == value),
+                    Effect::Takes => here.all(|place| usize::from(place.value) != value),
+                }
             })
         };
         goals.iter().copied().filter(serves)
@@ -232,23 +240,20 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// The cells that are as good as certain to be blocked, of those that might not have been.
     pub(super) fn shut(&self, mission: &Mission<'_, W>) -> CellSet<W> {
-        self.blocked(mission, &self.belief, KNOWN)
+        self.blocked(mission, &self.belief, KNOWN).without(&self.standing)
     }
 
     /// The probability that a cell is blocked.
     pub(super) fn p_blocked(&self, mission: &Mission<'_, W>, cell: Cell) -> f32 {
-        let places = of(mission, Effect::Blocks)
-            .flat_map(|(number, unknown)| unknown.cells.iter().map(move |place| (number, place)));
-        let here = places.filter(|(_, place)| place.cell == cell);
+        let here = may_block(mission).filter(|(_, place)| place.cell == cell);
         here.map(|(number, place)| self.probability(number, place.value.into())).sum()
     }
 
     /// The cells that are blocked with at least this probability.
     pub(super) fn blocked(&self, mission: &Mission<'_, W>, belief: &[f32], least: f32) -> CellSet<W> {
-        let places = of(mission, Effect::Blocks)
-            .flat_map(|(number, unknown)| unknown.cells.iter().map(move |place| (number, place)));
         let p = |number, place: &Place| self.worlds.probability(belief, number, place.value.into());
-        places.filter(|(number, place)| p(*number, place) >= least).map(|(_, place)| place.cell).collect()
+        let blocked = may_block(mission).filter(|(number, place)| p(*number, place) >= least);
+        blocked.map(|(_, place)| place.cell).collect()
     }
 
     /// Whether something can still be learnt from a cell.
@@ -266,11 +271,16 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// Whether what a sight tells is not known.
     pub(super) fn is_open(&self, number: usize, sight: &Sight, belief: &[f32]) -> bool {
-        let is_open = |value| is_undecided(self.worlds.probability(belief, number, value));
         match sight.tells {
-            Tells::Value => (0..self.worlds.values(number)).any(is_open),
-            Tells::Whether(value) => is_open(value.into()),
+            Tells::Value => self.is_undecided_by(number, belief),
+            Tells::Whether(value) => is_undecided(self.worlds.probability(belief, number, value.into())),
         }
+    }
+
+    /// Whether the value of an unknown is open by a belief.
+    pub(super) fn is_undecided_by(&self, number: usize, belief: &[f32]) -> bool {
+        let mut values = 0..self.worlds.values(number);
+        values.any(|value| is_undecided(self.worlds.probability(belief, number, value)))
     }
 
     /// The worlds that are possible.
@@ -333,15 +343,10 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     }
 }
 
-/// What all these robots have read, in nats for each value of each unknown.
-fn evidence<'e, const W: usize>(
-    mission: &Mission<'_, W>,
-    of: impl Iterator<Item = &'e AnnouncedReadings> + Clone,
-) -> impl Fn(usize, usize) -> f32 {
-    move |unknown, value| {
-        let before: usize = mission.unknowns.iter().take(unknown).map(|other| other.prior.len()).sum();
-        -of.clone().map(|evidence| nats_against(evidence, before + value)).sum::<f32>()
-    }
+/// The cells that may be blocked, or taken by strangers, with their unknowns.
+fn may_block<'m, const W: usize>(mission: &Mission<'m, W>) -> impl Iterator<Item = (usize, &'m Place)> {
+    let unknowns = (0..).zip(mission.unknowns).filter(|(_, unknown)| unknown.effect != Effect::Serves);
+    unknowns.flat_map(|(number, unknown)| unknown.cells.iter().map(move |place| (number, place)))
 }
 
 /// The unknowns with an effect, by their places in the mission.

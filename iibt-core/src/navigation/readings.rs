@@ -2,13 +2,15 @@
 //!
 //! Evidence is a log-likelihood, relative to the value for which the readings speak most. Every
 //! robot announces its own sums; the team's belief is the prior with the sums of all members, so
-//! nothing is counted twice, and a lost frame does no harm.
+//! nothing is counted twice, and a lost frame does no harm. The moves of a stranger are seen by all:
+//! of these the sums of one member count.
 
 use super::decider::Counting;
-use super::unknown::{MAX_VALUES, Reading, Says, Tells, Unknown};
+use super::unknown::{Effect, MAX_VALUES, Reading, Says, Tells, Unknown};
 use crate::bounded::up_to;
 use crate::grid::Cell;
 use crate::math;
+use core::ops::Range;
 use heapless::Vec;
 
 /// What a robot announces about the values of all unknowns, in their order: how much less likely
@@ -51,8 +53,7 @@ impl Readings {
         };
         // A cast saturates, and what is no number becomes zero.
         let weight = (16.0 * nats.abs() + 0.5).min(CAP.into()) as u8;
-        let first = unknowns.iter().take(number).map(|other| other.prior.len()).sum();
-        let Some(against) = self.against.get_mut(first..first + unknown.prior.len()) else { return };
+        let Some(against) = self.against.get_mut(places_of(unknowns, number)) else { return };
         if counting != Counting::Sums {
             return take_as_fact(against, (value, speaks_for), counting == Counting::First);
         }
@@ -61,8 +62,32 @@ impl Readings {
                 *sum = sum.saturating_add(weight);
             }
         }
-        let least = against.iter().copied().min().unwrap_or(0);
-        against.iter_mut().for_each(|sum| *sum = (*sum - least).min(CAP));
+        level(against);
+    }
+
+    /// Counts what was seen of an unknown by its log-likelihood for each value, in nats.
+    pub(super) fn add(&mut self, unknowns: &[Unknown<'_>], number: usize, nats: &[f32]) {
+        let Some(against) = self.against.get_mut(places_of(unknowns, number)) else { return };
+        let most = nats.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        for (sum, nats) in against.iter_mut().zip(nats) {
+            // A cast saturates, and what is no number becomes zero.
+            *sum = sum.saturating_add((16.0 * (most - nats) + 0.5).min(CAP.into()) as u8);
+        }
+        level(against);
+    }
+
+    /// How much speaks against a value of an unknown, in nats.
+    pub(super) fn against(&self, unknowns: &[Unknown<'_>], number: usize, value: u8) -> f32 {
+        let of = self.against.get(places_of(unknowns, number)).unwrap_or_default();
+        of.get(usize::from(value)).map_or(0.0, |&sum| f32::from(sum) / 16.0)
+    }
+
+    /// How much more speaks against every other value of an unknown than against this one, in nats.
+    pub(super) fn lead(&self, unknowns: &[Unknown<'_>], number: usize, value: u8) -> f32 {
+        let values = unknowns.get(number).map_or(0, Unknown::values);
+        let others = (0..values).filter(|&other| other != value);
+        let least = others.map(|other| self.against(unknowns, number, other)).fold(f32::INFINITY, f32::min);
+        least - self.against(unknowns, number, value)
     }
 
     /// What to announce of them in a mission whose unknowns have so many values.
@@ -97,15 +122,51 @@ fn take_as_fact(against: &mut [u8], (value, speaks_for): (u8, bool), stays: bool
     }
 }
 
-/// How much evidence speaks against a value, in nats, by its place among those of all unknowns.
-pub(super) fn nats_against(evidence: &AnnouncedReadings, place: usize) -> f32 {
-    let halves = evidence.get(place / 2).map_or(0, |byte| byte >> (4 * (place % 2)) & 0xf);
-    0.5 * f32::from(halves)
+/// Lets the value against which least speaks have nothing against it.
+fn level(against: &mut [u8]) {
+    let least = against.iter().copied().min().unwrap_or(0);
+    against.iter_mut().for_each(|sum| *sum = (*sum - least).min(CAP));
+}
+
+/// The places of the values of an unknown among those of all.
+pub(super) fn places_of(unknowns: &[Unknown<'_>], number: usize) -> Range<usize> {
+    let first = unknowns.iter().take(number).map(|other| other.prior.len()).sum();
+    first..first + unknowns.get(number).map_or(0, |unknown| unknown.prior.len())
+}
+
+/// How much evidence speaks against a value, in half nats, by its place among those of all unknowns.
+fn halves_against(evidence: &AnnouncedReadings, place: usize) -> u8 {
+    evidence.get(place / 2).map_or(0, |byte| byte >> (4 * (place % 2)) & 0xf)
+}
+
+/// What these robots have read together, in nats for each value of each unknown.
+///
+/// Readings of robots add up. But all see the same moves of a stranger: of these those of one robot
+/// count, that whose evidence says most, the first of equals.
+pub(super) fn evidence<'e>(
+    unknowns: &[Unknown<'_>],
+    of: impl Iterator<Item = &'e AnnouncedReadings> + Clone,
+) -> impl Fn(usize, usize) -> f32 {
+    move |number, value| {
+        let places = places_of(unknowns, number);
+        let against = |told: &AnnouncedReadings| halves_against(told, places.start + value);
+        let says = |told: &AnnouncedReadings| {
+            places.clone().map(|place| u16::from(halves_against(told, place))).sum::<u16>()
+        };
+        let takes = unknowns.get(number).is_some_and(|unknown| unknown.effect == Effect::Takes);
+        let halves: u16 = if takes {
+            let most = of.clone().reduce(|most, told| if says(told) > says(most) { told } else { most });
+            most.map_or(0, |told| against(told).into())
+        } else {
+            of.clone().map(|told| u16::from(against(told))).sum()
+        };
+        -0.5 * f32::from(halves)
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::unknown::{Effect, Sight};
+    use super::super::unknown::Sight;
     use super::*;
 
     const SIGHTS: [Sight; 2] = [
@@ -124,7 +185,7 @@ mod tests {
             readings.count(&unknowns(), Reading { unknown, says }, Cell(1), Counting::Sums);
         });
         let evidence = readings.announced(5);
-        [0, 1, 2, 3, 4].map(|place| nats_against(&evidence, place))
+        [0, 1, 2, 3, 4].map(|place| 0.5 * f32::from(halves_against(&evidence, place)))
     }
 
     #[test]
@@ -140,6 +201,28 @@ mod tests {
     fn a_reading_that_is_never_wrong_is_as_sure_as_can_be() {
         assert_eq!(after(&[(1, Says::IsNot(2))]), [0.0, 0.0, 0.0, 0.0, 7.5]);
         assert_eq!(after(&[(1, Says::Is(2)); 3]), [0.0, 0.0, 7.5, 7.5, 0.0]);
+    }
+
+    /// What two robots that have seen this of an unknown with an effect tell together.
+    fn together(effect: Effect, seen: [[f32; 3]; 2]) -> [f32; 3] {
+        let unknowns = [Unknown { effect, cells: &[], prior: &[0.4, 0.3, 0.3], sights: &[] }];
+        let told = seen.map(|nats| {
+            let mut readings = Readings::NONE;
+            readings.add(&unknowns, 0, &nats);
+            readings.announced(3)
+        });
+        let together = evidence(&unknowns, told.iter());
+        [0, 1, 2].map(|value| together(0, value))
+    }
+
+    #[test]
+    fn what_all_see_counts_once_and_what_each_reads_adds_up() {
+        let (seen, more) = ([0.0, -2.0, -1.0], [-3.0, 0.0, -1.0]);
+        assert_eq!(together(Effect::Takes, [seen; 2]), seen);
+        assert_eq!(together(Effect::Takes, [seen, more]), more, "it says more");
+        assert_eq!(together(Effect::Takes, [more, seen]), more);
+        assert_eq!(together(Effect::Serves, [seen; 2]), [0.0, -4.0, -2.0]);
+        assert_eq!(together(Effect::Serves, [seen, more]), [-3.0, -2.0, -2.0]);
     }
 
     #[test]

@@ -14,7 +14,8 @@ use super::obstacles::Obstacles;
 use super::policies::{OnMap, Policies, TeamPlan};
 use super::progress::{Passage, Progress};
 use super::readings::{AnnouncedReadings, Readings};
-use super::unknown::{self, MAX_WORLDS, Reading};
+use super::strangers::{Sighting, Strangers};
+use super::unknown::{self, MAX_UNKNOWNS, MAX_WORLDS, Reading};
 use super::{
     Announced, Cause, Intention, Localisation, MAX_GOALS, MAX_OBSTACLES, Mission, MissionError, Purpose,
 };
@@ -43,14 +44,22 @@ pub struct GridPercept {
     pub clear: Vec<Cell, MAX_OBSTACLES>,
     /// What was read of the unknowns of the mission from where the robot stands.
     pub readings: Vec<Reading, MAX_READINGS>,
+    /// Where strangers are seen now, at most one for each [unknown](super::Effect::Takes).
+    pub sightings: Vec<Sighting, MAX_UNKNOWNS>,
     /// Whether the last move is still going on; no reading is used then.
     pub moving: bool,
 }
 
 impl GridPercept {
     /// Nothing sensed.
-    pub const NONE: Self =
-        Self { reading: None, hazards: Vec::new(), clear: Vec::new(), readings: Vec::new(), moving: false };
+    pub const NONE: Self = Self {
+        reading: None,
+        hazards: Vec::new(),
+        clear: Vec::new(),
+        readings: Vec::new(),
+        sightings: Vec::new(),
+        moving: false,
+    };
 }
 
 /// The task of a robot in a navigating team: to reach goals with its teammates, by one joint plan.
@@ -78,8 +87,9 @@ pub struct Navigation<'m, const S: usize, const W: usize, const L: usize, const 
     localisation: Localisation<S>,
     obstacles: Obstacles,
     readings: Readings,
+    strangers: Strangers,
     watched: CellSet<W>,
-    /// Where something is in view now.
+    /// Where something is in view now, or a stranger may come to in this tick.
     seen: CellSet<W>,
     /// What of it may be teammates.
     mates_in_view: CellSet<W>,
@@ -149,6 +159,7 @@ impl<'m, const S: usize, const W: usize, const L: usize, const M: usize, const K
             localisation: Localisation::idle(),
             obstacles: Obstacles::NONE,
             readings: Readings::NONE,
+            strangers: Strangers::NONE,
             outlook: OwnOutlook::NONE,
             watched: CellSet::EMPTY,
             seen: CellSet::EMPTY,

@@ -18,8 +18,8 @@ pub const MAX_WORLDS: usize = if cfg!(feature = "unknowns") { 16 } else { 1 };
 /// A hidden factor of the mission: it has one of several values, the same for the whole mission.
 ///
 /// Each of its cells belongs to a value. What the value means for its cells is the
-/// [`Effect`]: the cells are blocked in the worlds in which the unknown has that value, or they are
-/// the goals that serve.
+/// [`Effect`]: the cells are blocked in the worlds in which the unknown has that value, they are the
+/// goals that serve, or those that a robot takes which is no member of the team.
 ///
 /// ```
 /// use iibt_core::grid::{Cell, Map};
@@ -63,6 +63,13 @@ pub enum Effect {
     Blocks,
     /// They are goals that serve; its other cells are goals that do not.
     Serves,
+    /// They are goals that are not to be had: a robot that is no member of the team, and says
+    /// nothing, goes to the nearest of them and stays; its other cells are goals as all others.
+    ///
+    /// Such an unknown is inferred from how that robot moves, wherever members
+    /// [see it](super::Sighting); it needs no sights. All members that see it see the same, so the
+    /// evidence of one of them counts, that which says most.
+    Takes,
 }
 
 /// A cell of an unknown.
@@ -192,6 +199,7 @@ impl Unknown<'_> {
         let effect = match self.effect {
             Effect::Blocks => 0,
             Effect::Serves => 1,
+            Effect::Takes => 2,
         };
         let counts = [self.cells.len(), self.prior.len(), self.sights.len()];
         let hash =
@@ -219,7 +227,7 @@ impl Unknown<'_> {
             return Err(MissionError::Unknown(cell));
         }
         let is_goal = |place: &&Place| goals.contains(&place.cell);
-        if self.effect == Effect::Serves
+        if self.effect != Effect::Blocks
             && let Some(place) = self.cells.iter().find(|place| !is_goal(place))
         {
             return Err(MissionError::Unknown(place.cell));

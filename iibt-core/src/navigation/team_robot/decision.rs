@@ -148,17 +148,22 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     /// What each policy costs this robot alone.
     fn scores(&self) -> Option<Scores<K>> {
         let list = self.on_map()?;
-        let shut = self.shut();
-        let score =
-            |policy| list.path(policy, self.robot()).map_or(Score::CANNOT, |path| self.score(path, &shut));
+        let (shut, later) = (self.shut(), self.later());
+        let score = |policy| {
+            let later = later.get(policy).copied().unwrap_or(0);
+            list.path(policy, self.robot()).map_or(Score::CANNOT, |path| self.score(path, &shut, later))
+        };
         Some(up_to((0..list.len()).map(score)))
     }
 
     /// What a path costs this robot: the ticks by which its drive makes it late, and what its goal
-    /// is worth less than others as long as it stands there.
-    fn score(&self, path: &Path, shut: &CellSet<W>) -> Score {
+    /// is worth less than others as long as it stands there. By what it has read, the policy is
+    /// `later` by so many eighths of a tick.
+    fn score(&self, path: &Path, shut: &CellSet<W>, later: Eighths) -> Score {
         let map = &self.mission.map;
-        if path.cells(map).skip(1).any(|cell| self.is_blocked(cell) || shut.contains(cell)) {
+        // It may leave a cell on which a stranger waits for that.
+        let mut entered = path.cells(map).skip_while(|&cell| cell == path.start);
+        if entered.any(|cell| self.is_blocked(cell) || shut.contains(cell)) {
             return Score::CANNOT;
         }
         let slips = self.localisation.slips();
@@ -172,7 +177,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let value = self.mission.goals.iter().zip(self.goal_values).find(|&(&goal, _)| goal == end);
         let missed = value.map_or(0.0, |(_, value)| 1.0 - value);
         let price = Score::finite(worth_of_nats(missed * STAY, 1.0));
-        Score { delay: Score::finite((8.0 * delay + 0.5) as Eighths), price }
+        let delay = later.saturating_add((8.0 * delay + 0.5) as Eighths);
+        Score { delay: Score::finite(delay), price }
     }
 
     /// The purpose that the robot has announced for this round.

@@ -1,6 +1,6 @@
 //! What a robot makes of the running plan by what it has read since: inference at every tick.
 
-use super::super::outlook::Done;
+use super::super::outlook::{Done, after};
 use super::super::policies::{HAS_UNKNOWNS, TeamPlan, ahead, moves_of};
 use super::super::prospects::{Certainty, Robots};
 use super::super::unknown::MAX_WORLDS;
@@ -8,6 +8,7 @@ use super::super::{AnnouncedReadings, Fact};
 use super::Navigation;
 use crate::bounded::up_to;
 use crate::grid::CellSet;
+use crate::inference::Eighths;
 use crate::team::rounds::Teammates;
 use heapless::Vec;
 
@@ -116,6 +117,32 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.policies.prospects().blocked(self.mission, &self.belief(), SHUT)
     }
 
+    /// How much later each policy is by what the robot has read since its fact was frozen, in eighths
+    /// of a tick, beside the one that gains most by it.
+    ///
+    /// It goes into the delays, the largest of which counts: what all members see counts once. Where
+    /// the tick has no room for it, the robot leaves it to the next decision.
+    pub(super) fn later(&self) -> Vec<Eighths, K> {
+        let decider = self.mission.decider();
+        let has_news = self.announced().is_some_and(|fact| fact.readings != self.told());
+        if !HAS_UNKNOWNS || !has_news || !decider.infers() || !decider.shares() {
+            return Vec::new();
+        }
+        let (prospects, seekers, belief) =
+            (self.policies.prospects(), self.policies.seekers(), self.belief());
+        let plans = self.policies.plans().iter().zip(self.policies.expected());
+        if (self.left as usize) < plans.len() * belief.len() {
+            return Vec::new();
+        }
+        let shifts = plans.map(|(plan, before)| {
+            let now = prospects.expected(self.mission, plan, seekers, Done::NOTHING, &belief);
+            i32::from(now.total()) - i32::from(before.total())
+        });
+        let shifts: Vec<i32, K> = up_to(shifts);
+        let least = shifts.iter().copied().min().unwrap_or(0);
+        up_to(shifts.iter().map(|shift| (shift - least) as Eighths))
+    }
+
     /// The moves that each member has made, by what it has reported; of a plan that is being
     /// followed.
     fn made(&self, teammates: &Teammates<'_, Fact<W>, K>) -> Option<Done> {
@@ -127,6 +154,19 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             *moves = if robot == own { rounds.protocol().step() } else { step };
         }
         Some(done)
+    }
+
+    /// Where the members are, by what they have reported.
+    pub(super) fn members_at(&self, teammates: &Teammates<'_, Fact<W>, K>) -> CellSet<W> {
+        let mut cells: CellSet<W> = [self.localisation.position().0].into_iter().collect();
+        match self.plan().zip(self.made(teammates)) {
+            Some((plan, done)) => {
+                let paths = plan.paths().iter().zip(done.moves);
+                paths.for_each(|(path, made)| _ = cells.insert(after(&self.mission.map, path, made)));
+            }
+            None => teammates.iter().for_each(|(_, heard)| _ = cells.insert(heard.message.fact.anchor)),
+        }
+        cells
     }
 
     fn are_all_done(&self, teammates: &Teammates<'_, Fact<W>, K>) -> bool {

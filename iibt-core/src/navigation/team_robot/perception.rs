@@ -3,6 +3,7 @@
 use super::super::claim::Cells;
 use super::super::policies::HAS_UNKNOWNS;
 use super::super::progress::destination;
+use super::super::strangers::{Sighting, likelihoods};
 use super::super::unknown::Effect;
 use super::super::{Fact, GridPercept, Intention};
 use super::{MAX_HAZARDS, Navigation};
@@ -32,6 +33,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             self.waypoints.pass(busy);
         }
         self.locate(percept.reading);
+        self.watch(&percept.sightings, &teammates);
         self.look(percept, peers, &teammates);
         self.read(percept);
         if let Some(here) = self.standing() {
@@ -71,6 +73,34 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         }
     }
 
+    /// Takes in where strangers are: how they move tells where they go, and one that has stood for
+    /// a while is an obstacle until it goes on.
+    fn watch(&mut self, sightings: &[Sighting], teammates: &Teammates<'_, Fact<W>, K>) {
+        if !HAS_UNKNOWNS {
+            return;
+        }
+        let unknowns = self.mission.unknowns;
+        for (number, unknown) in unknowns.iter().enumerate().filter(|(_, it)| it.effect == Effect::Takes) {
+            let sighting = sightings.iter().find(|sighting| usize::from(sighting.unknown) == number);
+            let now = sighting.map(|sighting| sighting.at);
+            let was_parked = self.strangers.is_parked(number);
+            let before = self.strangers.note(number, now);
+            let (Some(before), Some(now)) = (before, now) else { continue };
+            if self.strangers.is_parked(number) {
+                self.obstacles.look(now, true);
+            } else if was_parked {
+                self.obstacles.look(before, false);
+            }
+            // As many work units as distance tables.
+            self.left = self.left.saturating_sub(unknown.values().into());
+            let members = self.members_at(teammates);
+            let nats = likelihoods::<S, W>(unknown, &self.mission.map, (before, now), &members);
+            if let Some(nats) = nats.filter(|_| !self.is_in_doubt()) {
+                self.readings.add(unknowns, number, &nats);
+            }
+        }
+    }
+
     /// Takes in what is in view.
     fn look(
         &mut self,
@@ -78,7 +108,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         peers: Peers<'_, Intention<W, K>>,
         teammates: &Teammates<'_, Fact<W>, K>,
     ) {
-        self.seen = percept.hazards.iter().copied().collect();
+        let strangers = self.strangers.reach(self.mission.unknowns, &self.readings, &self.mission.map);
+        self.seen = percept.hazards.iter().copied().collect::<CellSet<W>>().union(&strangers);
         self.mates_in_view = CellSet::EMPTY;
         if !percept.hazards.is_empty() {
             self.look_at_hazards(percept, teammates);
@@ -115,8 +146,11 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let entering = self.may_enter(teammates).map(|(_, to)| to);
         let own = self.localisation.position().0;
         // What is seen of an unknown comes as a reading.
-        let is_news =
-            |cell: &&Cell| self.mission.map.is_free(**cell) && **cell != own && !self.is_doubtful(**cell);
+        let is_stranger = |cell: Cell| self.strangers.seen().any(|(_, at)| at == cell);
+        let is_news = |cell: &&Cell| {
+            let is_known = **cell == own || self.is_doubtful(**cell) || is_stranger(**cell);
+            self.mission.map.is_free(**cell) && !is_known
+        };
         let news: Vec<Cell, MAX_HAZARDS> = up_to(percept.hazards.iter().filter(is_news).copied());
         for &cell in &news {
             if entering != Some(cell) && self.may_be_teammate(cell, teammates) {
