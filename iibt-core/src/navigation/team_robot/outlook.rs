@@ -204,7 +204,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let ticks = 0.125 * (f32::from(rest.total()) - f32::from(anew.total()));
         // A team that has nothing left to do loses nothing.
         let odds = ODDS + self.mission.habit;
-        let is_kept = !self.is_complete() && self.mission.precision * ticks <= odds;
+        let is_kept = !self.are_all_done(teammates) && self.mission.precision * ticks <= odds;
         ticks > 0.0 && !is_kept
     }
 }
