@@ -70,7 +70,7 @@ fn the_image_logs_why_it_chose_as_the_robot_on_the_host_would_explain_it() {
     let next = why.next.expect("there is another policy");
     let ranked = |ranked: iibt_core::inference::RankedPolicy| {
         let cost = ranked.cost;
-        let terms = [cost.time, cost.habit, cost.delay, cost.price].map(f32::from);
+        let terms = [cost.time, cost.epistemic, cost.habit, cost.delay, cost.price].map(f32::from);
         let head = [ranked.policy as f32, ranked.probability, cost.total() as f32, 8.0];
         [head, terms].concat()
     };

@@ -4,6 +4,7 @@ use super::difference::Done;
 use super::machine::Machine;
 use super::{Sabotage, Watch};
 use crate::body::Body;
+use crate::phases::WeighedPolicy;
 use crate::robot::AnyRobot;
 use crate::team::Navigating;
 use firmware::adapters::base::{Act, BaseRequest, Decision, Readings, first};
@@ -161,6 +162,14 @@ impl AnyRobot for Emulated<'_> {
 
     fn belief(&self, cell: Cell) -> f32 {
         self.in_process.belief(cell)
+    }
+
+    fn worlds(&self) -> Vec<f32> {
+        self.in_process.worlds()
+    }
+
+    fn weighed(&self) -> Vec<WeighedPolicy> {
+        self.in_process.weighed()
     }
 
     fn body(&mut self) -> &mut Body {
