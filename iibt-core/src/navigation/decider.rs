@@ -23,6 +23,7 @@ const IMPLAUSIBLE: f32 = 0.05;
 /// longer believed; what is unknown, read and announced is the same for all.
 ///
 /// ```
+/// # #[cfg(feature = "ablation")] {
 /// use iibt_core::grid::{Cell, Map};
 /// use iibt_core::navigation::{Decider, Mission};
 ///
@@ -32,6 +33,7 @@ const IMPLAUSIBLE: f32 = 0.05;
 /// // The same mission, flown as if the likeliest world were the only one.
 /// let blind = Mission { decider: Decider::Likeliest, ..mission };
 /// # assert_eq!(blind.decider, Decider::Likeliest);
+/// # }
 /// # Ok::<(), iibt_core::grid::MapError>(())
 /// ```
 #[doc(alias = "baseline")]
