@@ -72,7 +72,7 @@ fn the_image_logs_why_it_chose_as_the_robot_on_the_host_would_explain_it() {
         let cost = ranked.cost;
         let terms = [cost.time, cost.epistemic, cost.habit, cost.delay, cost.price].map(f32::from);
         let head = [ranked.policy as f32, ranked.probability, cost.total() as f32, 8.0];
-        [head, terms].concat()
+        [&head[..], &terms[..]].concat()
     };
     let mut expected = [ranked(why.chosen), vec![why.policies as f32], ranked(next)].concat();
     if let Some((term, by)) = why.decided_by {
