@@ -45,6 +45,14 @@ impl Measured {
         self.follow(&mut flight, &mut chip, number);
     }
 
+    /// Prints the ticks of a team by their kinds.
+    fn tell(&self, team: &str) {
+        let Self { ordinary, listing, deciding } = self;
+        for (kind, ticks) in [("ordinary", ordinary), ("listing", listing), ("deciding", deciding)] {
+            println!("{team}: {} {kind} ticks, mean {}, worst {}", ticks.len(), mean(ticks), worst(ticks));
+        }
+    }
+
     /// Flies the mission with the sign until all have arrived, one of the robots on the chip.
     fn look(&mut self, image: &Path, robots: usize, number: usize, (serving, seed): (u8, u64)) {
         let mission = sign::mission(robots).expect("a team");
@@ -130,15 +138,8 @@ fn a_robot_of_any_team_ticks_on_the_chip_as_on_the_host_and_within_budget() {
         let mut has_plan =
             |&draw: &usize| problem(robots, draw).is_some_and(|problem| problem.plan(&mut planner).is_some());
         (0..).filter(|draw| has_plan(draw)).take(FLIGHTS).for_each(|draw| ticks.fly(&image, robots, draw));
+        ticks.tell(&format!("{robots} robots"));
         let Measured { ordinary, listing, deciding } = &ticks;
-        for (kind, ticks) in [("ordinary", ordinary), ("listing", listing), ("deciding", deciding)] {
-            println!(
-                "{robots} robots: {} {kind} ticks, mean {}, worst {}",
-                ticks.len(),
-                mean(ticks),
-                worst(ticks)
-            );
-        }
         assert!(ordinary.len() > 5 * FLIGHTS && listing.len() > FLIGHTS / 2 && deciding.len() > FLIGHTS / 4);
         if robots == 8 {
             assert_within("team_of_eight", "ordinary_tick", mean(ordinary));
@@ -178,15 +179,8 @@ fn a_robot_that_looks_for_the_bay_that_serves_ticks_on_the_chip_as_on_the_host()
         for (place, &world) in worlds.iter().enumerate() {
             ticks.look(&image, robots, place % robots, world);
         }
-        let Measured { ordinary, listing, deciding } = &ticks;
-        for (kind, ticks) in [("ordinary", ordinary), ("listing", listing), ("deciding", deciding)] {
-            println!(
-                "sign, {robots} robots: {} {kind} ticks, mean {}, worst {}",
-                ticks.len(),
-                mean(ticks),
-                worst(ticks)
-            );
-        }
+        ticks.tell(&format!("sign, {robots} robots"));
+        let Measured { ordinary, listing, .. } = &ticks;
         assert!(listing.len() >= worlds.len() && ordinary.len() > 8 * worlds.len());
         (name, worst(listing), worst(ordinary))
     });

@@ -113,12 +113,12 @@ pub trait Scanner {
         None
     }
 
-    /// Returns where a robot is seen that is no member of the team, one at a time; `None` when there
-    /// is no more. A sensor that can tell none leaves this out.
+    /// Returns where a robot is seen that is no member of the team, one at a time; `None` when
+    /// there is no more. A sensor that can tell none leaves this out.
     ///
     /// Asked up to [`MAX_UNKNOWNS`](iibt_core::navigation::MAX_UNKNOWNS) times a tick, also while
-    /// the robot moves. Each is to be seen at least two cells away, diagonals included, and in every
-    /// tick in which it is so near: the robot keeps out of every cell to which it may move.
+    /// the robot moves. Each is to be seen at least two cells away, diagonals included, and in
+    /// every tick in which it is so near: the robot keeps out of every cell to which it may move.
     fn sight(&mut self) -> Option<Sighting> {
         None
     }

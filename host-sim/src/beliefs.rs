@@ -2,7 +2,8 @@
 
 use crate::flight_event::FlightEvent;
 use crate::scenario::UnknownSpec;
-use iibt_core::navigation::Effect;
+use iibt_core::inference::Worlds;
+use iibt_core::navigation::{Effect, MAX_WORLDS};
 
 /// By how much a probability must change to be told.
 const WORTH_TELLING: f32 = 0.005;
@@ -38,15 +39,13 @@ impl Beliefs {
 
 /// The probability of each value of each unknown, by those of the worlds.
 fn marginals(unknowns: &[UnknownSpec], worlds: &[f32]) -> Vec<Vec<f32>> {
-    let mut all: Vec<Vec<f32>> = unknowns.iter().map(|unknown| vec![0.0; unknown.prior.len()]).collect();
-    for (world, p) in worlds.iter().enumerate() {
-        let mut left = world;
-        for (unknown, of_values) in unknowns.iter().zip(&mut all).rev() {
-            of_values[left % unknown.prior.len()] += p;
-            left /= unknown.prior.len();
-        }
-    }
-    all
+    let priors: Vec<&[f32]> = unknowns.iter().map(|unknown| unknown.prior.as_slice()).collect();
+    // A scenario has no more worlds than that, and its priors are distributions.
+    let known = Worlds::<MAX_WORLDS>::new(&priors).unwrap_or(Worlds::NONE);
+    let of = |(number, prior): (usize, &&[f32])| {
+        (0..prior.len()).map(|value| known.probability(worlds, number, value)).collect()
+    };
+    priors.iter().enumerate().map(of).collect()
 }
 
 /// Beliefs in words: which goals serve or are taken, which cells are blocked, each with its

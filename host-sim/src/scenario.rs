@@ -129,7 +129,8 @@ impl UnknownSpec {
 }
 
 impl From<&Unknown<'_>> for UnknownSpec {
-    /// One whose value is drawn, and without a stranger: a mission says nothing of where one starts.
+    /// One whose value is drawn, and without a stranger: a mission says nothing of where one
+    /// starts.
     fn from(unknown: &Unknown<'_>) -> Self {
         let Unknown { effect, cells, prior, sights } = *unknown;
         Self {
@@ -347,8 +348,8 @@ impl Scenario {
         self.unknowns.iter().any(|unknown| unknown.stranger.is_some())
     }
 
-    /// The goals on which no robot of the team counts in a world: those that do not serve, and those
-    /// that strangers take. Each unknown has one of `values`.
+    /// The goals on which no robot of the team counts in a world: those that do not serve, and
+    /// those that strangers take. Each unknown has one of `values`.
     pub(crate) fn useless_goals(&self, values: &[u8]) -> impl Iterator<Item = Cell> {
         let idle = self.cells_of_unknowns(Effect::Serves, values, false);
         idle.chain(self.cells_of_unknowns(Effect::Takes, values, true))

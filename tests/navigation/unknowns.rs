@@ -162,7 +162,8 @@ fn inference_pays_on_missions_with_a_sign_and_in_searches() {
     }
 }
 
-/// Looking must not cost where it does not pay: within a tenth of a tick of a team that never looks.
+/// Looking must not cost where it does not pay: within a tenth of a tick of a team that never
+/// looks.
 #[test]
 fn nobody_looks_where_it_does_not_pay() {
     for kind in [Family::Floor, Family::FarSign] {
@@ -202,8 +203,8 @@ fn the_others_go_on_when_the_one_that_looks_dies() {
     }
 }
 
-/// A hall with a bay of two goals on either side, one of which serves, and a sign at its end. Robots
-/// misread the sign and the bays in one of five cases.
+/// A hall with a bay of two goals on either side, one of which serves, and a sign at its end.
+/// Robots misread the sign and the bays in one of five cases.
 mod hall {
     use super::*;
 

@@ -3,9 +3,9 @@
 //!
 //! Over USART2 it gets the number of robots, of the draw of their problem and its own, and what the
 //! problem is: 0 for goals of anybody, 1 for goals that robots own, and with the feature `unknowns`
-//! 2 for the bays of which the one of the draw serves. Then, for each tick, the cell (two bytes) and the length of what it hears
-//! (two bytes), little-endian, and that. It answers with the cycles (four bytes), the length of its
-//! frame (one byte) and the frame.
+//! 2 for the bays of which the one of the draw serves. Then, for each tick, the cell (two bytes)
+//! and the length of what it hears (two bytes), little-endian, and that. It answers with the cycles
+//! (four bytes), the length of its frame (one byte) and the frame.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

@@ -51,7 +51,7 @@ Exit status:
 
 /// The examples, with a line for each decider.
 pub(super) fn examples() -> String {
-    let line = |ablation: &Ablation| format!("  {:<17}  {}\n", ablation.name, ablation.what);
+    let line = |ablation: &Ablation| format!("  {:<17}  {}\n", ablation.name, ablation.what());
     let lines: String = Ablation::all().map(line).collect();
     EXAMPLES.replace("{ablations}", lines.trim_end())
 }

@@ -1,14 +1,15 @@
 //! What decides where something is unknown: inference, or a rule in its place.
 //!
-//! The rules are there to measure what each part of the decision is worth, on the same rounds, plans
-//! and sensors. Without the feature `ablation` inference decides, and no code of them is in an image.
+//! The rules are there to measure what each part of the decision is worth, on the same rounds,
+//! plans and sensors. Without the feature `ablation` inference decides, and no code of them is in
+//! an image.
 #![cfg_attr(not(feature = "ablation"), allow(dead_code, unreachable_pub, reason = "only inference decides"))]
 
 use super::alternatives::{Alternative, Others};
 use super::mission::Mission;
 use super::outlook::Seekers;
 use super::policies::TeamPlan;
-use super::prospects::{Bits, LONGEST, Prospects, Robots, bits};
+use super::prospects::{Bits, LONGEST, Prospects, Robots, bits, descending, worlds_of};
 use super::ways::Way;
 use crate::grid::{Cell, Path};
 use crate::inference::Eighths;
@@ -212,14 +213,12 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         let served = bits((0..belief.len()).filter(|&world| self.is_done(world, ends)));
         let p = |world: usize| belief.get(world).copied().unwrap_or(0.0);
         let is_served = |world: usize| served >> world & 1 == 1;
-        let worlds = || 0..belief.len();
-        let likeliest = worlds().reduce(|best, world| if p(world) > p(best) { world } else { best });
         match decider {
             _ if seekers.is_empty() => false,
             Decider::Nearest | Decider::Farthest | Decider::Shortest | Decider::Priced(_) => {
-                worlds().filter(|&world| is_served(world)).map(p).sum::<f32>() < IMPLAUSIBLE
+                worlds_of(served).map(p).sum::<f32>() < IMPLAUSIBLE
             }
-            _ => !likeliest.is_some_and(is_served),
+            _ => !descending(bits(0..belief.len()), p).next().is_some_and(is_served),
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use super::mission::Mission;
 use super::policies::{TeamPlan, ahead, moves_of, visits};
-use super::prospects::{Bits, LONGEST, Prospects, Robots, bits, worlds_of};
+use super::prospects::{Bits, LONGEST, Prospects, Robots, bits, of, worlds_of};
 use super::unknown::{Effect, MAX_WORLDS, Says, Sight, Tells, Unknown};
 use super::ways::{ROUND, Way};
 use crate::bounded::up_to;
@@ -307,8 +307,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         mission: &Mission<'m, W>,
         belief: &[f32],
     ) -> impl Iterator<Item = (usize, &'m Unknown<'m>)> {
-        let takes = |&(_, unknown): &(usize, &Unknown<'_>)| unknown.effect == Effect::Takes;
-        (0..).zip(mission.unknowns).filter(takes).filter(|&(number, _)| self.is_undecided_by(number, belief))
+        of(mission, Effect::Takes).filter(|&(number, _)| self.is_undecided_by(number, belief))
     }
 }
 

@@ -350,7 +350,7 @@ fn may_block<'m, const W: usize>(mission: &Mission<'m, W>) -> impl Iterator<Item
 }
 
 /// The unknowns with an effect, by their places in the mission.
-fn of<'m, const W: usize>(
+pub(super) fn of<'m, const W: usize>(
     mission: &Mission<'m, W>,
     effect: Effect,
 ) -> impl Iterator<Item = (usize, &'m Unknown<'m>)> {

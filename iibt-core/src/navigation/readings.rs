@@ -2,8 +2,8 @@
 //!
 //! Evidence is a log-likelihood, relative to the value for which the readings speak most. Every
 //! robot announces its own sums; the team's belief is the prior with the sums of all members, so
-//! nothing is counted twice, and a lost frame does no harm. The moves of a stranger are seen by all:
-//! of these the sums of one member count.
+//! nothing is counted twice, and a lost frame does no harm. The moves of a stranger are seen by
+//! all: of these the sums of one member count.
 
 use super::decider::Counting;
 use super::unknown::{Effect, MAX_VALUES, Reading, Says, Tells, Unknown};
@@ -105,8 +105,8 @@ impl Readings {
     }
 }
 
-/// Takes a reading of a value, and whether it speaks for it, for a fact. One that contradicts earlier
-/// ones is ignored where these stay, and takes their place else.
+/// Takes a reading of a value, and whether it speaks for it, for a fact. One that contradicts
+/// earlier ones is ignored where these stay, and takes their place else.
 fn take_as_fact(against: &mut [u8], (value, speaks_for): (u8, bool), stays: bool) {
     let is_against = |place: u8| (place == value) != speaks_for;
     let fits = (0..).zip(against.iter()).any(|(place, sum)| !is_against(place) && *sum < CAP);
@@ -134,7 +134,8 @@ pub(super) fn places_of(unknowns: &[Unknown<'_>], number: usize) -> Range<usize>
     first..first + unknowns.get(number).map_or(0, |unknown| unknown.prior.len())
 }
 
-/// How much evidence speaks against a value, in half nats, by its place among those of all unknowns.
+/// How much evidence speaks against a value, in half nats, by its place among those of all
+/// unknowns.
 fn halves_against(evidence: &AnnouncedReadings, place: usize) -> u8 {
     evidence.get(place / 2).map_or(0, |byte| byte >> (4 * (place % 2)) & 0xf)
 }

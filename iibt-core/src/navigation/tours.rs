@@ -77,8 +77,8 @@ impl<const S: usize> Tour<S> {
 }
 
 impl Targets {
-    /// Robots share the goals that may serve, and see of one after another whether it does: the next
-    /// one is that of which a robot learns the most for the moves until then.
+    /// Robots share the goals that may serve, and see of one after another whether it does: the
+    /// next one is that of which a robot learns the most for the moves until then.
     pub(super) fn tours<const S: usize, const W: usize>(
         &self,
         mission: &Mission<'_, W>,
@@ -104,7 +104,8 @@ impl Targets {
                 return None;
             }
         }
-        // Those that stand are in the way of all; then each keeps out of the way of those before it.
+        // Those that stand are in the way of all; then each keeps out of the way of those before
+        // it.
         let mut paths: Vec<Path, MAX_TEAM> = up_to(self.errands.iter().map(|errand| Path::at(errand.from)));
         tours.retain(|tour| !tour.stops.is_empty());
         let stands = |place: usize| tours.iter().all(|tour| usize::from(tour.robot) != place);
@@ -122,8 +123,8 @@ impl Targets {
     }
 }
 
-/// The tour, the value, and the cell from where it is seen whether that is the one, at which most is
-/// learnt for the moves until then.
+/// The tour, the value, and the cell from where it is seen whether that is the one, at which most
+/// is learnt for the moves until then.
 fn best<const S: usize, const W: usize>(
     tours: &[Tour<S>],
     prospects: &Prospects<S, W>,

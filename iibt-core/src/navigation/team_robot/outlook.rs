@@ -93,7 +93,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.outlook.idle = if is_idle { self.outlook.idle.saturating_add(1) } else { 0 };
         let told = self.told();
         let Some(moves) = self.course().map(|(_, moves)| moves) else { return };
-        let has_news = self.announced().is_some_and(|fact| fact.readings != told);
+        let has_news = self.has_untold();
         let may_ask = moves > 0 || self.outlook.ticks >= REST;
         if !may_ask || !(has_news || self.outlook.idle >= PATIENCE) {
             self.outlook.is_outdated = false;
@@ -117,15 +117,19 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.policies.prospects().blocked(self.mission, &self.belief(), SHUT)
     }
 
-    /// How much later each policy is by what the robot has read since its fact was frozen, in eighths
-    /// of a tick, beside the one that gains most by it.
+    /// Whether the robot has read something since its fact was frozen.
+    fn has_untold(&self) -> bool {
+        self.announced().is_some_and(|fact| fact.readings != self.told())
+    }
+
+    /// How much later each policy is by what the robot has read since its fact was frozen, in
+    /// eighths of a tick, beside the one that gains most by it.
     ///
-    /// It goes into the delays, the largest of which counts: what all members see counts once. Where
-    /// the tick has no room for it, the robot leaves it to the next decision.
+    /// It goes into the delays, the largest of which counts: what all members see counts once.
+    /// Where the tick has no room for it, the robot leaves it to the next decision.
     pub(super) fn later(&self) -> Vec<Eighths, K> {
         let decider = self.mission.decider();
-        let has_news = self.announced().is_some_and(|fact| fact.readings != self.told());
-        if !HAS_UNKNOWNS || !has_news || !decider.infers() || !decider.shares() {
+        if !HAS_UNKNOWNS || !self.has_untold() || !decider.infers() || !decider.shares() {
             return Vec::new();
         }
         let (prospects, seekers, belief) =
@@ -202,8 +206,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let rest = prospects.expected(self.mission, plan, seekers, done, &belief);
         let anew = prospects.anew(self.mission, &seekers.cells(map, plan, &done), &belief);
         let ticks = 0.125 * (f32::from(rest.total()) - f32::from(anew.total()));
-        // A team that has nothing left to do loses nothing.
         let odds = ODDS + self.mission.habit;
+        // A team that has nothing left to do loses nothing.
         let is_kept = !self.are_all_done(teammates) && self.mission.precision * ticks <= odds;
         ticks > 0.0 && !is_kept
     }

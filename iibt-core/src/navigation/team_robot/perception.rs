@@ -3,6 +3,7 @@
 use super::super::claim::Cells;
 use super::super::policies::HAS_UNKNOWNS;
 use super::super::progress::destination;
+use super::super::prospects::of;
 use super::super::strangers::{Sighting, likelihoods};
 use super::super::unknown::Effect;
 use super::super::{Fact, GridPercept, Intention};
@@ -80,7 +81,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
             return;
         }
         let unknowns = self.mission.unknowns;
-        for (number, unknown) in unknowns.iter().enumerate().filter(|(_, it)| it.effect == Effect::Takes) {
+        for (number, unknown) in of(self.mission, Effect::Takes) {
             let sighting = sightings.iter().find(|sighting| usize::from(sighting.unknown) == number);
             let now = sighting.map(|sighting| sighting.at);
             let was_parked = self.strangers.is_parked(number);
