@@ -26,9 +26,9 @@ impl Combinations {
         Self { places: [0; MAX_TEAM], looked_at: 0 }
     }
 
-    /// Looks at the next combination of open paths: `Some(None)` when it is no plan without
-    /// conflicts to goals, `None` when there are no more. With `rests`, what is left of a path from
-    /// any of its cells is a path as well.
+    /// Looks at the next combination of open paths, and makes the plan of it in `plan`:
+    /// `Some(false)` when it is no plan without conflicts to goals, `None` when there are no more.
+    /// With `rests`, what is left of a path from any of its cells is a path as well.
     ///
     /// Cost: that of looking for conflicts once.
     pub(super) fn next<const W: usize>(
@@ -37,7 +37,8 @@ impl Combinations {
         members: &Members<'_, W>,
         closed: &CellSet<W>,
         rests: bool,
-    ) -> Option<Option<TeamPlan>> {
+        plan: &mut TeamPlan,
+    ) -> Option<bool> {
         if self.looked_at == MOST || !self.turn(mission, members, closed, rests) {
             return None;
         }
@@ -55,8 +56,7 @@ impl Combinations {
             .iter()
             .zip(&paths)
             .all(|((robot, _), path)| mission.is_goal_of(members.view, robot, path.end(&mission.map)));
-        let plan = TeamPlan::new(&paths).filter(|plan| are_goals && plan.conflict(&mission.map).is_none());
-        Some(plan.map(|plan| plan.arriving(arrival(&plan))))
+        Some(plan.set(&paths, arrival(&paths)) && are_goals && plan.conflict(&mission.map).is_none())
     }
 
     /// Goes on to the next combination, or to the first one; returns whether there is one.
@@ -113,9 +113,10 @@ fn list<'m, const W: usize>(mission: &Mission<'m, W>, robot: RobotId) -> &'m [Pa
 }
 
 /// Robots whose paths end in the same step can wait for each other.
-fn arrival(plan: &TeamPlan) -> Arrival {
-    let steps = plan.steps();
-    let is_even = plan.paths().iter().all(|path| path.len() == steps || path.is_empty());
+fn arrival(paths: &[Path]) -> Arrival {
+    let mut moving = paths.iter().filter(|path| !path.is_empty());
+    let steps = moving.next().map_or(0, Path::len);
+    let is_even = moving.all(|path| path.len() == steps);
     if is_even { Arrival::Together } else { Arrival::Staggered }
 }
 
@@ -148,8 +149,9 @@ mod tests {
         let look = |closed: &CellSet<1>| {
             let mut combinations = Combinations::new();
             let mut seen = std::vec::Vec::new();
-            while let Some(plan) = combinations.next(&mission, &members, closed, false) {
-                seen.push(plan.map_or(std::vec![], |plan| plan.paths().to_vec()));
+            let mut plan = TeamPlan::standing([]).unwrap();
+            while let Some(is_plan) = combinations.next(&mission, &members, closed, false, &mut plan) {
+                seen.push(if is_plan { plan.paths().to_vec() } else { std::vec![] });
             }
             seen
         };
@@ -187,9 +189,12 @@ mod tests {
             let members = Members::new(View::full(2), |robot| facts.get(robot.index()));
             let closed: CellSet<1> = closed.iter().copied().map(Cell).collect();
             let mut combinations = Combinations::new();
-            let next = || combinations.next(&mission, &members, &closed, true);
-            let plans: std::vec::Vec<_> = core::iter::from_fn(next).flatten().collect();
-            plans.iter().map(|plan| plan.paths().to_vec()).collect::<std::vec::Vec<_>>()
+            let mut plan = TeamPlan::standing([]).unwrap();
+            let next = || {
+                let is_plan = combinations.next(&mission, &members, &closed, true, &mut plan)?;
+                Some(is_plan.then(|| plan.paths().to_vec()))
+            };
+            core::iter::from_fn(next).flatten().collect::<std::vec::Vec<_>>()
         };
         let left = [through(&[1, 2]), through(&[1, 6, 7, 2])].map(|own| std::vec![own, through(&[11, 12])]);
         assert_eq!(look([1, 11], &[]), left);

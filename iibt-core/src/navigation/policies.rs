@@ -343,7 +343,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     /// Takes the combinations of paths given by hand, one for each work unit; returns whether it
     /// has come to their end.
-    #[inline(never)] // its plans are on the stack while they are made
+    #[inline(never)]
     fn combine(
         &mut self,
         mission: &Mission<'_, W>,
@@ -353,12 +353,14 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         budget: &mut u32,
     ) -> Option<()> {
         let is_for_goals = members.facts().all(|fact| fact.purpose == Purpose::Goal);
-        while let Some(combinations) = self.combinations.as_mut().filter(|_| is_for_goals) {
+        while let Some(combinations) = self.combinations.as_mut().filter(|_| is_for_goals)
+            && self.list.policies().len() < most
+            && let Some(plan) = self.list.next_place()
+        {
             *budget = budget.checked_sub(1)?;
-            let Some(plan) = combinations.next(mission, members, closed, L == 0) else { break };
-            let has_room = self.plans().len() < most;
-            if plan.is_some_and(|plan| !has_room || !self.list.offer(plan)) {
-                break;
+            let Some(is_plan) = combinations.next(mission, members, closed, L == 0, plan) else { break };
+            if is_plan {
+                self.list.keep();
             }
         }
         self.combinations = None;

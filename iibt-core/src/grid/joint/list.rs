@@ -183,10 +183,22 @@ impl<const W: usize, const L: usize, const N: usize, const M: usize, const K: us
     /// Adds a plan that was made elsewhere; returns whether there was room. Only a list that has
     /// just begun takes plans, and it is worked on no further.
     pub fn offer(&mut self, plan: JointPlan<N>) -> bool {
-        let slot = self.policies.get_mut(self.len);
-        let is_taken = slot.map(|slot| *slot = plan).is_some();
-        self.len += usize::from(is_taken);
+        let is_taken = self.next_place().map(|slot| *slot = plan).is_some();
+        if is_taken {
+            self.keep();
+        }
         is_taken
+    }
+
+    /// Where the next plan is made that is made elsewhere: a copy of one takes much of a small
+    /// stack. `None` in a full list; [`keep`](Self::keep) adds the plan.
+    pub(crate) fn next_place(&mut self) -> Option<&mut JointPlan<N>> {
+        self.policies.get_mut(self.len)
+    }
+
+    /// Adds the plan that was made in the [next place](Self::next_place).
+    pub(crate) fn keep(&mut self) {
+        self.len = (self.len + 1).min(K);
     }
 
     /// The policies so far, the best one first.

@@ -104,12 +104,20 @@ impl<const N: usize> JointPlan<N> {
     /// `None` for more than `N` paths.
     #[must_use]
     pub fn new(paths: &[Path]) -> Option<Self> {
-        let mut plan = Self { robots: u8::try_from(paths.len()).ok()?, ..Self::NOBODY };
-        for (slot, &path) in plan.paths.get_mut(..paths.len())?.iter_mut().zip(paths) {
+        let mut plan = Self::NOBODY;
+        plan.set(paths, Arrival::Staggered).then_some(plan)
+    }
+
+    /// Makes it the plan of these paths in place, as [`new`](Self::new) does; returns whether there
+    /// is room for all.
+    pub(crate) fn set(&mut self, paths: &[Path], arrival: Arrival) -> bool {
+        let Some(slots) = self.paths.get_mut(..paths.len()) else { return false };
+        for (slot, &path) in slots.iter_mut().zip(paths) {
             *slot = path;
         }
-        plan.execution = plan.by_the_clock();
-        Some(plan)
+        (self.robots, self.short_by, self.arrival) = (paths.len() as u8, 0, arrival);
+        self.execution = self.by_the_clock();
+        true
     }
 
     /// The plan in which every robot stays where it stands.
