@@ -21,7 +21,7 @@ use self::learn::Learn;
 use self::manipulate::Manipulate;
 use self::reproduce::Reproduce;
 use anstream::{AutoStream, ColorChoice};
-use clap::{Args, Parser, Subcommand};
+use clap::{Arg, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use host_sim::campaign::Disturbance;
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, series_lines, summary};
 use host_sim::{Conditions, Observer, Pilot, Record, Scenario, fly, fly_series, library};
@@ -157,7 +157,7 @@ struct RunArgs {
     #[arg(value_name = "NAME|FILE.toml", default_value = library::DEFAULT)]
     scenario: String,
     /// The seed of all random numbers; the same seed gives the same flight
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", value_parser = seed, default_value_t = 0)]
     seed: u64,
     /// The probability that a frame does not reach a teammate, 0 to 1, in place of the scenario's
     #[arg(long, value_name = "P", value_parser = probability)]
@@ -192,13 +192,23 @@ type Failure = Box<dyn Error>;
 
 /// Runs the command line.
 pub(crate) fn main() -> ExitCode {
-    match Cli::parse().run() {
+    let read = Cli::from_arg_matches(&with_negative_numbers(Cli::command()).get_matches());
+    match read.unwrap_or_else(|error| error.exit()).run() {
         Ok(code) => code,
         Err(failure) => {
             eprintln!("error: {failure}");
             ExitCode::from(UNUSABLE)
         }
     }
+}
+
+/// A command whose options take a negative number for a value: the error is then what the option
+/// says of its range, and not that there is no option `-1`.
+fn with_negative_numbers(command: Command) -> Command {
+    let is_option = |arg: &Arg| arg.get_long().is_some() && arg.get_action().takes_values();
+    let command =
+        command.mut_args(|arg| if is_option(&arg) { arg.allow_negative_numbers(true) } else { arg });
+    command.mut_subcommands(with_negative_numbers)
 }
 
 impl Cli {
@@ -246,6 +256,7 @@ impl RunArgs {
             return task::run(self, &text);
         }
         self.has_no_task_tree()?;
+        self.is_no_folder()?;
         let scenario = self.disturbance.applied(&scenario(&self.scenario)?, self.seed);
         if self.tree == Pilot::Figure5 && scenario.goals.len() != 2 {
             let goals = scenario.goals.len();
@@ -268,6 +279,16 @@ impl RunArgs {
         kept.finish()?;
         print(&self.report(&record)?)?;
         Ok(exit_status(record.outcome.is_success()))
+    }
+
+    fn is_no_folder(&self) -> Result<(), String> {
+        let name = &self.scenario;
+        if library::find(name).is_none() && Path::new(name).is_dir() {
+            return Err(format!(
+                "{name}: a folder, but a file is expected; `campaign` flies all scenarios of a folder"
+            ));
+        }
+        Ok(())
     }
 
     fn has_no_task_tree(&self) -> Result<(), String> {
@@ -397,6 +418,9 @@ fn exit_status(is_accomplished: bool) -> ExitCode {
 }
 
 fn read_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    if path.is_dir() {
+        return Err(io::Error::other("a folder, but a file is expected"));
+    }
     let mut bytes = Vec::new();
     File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
@@ -404,6 +428,10 @@ fn read_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         return Err(io::Error::other(reason));
     }
     Ok(bytes)
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
 }
 
 fn probability(text: &str) -> Result<f64, String> {
@@ -422,7 +450,6 @@ fn print(text: &str) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_sound() {

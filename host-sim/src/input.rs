@@ -6,6 +6,7 @@ pub(crate) use values::{
     RadioEntry, RealNumber, Text, WholeNumber, line_of_text, optional, parameter, percent, real, share, whole,
 };
 
+use serde::de::DeserializeOwned;
 use std::ops::Range;
 use thiserror::Error;
 
@@ -73,11 +74,32 @@ impl Fault {
     }
 }
 
-impl From<toml::de::Error> for Fault {
-    fn from(error: toml::de::Error) -> Self {
+/// Reads TOML as it is written, before its values are checked.
+pub(crate) fn toml<T: DeserializeOwned>(text: &str) -> Read<T> {
+    toml::from_str(text).map_err(|error| {
+        let span = error.span().unwrap_or_default();
         let message = error.message().trim().replace('\n', "; ");
         let message = message.replace("i64", "a whole number").replace("f64", "a number");
-        Self::new(error.span().unwrap_or_default(), message)
+        let header = wrong_header(text, span.start).filter(|_| message.contains(NO_LIST));
+        Fault::new(span, header.unwrap_or(message))
+    })
+}
+
+/// What the message says of a table where a list of them is expected.
+const NO_LIST: &str = "invalid type: map, expected a sequence";
+
+/// What is wrong with the header around a byte, of a table that should be one of a list; `None` for
+/// a table without a header.
+fn wrong_header(text: &str, at: usize) -> Option<String> {
+    let begin = text.get(..at)?.rfind('\n').map_or(0, |newline| newline + 1);
+    let header = text.get(begin..)?.lines().next()?.trim_start();
+    let (name, _) = header.trim_start_matches('[').split_once(']')?;
+    match (header.strip_prefix("[["), name.rsplit_once('.')) {
+        (Some(_), Some((list, _))) => {
+            Some(format!("[[{name}]] belongs to an entry: put it after its [[{list}]]"))
+        }
+        (None, _) if header.starts_with('[') => Some(format!("[{name}] is one of a list: write [[{name}]]")),
+        _ => None,
     }
 }
 

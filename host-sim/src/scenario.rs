@@ -13,7 +13,7 @@ mod team;
 mod unknown;
 pub(crate) use reach::{enough_goals, parts};
 
-use crate::input::{Fault, FileError, utf8};
+use crate::input::{FileError, toml, utf8};
 use iibt_core::grid::{Cell, Map, Move, Path};
 use iibt_core::navigation::{Effect, Place, Sight, Unknown};
 use serde::Serialize;
@@ -397,7 +397,7 @@ impl Scenario {
     /// # Errors
     /// [`FileError`] with the line and the reason for the first thing that is wrong.
     pub fn parse(name: &str, text: &str) -> Result<Self, FileError> {
-        let parsed = toml::from_str(text).map_err(Fault::from);
-        parsed.and_then(|file| check::check(name, text, &file)).map_err(|fault| fault.on_line(name, text))
+        let read = toml(text).and_then(|file| check::check(name, text, &file));
+        read.map_err(|fault| fault.on_line(name, text))
     }
 }

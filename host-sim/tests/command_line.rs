@@ -75,6 +75,13 @@ fn wrong_usage_and_unusable_input_have_status_two_and_a_reason() {
     refuses(&mut host_sim("run --loss 2"), "a probability is a number from 0 to 1");
     refuses(&mut host_sim("factry"), "did you mean 'factory'?");
     refuses(&mut host_sim("run nowhere.toml"), "nowhere.toml: ");
+    let folder = folder("of-scenarios");
+    fs::create_dir(&folder).expect("the folder for tests can be written");
+    refuses(host_sim("run").arg(&folder), "`campaign` flies all scenarios of a folder");
+    refuses(host_sim("infer").arg(&folder), "a folder, but a file is expected");
+    refuses(&mut host_sim("run --seed -1"), "a seed is a whole number from 0 to 18446744073709551615");
+    refuses(&mut host_sim("family sign --out x --count -1"), "-1 is not in 1..=1000000");
+    refuses(&mut host_sim("campaign factory --seeds -1"), "-1 is not in 1..=1000000");
     let scenario = file("wide.toml", "title = 't'\nmap = '''\n1..G\n'''\nlimitt = 3\n");
     refuses(host_sim("run").arg(&scenario), "wide.toml:5:");
     let model = file("model.json", "{\n  \"A\": [1,,2]\n}");

@@ -152,6 +152,52 @@ fn with_file_line_and_reason() {
     }
 }
 
+/// A mission with an unknown whose entry is `unknown`, beside a second goal and a wall.
+fn with_unknown(unknown: &str) -> String {
+    format!("title = 't'\nneed = 1\nmap = '''\nG...1..G\n....#...\n'''\n{unknown}")
+}
+
+#[test]
+fn when_an_unknown_is_not_written_as_one() {
+    #[rustfmt::skip]
+    let cases = [
+        ("[unknown]\nserves = [[0], [7]]", "7: [unknown] is one of a list: write [[unknown]]"),
+        ("[[unknown.sight]]\nfrom = 4", "7: [[unknown.sight]] belongs to an entry: put it after its [[unknown]]"),
+        ("[[unknown]]\nserves = [[0], [7]]\nprior = [0.5, 0.5]\n[unknown.sight]\nfrom = 4", "10: [unknown.sight] is one of a list: write [[unknown.sight]]"),
+        ("[[unknown]]\nprior = [0.5, 0.5]", "7: an unknown needs one of blocks, serves and takes"),
+        ("[[unknown]]\nblocks = [[1]]\nserves = [[0], [7]]\nprior = [0.5, 0.5]", "9: an unknown has blocks or serves, not both"),
+        ("[[unknown]]\nblocks = []\nprior = [1]", "8: blocks has 0 groups: list 1 or more"),
+        ("[[unknown]]\nserves = []\nprior = [0.5, 0.5]", "8: serves has 0 groups: list 2 or more"),
+        ("[[unknown]]\nserves = [[0, 7]]\nprior = [1.0]", "8: serves has 1 group: list 2 or more"),
+        ("[[unknown]]\nserves = [[0], [7]]\nprior = [1.0]", "9: 1 probability for 2 values: serves has one for each group"),
+        ("[[unknown]]\ntakes = [[0], [7]]\nprior = [0.2, 0.3, 0.5]", "9: 3 probabilities for 2 values: takes has one for each group"),
+        ("[[unknown]]\nblocks = [[1], [2]]\nprior = [0.5, 0.5]", "9: 2 probabilities for 3 values: blocks has one that nothing is blocked, and one for each group"),
+        ("[[unknown]]\nserves = [[0], [7]]\nprior = [0.501, 0.5]", "9: the probabilities of the values add up to 1.001, not to 1"),
+    ];
+    for (unknown, reason) in cases {
+        let refused = refusal("my.toml", &with_unknown(unknown));
+        assert!(refused.starts_with(&format!("my.toml:{reason}")), "{unknown}: {refused}");
+    }
+}
+
+#[test]
+fn when_there_are_too_many_unknowns_values_or_combinations_of_them() {
+    let door = |cell: usize| format!("[[unknown]]\nblocks = [[{cell}]]\nprior = [0.5, 0.5]\nbeside = 1.0\n");
+    let doors = |count: usize| {
+        let text: String = (2..2 + count).map(door).collect();
+        refusal("my.toml", &format!("title = 't'\nmap = '1............G'\n{text}"))
+    };
+    assert_eq!(doors(4), "accepted");
+    assert!(doors(5).ends_with("32 combinations of the values of unknowns, but a mission has at most 16"));
+    assert!(doors(9).starts_with("my.toml:35: 9 unknowns, but a mission has at most 8"), "{}", doors(9));
+    let groups: Vec<_> = (2..18).map(|cell| format!("[{cell}]")).collect();
+    let (groups, prior) = (groups.join(", "), vec!["0.0588235"; 17].join(", "));
+    let values = format!(
+        "title = 't'\nmap = '1.................G'\n[[unknown]]\nblocks = [{groups}]\nprior = [{prior}]\nbeside = 1.0"
+    );
+    assert_eq!(refusal("my.toml", &values), "my.toml:3: 17 values of unknowns, but a mission has at most 16");
+}
+
 #[test]
 fn when_a_robot_cannot_get_to_a_goal_of_its_own() {
     let apart = SOUND.replacen("....\n.#..\n....", "..#.\n.##.\n..#.", 1).replace("paths", "# paths");

@@ -1,6 +1,6 @@
 //! What the verbs that draw missions share: which are drawn, and where they go.
 
-use super::{Failure, about, print};
+use super::{Failure, about, print, seed};
 use clap::Args;
 use host_sim::MAX_TICKS;
 use iibt_core::team::MAX_TEAM;
@@ -15,7 +15,7 @@ pub(super) struct Draws {
     #[arg(long, value_name = "TICKS", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_TICKS)))]
     pub limit: u32,
     /// The seed of the first mission; the next one takes the next seed
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", value_parser = seed, default_value_t = 0)]
     seed: u64,
     /// How many missions, into a folder
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000), requires = "out")]

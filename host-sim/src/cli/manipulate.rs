@@ -1,6 +1,6 @@
 //! `manipulate`: two robots bring a bottle and a plate together.
 
-use super::{Failure, exit_status, probability, report};
+use super::{Failure, exit_status, probability, report, seed};
 use clap::{Args, ValueEnum};
 use host_sim::manipulation::{
     CampaignRuns, Compared, Detail, Disturbances, Findings, RunTerms, Trees, Trust, compare, narrate, run,
@@ -28,7 +28,7 @@ Exit status:
 #[derive(Args, Debug)]
 pub(super) struct Manipulate {
     /// The seed of all random numbers; the same seed gives the same run
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", value_parser = seed, default_value_t = 0)]
     seed: u64,
     /// The trees of the robots
     #[arg(long, value_name = "KIND", value_enum, default_value_t)]

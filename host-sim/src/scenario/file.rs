@@ -90,12 +90,15 @@ pub(super) struct GoalEntry {
     pub serves: RealNumber,
 }
 
+/// Lists of cells, one for each value.
+pub(super) type Groups = Spanned<Vec<Vec<WholeNumber>>>;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct UnknownEntry {
-    pub blocks: Option<Spanned<Vec<Vec<WholeNumber>>>>,
-    pub serves: Option<Spanned<Vec<Vec<WholeNumber>>>>,
-    pub takes: Option<Spanned<Vec<Vec<WholeNumber>>>>,
+    pub blocks: Option<Groups>,
+    pub serves: Option<Groups>,
+    pub takes: Option<Groups>,
     pub start: Option<WholeNumber>,
     pub range: Option<WholeNumber>,
     pub prior: Spanned<Vec<RealNumber>>,

@@ -4,6 +4,7 @@ use super::drawing::Drawing;
 use super::file::{self, ScenarioFile};
 use super::{MAX_CELLS, RobotSpec, StrangerSpec, UnknownSpec};
 use crate::input::{Fault, Read, optional, refuse, share, whole};
+use crate::text::counted;
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::{Effect, MAX_UNKNOWNS, MAX_VALUES, MAX_WORLDS, Place, Sight, Tells};
 
@@ -30,34 +31,15 @@ impl Drawing {
             let taken: Vec<Cell> = robots.iter().map(|robot| robot.start).chain(strangers).collect();
             unknown.stranger = self.stranger(written.get_ref(), &unknown, &taken).map_err(of)?;
             unknowns.push(unknown);
-            let (values, worlds) = (
-                unknowns.iter().map(|unknown| unknown.prior.len()).sum::<usize>(),
-                unknowns.iter().map(|unknown| unknown.prior.len()).product::<usize>(),
-            );
-            let most = [
-                (unknowns.len(), MAX_UNKNOWNS, "unknowns"),
-                (values, MAX_VALUES, "values of unknowns"),
-                (worlds, MAX_WORLDS, "combinations of their values"),
-            ];
-            if let Some((count, most, what)) = most.into_iter().find(|&(count, most, _)| count > most) {
-                return refuse(written.span(), format!("{count} {what}, but a mission has at most {most}"));
-            }
         }
+        room(&unknowns, file)?;
         Ok(unknowns)
     }
 
     fn unknown(&self, written: &file::UnknownEntry, goals: &[Cell]) -> Read<UnknownSpec> {
-        let (effect, groups, first) = match (&written.blocks, &written.serves, &written.takes) {
-            (Some(groups), None, None) => (Effect::Blocks, groups, 1),
-            (None, Some(groups), None) => (Effect::Serves, groups, 0),
-            (None, None, Some(groups)) => (Effect::Takes, groups, 0),
-            _ => {
-                let reason = "an unknown says which cells it blocks, which goals serve, or which goal a \
-                              stranger takes: blocks = [[CELL, ...], ...], or serves, or takes";
-                return Err(Fault::anywhere(reason));
-            }
-        };
-        let prior = prior(written, groups.get_ref().len() + first)?;
+        let (effect, key, groups) = effect(written)?;
+        let prior = prior(written, effect, key, values(effect, key, groups)?)?;
+        let first = prior.len() - groups.get_ref().len();
         let mut cells: Vec<Place> = Vec::new();
         for (value, group) in groups.get_ref().iter().enumerate() {
             for number in group {
@@ -156,22 +138,73 @@ impl Drawing {
     }
 }
 
+/// What an unknown means for its cells, and the key with their groups.
+fn effect(written: &file::UnknownEntry) -> Read<(Effect, &'static str, &file::Groups)> {
+    let keys = [
+        (Effect::Blocks, "blocks", &written.blocks),
+        (Effect::Serves, "serves", &written.serves),
+        (Effect::Takes, "takes", &written.takes),
+    ];
+    let mut given =
+        keys.into_iter().filter_map(|(effect, key, groups)| Some((effect, key, groups.as_ref()?)));
+    match (given.next(), given.next()) {
+        (Some(only), None) => Ok(only),
+        (Some((_, one, _)), Some((_, other, groups))) => refuse(
+            groups.span(),
+            format!("an unknown has {one} or {other}, not both: leave one of the two out"),
+        ),
+        (None, _) => Err(Fault::anywhere(
+            "an unknown needs one of blocks, serves and takes: the cells that it may block, the goals \
+             that may serve, or those that a stranger may take",
+        )),
+    }
+}
+
+/// The number of values of an unknown, at least two.
+fn values(effect: Effect, key: &str, groups: &file::Groups) -> Read<usize> {
+    let count = groups.get_ref().len();
+    let (values, least) = if effect == Effect::Blocks { (count + 1, 1) } else { (count, 2) };
+    if count < least {
+        let reason = format!("{key} has {}: list {least} or more", counted(count as u32, "group"));
+        return refuse(groups.span(), reason);
+    }
+    Ok(values)
+}
+
 /// The probability of each of so many values, which add up to one.
-fn prior(written: &file::UnknownEntry, values: usize) -> Read<Vec<f32>> {
+fn prior(written: &file::UnknownEntry, effect: Effect, key: &str, values: usize) -> Read<Vec<f32>> {
     let listed = written.prior.get_ref();
-    let prior =
-        listed.iter().map(|p| Ok(share("prior", Some(p), 0.0)? as f32)).collect::<Read<Vec<f32>>>()?;
-    let of = |reason: String| Err(Fault::new(written.prior.span(), reason));
-    if prior.len() != values || values < 2 {
-        return of(format!(
-            "{} probabilities for {} values: 'blocks' has one value more than groups, in which nothing is blocked",
-            prior.len(),
-            values.max(2)
-        ));
+    let prior = listed.iter().map(|p| share("prior", Some(p), 0.0)).collect::<Read<Vec<f64>>>()?;
+    if prior.len() != values {
+        let first = if effect == Effect::Blocks { "one that nothing is blocked, and " } else { "" };
+        let count = match prior.len() {
+            1 => "1 probability".to_owned(),
+            count => format!("{count} probabilities"),
+        };
+        let reason = format!("{count} for {values} values: {key} has {first}one for each group");
+        return refuse(written.prior.span(), reason);
     }
-    let sum: f32 = prior.iter().sum();
+    let sum: f64 = prior.iter().sum();
     if (sum - 1.0).abs() > 1e-4 {
-        return of(format!("the probabilities of the values add up to {sum}, not to 1"));
+        let sum = (sum * 1e6).round() / 1e6;
+        let reason = format!("the probabilities of the values add up to {sum}, not to 1");
+        return refuse(written.prior.span(), reason);
     }
-    Ok(prior)
+    Ok(prior.into_iter().map(|p| p as f32).collect())
+}
+
+/// Whether there is room for so many values, and combinations of them.
+fn room(unknowns: &[UnknownSpec], file: &ScenarioFile) -> Read<()> {
+    let values = || unknowns.iter().map(|unknown| unknown.prior.len());
+    let most = [
+        (unknowns.len(), MAX_UNKNOWNS, "unknowns"),
+        (values().sum(), MAX_VALUES, "values of unknowns"),
+        (values().fold(1, usize::saturating_mul), MAX_WORLDS, "combinations of the values of unknowns"),
+    ];
+    match (most.into_iter().find(|&(count, most, _)| count > most), file.unknowns.last()) {
+        (Some((count, most, what)), Some(last)) => {
+            refuse(last.span(), format!("{count} {what}, but a mission has at most {most}"))
+        }
+        _ => Ok(()),
+    }
 }

@@ -9,7 +9,7 @@ use super::room;
 use super::tree::TaskTree;
 use super::world::{Goal, Truth};
 use crate::input::{
-    Fault, FileError, Read, RealNumber, Text, line_of_text, optional, real, refuse, share, whole,
+    Fault, FileError, Read, RealNumber, Text, line_of_text, optional, real, refuse, share, toml, whole,
 };
 use crate::scenario::Radio;
 use bumpalo::Bump;
@@ -49,8 +49,7 @@ impl<'a> TableMission<'a> {
     /// # Errors
     /// [`FileError`] with line, column and reason of the first thing that is wrong.
     pub fn parse(arena: &'a Bump, name: &str, text: &str) -> Result<Self, FileError> {
-        let file = toml::from_str(text).map_err(Fault::from);
-        let read = file.and_then(|file: File| Reader { arena, file: &file }.mission(name));
+        let read = toml(text).and_then(|file: File| Reader { arena, file: &file }.mission(name));
         read.map_err(|fault| fault.in_file(name, text))
     }
 }
