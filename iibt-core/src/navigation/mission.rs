@@ -58,10 +58,11 @@ pub struct Mission<'m, const W: usize> {
     /// without it.
     pub waits_for_charging: bool,
     /// Paths given by hand for each robot, used while all robots stand where theirs begin: the
-    /// joint policies are their combinations without conflicts, in order.
+    /// joint policies are their combinations without conflicts, in order. Not with unknowns.
     pub paths: Option<&'m [&'m [Path]]>,
     /// What the team does not know: at most [`MAX_UNKNOWNS`], with [`MAX_VALUES`] values and
-    /// [`MAX_WORLDS`] combinations of them. Joint policies by which a robot looks first are made
+    /// [`MAX_WORLDS`] combinations of them, in one of which at least the mission can be
+    /// accomplished. Joint policies by which a robot looks first are made
     /// for them, and up to the robot's `K` are weighed.
     pub unknowns: &'m [Unknown<'m>],
     /// The number of joint policies to weigh, at least 1, by default 4; the robot's `K` is the
@@ -125,9 +126,25 @@ pub enum MissionError {
     )]
     UnknownCount,
     /// A cell of an unknown, or one from which it is seen, is outside the map, blocked, given
-    /// twice, or should be a goal and is none.
-    #[error("the cell p{} of an unknown is outside the map, blocked, given twice or no goal", .0.0)]
+    /// twice, should be a goal and is none, or may be blocked and is a start.
+    #[error("the cell p{} of an unknown is outside the map, blocked, given twice, no goal or a start", .0.0)]
     Unknown(Cell),
+    /// An unknown has fewer than two values, or several without cells, which all mean the same.
+    #[error("unknown {0} has fewer than two values, or two without cells")]
+    Values(u8),
+    /// What is seen of an unknown from a cell is given twice, or is about no value of it, or its
+    /// readings are right no more often than a guess.
+    #[error("the sight from p{} is given twice, of no value, or right no more often than a guess", .0.0)]
+    Sight(Cell),
+    /// An unknown is seen from nowhere, so that no robot ever comes to know its value.
+    #[error("unknown {0} is seen from nowhere")]
+    Unseen(u8),
+    /// Fewer goals than needed serve, whatever the values of the unknowns are.
+    #[error("fewer goals than needed serve, whatever the values of the unknowns are")]
+    Impossible,
+    /// A mission with unknowns has paths given by hand, by which no robot looks.
+    #[error("a mission with unknowns has no paths given by hand")]
+    PathsGiven,
     /// The probabilities of the values of an unknown are no distribution.
     #[error("the prior of unknown {0} is no distribution")]
     Prior(u8),
@@ -301,7 +318,7 @@ impl<'m, const W: usize> Mission<'m, W> {
         if let Some(cell) = self.misplaced(self.chargers.iter().copied().flatten()) {
             return Err(MissionError::Charger(cell));
         }
-        unknown::check(self.unknowns, &self.map, self.goals)?;
+        unknown::check(self)?;
         let probability = |p: f32| (0.0..=1.0).contains(&p);
         let sensors = [self.sensor].into_iter().chain(self.sensors.iter().copied());
         let are_paces = self.paces.iter().all(|pace| (1..=MAX_PACE).contains(pace));

@@ -1,9 +1,10 @@
 //! Unknowns: what a team does not know about its mission, and from where robots see it.
 
-use super::mission::MissionError;
-use crate::grid::{Cell, CellSet, Map};
+use super::mission::{Mission, MissionError};
+use crate::grid::{Cell, CellSet};
 use crate::inference::{Argument, OutOfRange, Worlds};
 use crate::team::Fnv1a;
+use crate::team::rounds::View;
 
 /// The most unknowns of one mission: none without the feature `unknowns`.
 pub const MAX_UNKNOWNS: usize = if cfg!(feature = "unknowns") { 8 } else { 0 };
@@ -102,7 +103,8 @@ pub struct Sight {
     pub from: Cell,
     /// What is read there.
     pub tells: Tells,
-    /// The probability that a reading is right; a wrong one names any other value alike.
+    /// The probability that a reading is right, more than that of a guess; a wrong one names any
+    /// other value alike.
     pub right: f32,
 }
 
@@ -185,6 +187,18 @@ impl Unknown<'_> {
         self.cells.iter().filter(move |place| place.value == value).map(|place| place.cell)
     }
 
+    /// Whether a sight, with its place in the list, is the first of its kind from its cell, is of a
+    /// value that there is, and right more often than a guess.
+    fn is_sound(&self, index: usize, sight: &Sight) -> bool {
+        let is_again = |other: &Sight| (other.from, other.tells) == (sight.from, sight.tells);
+        let (has_value, answers) = match sight.tells {
+            Tells::Value => (true, self.values()),
+            Tells::Whether(value) => (value < self.values(), 2),
+        };
+        let is_better = sight.right <= 1.0 && sight.right * f32::from(answers) > 1.0;
+        has_value && is_better && !self.sights.iter().take(index).any(is_again)
+    }
+
     /// How well a reading of this kind is known to be right: that of the sight from a cell, or of
     /// the worst sight that tells as much; `None` where no sight does.
     pub(super) fn sight(&self, from: Cell, tells: Tells) -> Option<Sight> {
@@ -219,31 +233,40 @@ impl Unknown<'_> {
         })
     }
 
-    /// Checks the unknown on a map, with the goals of its mission.
-    pub(super) fn check<const W: usize>(&self, map: &Map<W>, goals: &[Cell]) -> Result<(), MissionError> {
-        let mut named =
-            self.cells.iter().map(|place| place.cell).chain(self.sights.iter().map(|sight| sight.from));
-        if let Some(cell) = named.find(|&cell| !map.is_free(cell)) {
+    /// Whether it keeps robots from ending on a cell where it has a value.
+    fn rules_out(&self, cell: Cell, value: usize) -> bool {
+        let serves = self.effect == Effect::Serves;
+        let mut here = self.cells.iter().filter(|place| place.cell == cell);
+        here.any(|place| (usize::from(place.value) == value) != serves)
+    }
+
+    /// Checks the unknown, which has this number in its mission.
+    fn check<const W: usize>(&self, number: u8, mission: &Mission<'_, W>) -> Result<(), MissionError> {
+        let cells = || self.cells.iter().map(|place| place.cell);
+        let is_misplaced = |cell: Cell| match self.effect {
+            Effect::Blocks => mission.starts.contains(&cell),
+            Effect::Serves | Effect::Takes => !mission.goals.contains(&cell),
+        };
+        let mut seen = CellSet::<W>::EMPTY;
+        let mut named = cells().chain(self.sights.iter().map(|sight| sight.from));
+        let wrong = named.find(|&cell| !mission.map.is_free(cell));
+        let wrong = wrong.or_else(|| cells().find(|&cell| is_misplaced(cell) || !seen.insert(cell)));
+        if let Some(cell) = wrong {
             return Err(MissionError::Unknown(cell));
         }
-        let is_goal = |place: &&Place| goals.contains(&place.cell);
-        if self.effect != Effect::Blocks
-            && let Some(place) = self.cells.iter().find(|place| !is_goal(place))
+        if self.cells.iter().any(|place| place.value >= self.values()) {
+            return Err(MissionError::Number);
+        }
+        let without_cells = (0..self.values()).filter(|&value| self.cells_of(value).next().is_none());
+        if self.values() < 2 || without_cells.count() > 1 {
+            return Err(MissionError::Values(number));
+        }
+        if let Some((_, sight)) = (0..).zip(self.sights).find(|&(index, sight)| !self.is_sound(index, sight))
         {
-            return Err(MissionError::Unknown(place.cell));
+            return Err(MissionError::Sight(sight.from));
         }
-        let mut seen = CellSet::<W>::EMPTY;
-        if let Some(place) = self.cells.iter().find(|place| !seen.insert(place.cell)) {
-            return Err(MissionError::Unknown(place.cell));
-        }
-        let has = |value: u8| usize::from(value) < self.prior.len();
-        let tells = |sight: &Sight| match sight.tells {
-            Tells::Value => true,
-            Tells::Whether(value) => has(value),
-        };
-        let is_sound = |sight: &Sight| tells(sight) && (0.0..=1.0).contains(&sight.right);
-        let fits = self.cells.iter().all(|place| has(place.value)) && self.sights.iter().all(is_sound);
-        if fits { Ok(()) } else { Err(MissionError::Number) }
+        let is_unseen = self.effect != Effect::Takes && self.sights.is_empty();
+        if is_unseen { Err(MissionError::Unseen(number)) } else { Ok(()) }
     }
 }
 
@@ -251,21 +274,43 @@ impl Unknown<'_> {
 ///
 /// # Errors
 /// The first [`MissionError`] found.
-pub(super) fn check<const W: usize>(
-    unknowns: &[Unknown<'_>],
-    map: &Map<W>,
-    goals: &[Cell],
-) -> Result<(), MissionError> {
+pub(super) fn check<const W: usize>(mission: &Mission<'_, W>) -> Result<(), MissionError> {
+    let unknowns = mission.unknowns;
     if unknowns.len() > MAX_UNKNOWNS || values(unknowns) > MAX_VALUES {
         return Err(MissionError::UnknownCount);
     }
-    for unknown in unknowns {
-        unknown.check(map, goals)?;
+    if unknowns.is_empty() {
+        return Ok(());
     }
-    worlds(unknowns).map(|_| ()).map_err(|error| match error.what {
+    if mission.paths.is_some() {
+        return Err(MissionError::PathsGiven);
+    }
+    for (number, unknown) in (0..).zip(unknowns) {
+        unknown.check(number, mission)?;
+    }
+    let mut blocked = CellSet::<W>::EMPTY;
+    let blocks = unknowns.iter().filter(|unknown| unknown.effect == Effect::Blocks);
+    if let Some(place) = blocks.flat_map(|unknown| unknown.cells).find(|place| !blocked.insert(place.cell)) {
+        return Err(MissionError::Unknown(place.cell));
+    }
+    let worlds = worlds(unknowns).map_err(|error| match error.what {
         Argument::Prior => MissionError::Prior(error.index as u8),
         _ => MissionError::UnknownCount,
-    })
+    })?;
+    let is_possible = (0..worlds.len()).any(|world| is_possible(mission, &worlds, world));
+    if is_possible { Ok(()) } else { Err(MissionError::Impossible) }
+}
+
+/// Whether a world has a prior above zero, and in it robots can end on as many goals without an
+/// owner as they need.
+fn is_possible<const W: usize>(mission: &Mission<'_, W>, worlds: &Worlds<MAX_WORLDS>, world: usize) -> bool {
+    let values = || (0..).zip(mission.unknowns).map(|(number, of)| (of, worlds.value(world, number)));
+    let may_be = values().all(|(unknown, value)| unknown.prior.get(value).is_some_and(|&p| p > 0.0));
+    let open = || mission.open_goals(View::full(mission.team().into()));
+    let serving = open().filter(|&goal| !values().any(|(unknown, value)| unknown.rules_out(goal, value)));
+    let robots = mission.starts.len() - mission.own_goals.iter().flatten().count().min(mission.starts.len());
+    let need = mission.need.map_or(open().count().min(robots), usize::from);
+    may_be && serving.count() >= need
 }
 
 /// The values of all unknowns together.
@@ -284,4 +329,111 @@ pub(super) fn worlds(unknowns: &[Unknown<'_>]) -> Result<Worlds<MAX_WORLDS>, Out
         let _ = priors.push(unknown.prior);
     }
     Worlds::new(&priors)
+}
+
+#[cfg(all(test, feature = "unknowns"))]
+mod tests {
+    use super::*;
+    use crate::grid::{Map, Path};
+
+    const STARTS: [Cell; 2] = [Cell(5), Cell(6)];
+    const GOALS: [Cell; 3] = [Cell(0), Cell(1), Cell(4)];
+    const EITHER: [Place; 2] = [Place::new(Cell(0), 0), Place::new(Cell(4), 1)];
+    const GATE: [Place; 1] = [Place::new(Cell(2), 1)];
+    const SIGN: [Sight; 1] = [sight(7, Tells::Value, 0.9)];
+    const SERVES: Unknown<'_> =
+        Unknown { effect: Effect::Serves, cells: &EITHER, prior: &[0.5; 2], sights: &SIGN };
+    const BLOCKS: Unknown<'_> = Unknown { effect: Effect::Blocks, cells: &GATE, ..SERVES };
+
+    const fn sight(from: u16, tells: Tells, right: f32) -> Sight {
+        Sight { from: Cell(from), tells, right }
+    }
+
+    /// Checks a mission of two robots that need two of three goals.
+    fn checked(unknowns: &[Unknown<'_>]) -> Result<(), MissionError> {
+        let map = Map::<1>::drawn(".....\n.....").unwrap();
+        Mission { unknowns, need: Some(2), ..Mission::new(map, &STARTS, &GOALS) }.check::<10>()
+    }
+
+    #[test]
+    fn sound_unknowns_are_not_refused() {
+        assert_eq!(checked(&[SERVES, BLOCKS]), Ok(()));
+        let takes = Unknown { effect: Effect::Takes, sights: &[], ..SERVES };
+        assert_eq!(checked(&[takes]), Ok(()), "it is inferred from moves");
+        let around = [sight(1, Tells::Whether(1), 0.51), sight(3, Tells::Whether(1), 1.0)];
+        assert_eq!(checked(&[Unknown { sights: &around, ..BLOCKS }]), Ok(()));
+    }
+
+    #[test]
+    fn cells_are_refused_that_are_blocked_twice_or_where_a_robot_starts() {
+        assert_eq!(checked(&[BLOCKS, BLOCKS]), Err(MissionError::Unknown(Cell(2))));
+        let start = Unknown { cells: &[Place::new(Cell(6), 1)], ..BLOCKS };
+        assert_eq!(checked(&[start]), Err(MissionError::Unknown(Cell(6))));
+        let no_goal = Unknown { cells: &[Place::new(Cell(0), 0), Place::new(Cell(2), 1)], ..SERVES };
+        assert_eq!(checked(&[no_goal]), Err(MissionError::Unknown(Cell(2))));
+    }
+
+    #[test]
+    fn values_that_mean_the_same_are_refused() {
+        for (cells, prior) in [(&GATE[..0], &[0.5; 2][..]), (&GATE, &[0.5, 0.25, 0.25]), (&[], &[1.0])] {
+            let refused = checked(&[SERVES, Unknown { cells, prior, ..BLOCKS }]);
+            assert_eq!(refused, Err(MissionError::Values(1)), "{cells:?} {prior:?}");
+        }
+    }
+
+    #[test]
+    fn sights_are_refused_that_tell_nothing_or_the_same_again() {
+        for wrong in [
+            sight(3, Tells::Value, 0.5),
+            sight(3, Tells::Value, 0.0),
+            sight(3, Tells::Value, 1.1),
+            sight(3, Tells::Whether(0), 0.5),
+            sight(3, Tells::Whether(2), 0.9),
+            sight(3, Tells::Value, f32::NAN),
+        ] {
+            let unknown = Unknown { sights: &[SIGN[0], wrong], ..SERVES };
+            assert_eq!(checked(&[unknown]), Err(MissionError::Sight(Cell(3))), "{wrong:?}");
+        }
+        let twice = Unknown { sights: &[SIGN[0], SIGN[0]], ..SERVES };
+        assert_eq!(checked(&[twice]), Err(MissionError::Sight(Cell(7))));
+        let cells = [EITHER[0], EITHER[1], Place::new(Cell(1), 2)];
+        let of_three = |right| {
+            let sights = [sight(7, Tells::Value, right)];
+            checked(&[Unknown { cells: &cells, prior: &[0.5, 0.3, 0.2], sights: &sights, ..SERVES }])
+        };
+        assert_eq!(of_three(0.3), Err(MissionError::Sight(Cell(7))));
+        assert_eq!(of_three(0.4), Err(MissionError::Impossible), "a reading of three values tells something");
+    }
+
+    #[test]
+    fn an_unknown_that_is_seen_from_nowhere_is_refused() {
+        for unknown in [SERVES, BLOCKS] {
+            let refused = checked(&[SERVES, Unknown { sights: &[], ..unknown }]);
+            assert_eq!(refused, Err(MissionError::Unseen(1)));
+        }
+    }
+
+    #[test]
+    fn a_mission_is_refused_that_is_impossible_in_every_world() {
+        let cells = [EITHER[0], EITHER[1], Place::new(Cell(1), 2)];
+        let one_of_three = Unknown { cells: &cells, prior: &[0.5, 0.3, 0.2], ..SERVES };
+        assert_eq!(checked(&[one_of_three]), Err(MissionError::Impossible), "two robots need two");
+        let takes = Unknown { effect: Effect::Takes, sights: &[], ..SERVES };
+        assert_eq!(checked(&[SERVES, takes]), Ok(()), "it may take the one that does not serve");
+        let surely = Unknown { prior: &[1.0, 0.0], ..SERVES };
+        let takes = Unknown { prior: &[1.0, 0.0], ..takes };
+        assert_eq!(checked(&[surely, takes]), Err(MissionError::Impossible));
+        let gate = Unknown { cells: &[Place::new(Cell(1), 1)], prior: &[0.0, 1.0], ..BLOCKS };
+        assert_eq!(checked(&[SERVES, gate]), Err(MissionError::Impossible));
+    }
+
+    #[test]
+    fn paths_given_by_hand_are_refused_with_unknowns() {
+        let map = Map::<1>::drawn(".....\n.....").unwrap();
+        let paths: [&[Path]; 2] = [&[]; 2];
+        let mission = Mission { paths: Some(&paths), ..Mission::new(map, &STARTS, &GOALS) };
+        assert_eq!(mission.check::<10>(), Ok(()));
+        let mission = Mission { unknowns: &[SERVES], need: Some(2), ..mission };
+        assert_eq!(mission.check::<10>(), Err(MissionError::PathsGiven));
+    }
 }
