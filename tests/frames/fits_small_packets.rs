@@ -55,10 +55,12 @@ fn the_longest_packet_is_as_long_as_its_type_says() {
 
 #[test]
 fn a_ninth_value_of_unknowns_and_a_third_place_are_refused_by_name() {
-    let map = Map::<WORDS>::drawn("....\n....").unwrap();
+    let map = Map::<WORDS>::drawn("....\n....\n....\n....\n....").unwrap();
     let (starts, goals) = ([Cell(0), Cell(4)], [Cell(3), Cell(7)]);
-    let start = |prior| {
-        let unknowns = [Unknown { effect: Effect::Blocks, cells: &[], prior, sights: &[] }];
+    let sights = [Sight { from: Cell(1), tells: Tells::Value, right: 1.0 }];
+    let start = |prior: &[f32]| {
+        let cells: Vec<Place> = (1..prior.len()).map(|n| Place::new(Cell(7 + n as u16), n as u8)).collect();
+        let unknowns = [Unknown { effect: Effect::Blocks, cells: &cells, prior, sights: &sights }];
         let mission = Mission { unknowns: &unknowns, ..Mission::new(map, &starts, &goals) };
         let member = Member::new(RobotId(0), 2).unwrap();
         Navigation::<CELLS, WORDS, LAYERS, NODES, POLICIES>::new(&mission, member, 1).map(|_| ())
@@ -93,16 +95,17 @@ fn ground(random: &mut Random, wanted: usize) -> (Map<WORDS>, Vec<Cell>) {
 /// Returns whether all robots that are heard have arrived.
 fn fly(seed: u64, longest: &mut [usize; 5]) -> bool {
     let mut random = Random::new(seed);
-    let (map, cells) = ground(&mut random, 8);
+    let (map, cells) = ground(&mut random, 10);
     // A cell that may be blocked, and is not, seen from beside it.
-    let look_outs: Vec<Vec<Sight>> = cells[..2]
+    let (cells, doubtful) = cells.split_at(8);
+    let look_outs: Vec<Vec<Sight>> = doubtful
         .iter()
         .map(|&cell| {
             map.free_neighbours(cell).map(|(_, from)| Sight { from, tells: Tells::Value, right: 0.9 })
         })
         .map(Iterator::collect)
         .collect();
-    let places = [cells[0], cells[1]].map(|cell| [Place::new(cell, 1)]);
+    let places = [doubtful[0], doubtful[1]].map(|cell| [Place::new(cell, 1)]);
     let unknowns: Vec<Unknown<'_>> = places
         .iter()
         .zip(&look_outs)

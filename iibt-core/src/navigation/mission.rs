@@ -152,8 +152,8 @@ pub enum MissionError {
     #[error("a probability, pace, precision, habit or number of policies is out of range")]
     Number,
     /// The robot has [no planner](super::Navigation), and the mission has no paths, or it has
-    /// chargers or unknown cells to which no path leads.
-    #[error("a robot without a planner needs a mission with paths, without chargers and unknown cells")]
+    /// chargers, to which no path leads.
+    #[error("a robot without a planner needs a mission with paths and without chargers")]
     NoPlanner,
     /// The robot has been started already.
     #[error("the robot has been started already")]
@@ -253,7 +253,7 @@ impl<'m, const W: usize> Mission<'m, W> {
 
     /// Whether paths given by hand are all that its robots may need.
     pub(super) fn needs_no_planner(&self) -> bool {
-        self.paths.is_some() && self.unknowns.is_empty() && self.chargers.iter().all(Option::is_none)
+        self.paths.is_some() && self.chargers.iter().all(Option::is_none)
     }
 
     /// The probability that a robot's own localiser is right.
