@@ -66,7 +66,8 @@ pub struct FamilyMissions {
     /// At most two of [`Family::Sign`], [`Family::Rooms`] and [`Family::FarSign`], one of
     /// [`Family::Gates`] and [`Family::Search`], and never more than the least robots.
     pub need: Option<RangeInclusive<usize>>,
-    /// The probability that a reading is right, 0 to 1.
+    /// The probability that a reading is right, more than that of a guess between two: over 0.5,
+    /// and up to 1.
     pub right: f64,
     /// The ticks after which a mission counts as not accomplished, 1 to [`MAX_TICKS`].
     pub limit: u32,
@@ -93,8 +94,8 @@ pub enum FamilyError {
         /// The most goals that such a mission can need.
         serving: usize,
     },
-    /// This is no probability.
-    #[error("readings are right with a probability from 0 to 1, not {0}")]
+    /// Readings are right no more often than a guess, or this is no probability.
+    #[error("readings are right with a probability over 0.5 and up to 1, not {0}")]
     Right(f64),
     /// No mission has this limit.
     #[error("a limit of {0} ticks is not between 1 and {MAX_TICKS}")]
@@ -149,7 +150,7 @@ impl FamilyMissions {
         if least < 1 || least > most || most > serving {
             return Err(FamilyError::Need { least, most, serving });
         }
-        if !(0.0..=1.0).contains(&self.right) {
+        if !(self.right > 0.5 && self.right <= 1.0) {
             return Err(FamilyError::Right(self.right));
         }
         if (1..=MAX_TICKS).contains(&self.limit) { Ok(()) } else { Err(FamilyError::Limit(self.limit)) }
@@ -377,7 +378,9 @@ mod tests {
             assert_eq!(refused(missions), FamilyError::Need { least, most, serving });
         }
         let right = |right| FamilyMissions { right, ..sign.clone() };
-        assert_eq!(refused(right(1.5)), FamilyError::Right(1.5));
+        for wrong in [0.0, 0.5, 1.5] {
+            assert_eq!(refused(right(wrong)), FamilyError::Right(wrong));
+        }
         assert!(matches!(refused(right(f64::NAN)), FamilyError::Right(_)));
         for limit in [0, MAX_TICKS + 1] {
             assert_eq!(refused(FamilyMissions { limit, ..sign.clone() }), FamilyError::Limit(limit));

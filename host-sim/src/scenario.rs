@@ -11,7 +11,7 @@ mod file;
 mod reach;
 mod team;
 mod unknown;
-pub(crate) use reach::{enough_goals, parts};
+pub(crate) use reach::{parts, served};
 
 use crate::input::{FileError, toml, utf8};
 use iibt_core::grid::{Cell, Map, Move, Path};

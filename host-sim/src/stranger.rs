@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn it_goes_on_a_shortest_way_and_waits_for_what_is_in_it() {
-        let text = "title = 't'\nmap = '''\n1.G\n.#.\nG..\n2..\n'''\n[[unknown]]\ntakes = [[2], [6]]\n\
+        let text = "title = 't'\nneed = 1\nmap = '''\n1.G\n.#.\nG..\n2..\n'''\n[[unknown]]\ntakes = [[2], [6]]\n\
                     prior = [0.5, 0.5]\nstart = 8";
         let scenario = Scenario::parse("test", text).unwrap();
         let mut random = Stranger::draws(1);

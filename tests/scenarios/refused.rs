@@ -181,6 +181,72 @@ fn when_an_unknown_is_not_written_as_one() {
 }
 
 #[test]
+fn when_an_unknown_makes_no_sense() {
+    let either = |more: &str| format!("[[unknown]]\nserves = [[0], [7]]\nprior = [0.5, 0.5]\n{more}");
+    let door = |more: &str| format!("[[unknown]]\nblocks = [[1]]\nprior = [0.5, 0.5]\n{more}");
+    let sight = |more: &str| either("[[unknown.sight]]\nfrom = 3\n") + more;
+    let robots = "beside = 1.0\n[[robot]]\npaths = [[4, 5, 6, 7]]";
+    #[rustfmt::skip]
+    let cases = [
+        (either("beside = 0"), "10: beside = 0 is no better than a guess: of 2 answers it is over 1/2"),
+        (either("beside = 0.5"), "10: beside = 0.5 is no better than a guess"),
+        (sight("right = 0.5"), "12: right = 0.5 is no better than a guess: of 2 answers it is over 1/2"),
+        (sight("tells = 1\nright = 0.4"), "13: right = 0.4 is no better than a guess"),
+        (sight("[[unknown.sight]]\nfrom = 3"), "13: the unknown has such a sight from 3 already"),
+        (either("beside = 1.0\n[[unknown.sight]]\nfrom = 1\ntells = 0"), "10: a sight from 1 tells of value 0 already, which beside does too"),
+        (either(""), "7: nothing tells the value of this unknown: write beside = P, or add an [[unknown.sight]]"),
+        (door(""), "7: nothing tells the value of this unknown"),
+        (door("beside = 1.0\n") + &door("beside = 1.0"), "12: 1 belongs to another unknown already"),
+        (door("beside = 1.0").replace("1]]", "4]]"), "8: 4 is where a robot starts: it is not blocked"),
+        (door("beside = 1.0").replace("1]]", "]]"), "8: an empty group means the same as value 0, in which nothing is blocked"),
+        (either("beside = 1.0").replace("[0], [7]", "[], []"), "8: an empty group means the same as the other empty one"),
+        (either("beside = 1.0\nreal = 1").replace("0.5, 0.5", "1, 0"), "11: real = 1, but the prior of that value is 0"),
+        (either(robots), "12: robots with paths do not look: leave them out, or every [[unknown]]"),
+    ];
+    for (unknown, reason) in cases {
+        let refused = refusal("my.toml", &with_unknown(&unknown));
+        assert!(refused.starts_with(&format!("my.toml:{reason}")), "{unknown}: {refused}");
+    }
+    for sound in [
+        either("beside = 0.6"),
+        sight("right = 0.6"),
+        door("beside = 1.0"),
+        sight("tells = 1\n[[unknown.sight]]\nfrom = 3"),
+    ] {
+        assert_eq!(refusal("my.toml", &with_unknown(&sound)), "accepted", "{sound}");
+    }
+    let third = |right: f64| {
+        let sight = format!("[[unknown.sight]]\nfrom = 3\nright = {right}");
+        refusal(
+            "my.toml",
+            &with_unknown(&format!("[[unknown]]\nblocks = [[1], [2]]\nprior = [0.5, 0.3, 0.2]\n{sight}")),
+        )
+    };
+    assert!(third(0.33).ends_with("of 3 answers it is over 1/3"), "{}", third(0.33));
+    assert_eq!(third(0.34), "accepted", "of three values");
+}
+
+#[test]
+fn when_no_world_lets_the_mission_be_accomplished() {
+    let text = |need: &str, unknown: &str| {
+        format!(
+            "title = 't'\n{need}\nmap = '''\nG..1.2..G\n....#....\n'''\n[[unknown]]\n{unknown}\nprior = [0.5, 0.5]"
+        )
+    };
+    let serves = "serves = [[0], [8]]\nbeside = 1.0";
+    let refused = refusal("my.toml", &text("need = 2", serves));
+    assert_eq!(refused, "my.toml:2: need = 2, but at most 1 can be held, whatever the unknowns are");
+    assert!(refusal("my.toml", &text("", serves)).starts_with("my.toml:7: need = 2, but at most 1 "));
+    assert_eq!(refusal("my.toml", &text("need = 1", serves)), "accepted");
+    let takes = refusal("my.toml", &text("need = 2", "takes = [[0], [8]]\nstart = 4"));
+    assert!(takes.starts_with("my.toml:2: need = 2, but at most 1 "), "{takes}");
+    let shut = text("need = 1", "blocks = [[1, 10, 7, 16]]\nbeside = 1.0");
+    assert_eq!(refusal("my.toml", &shut), "accepted", "it may be open");
+    let surely = refusal("my.toml", &shut.replace("[0.5, 0.5]", "[0.0, 1.0]"));
+    assert!(surely.starts_with("my.toml:2: need = 1, but at most 0 "), "{surely}");
+}
+
+#[test]
 fn when_there_are_too_many_unknowns_values_or_combinations_of_them() {
     let door = |cell: usize| format!("[[unknown]]\nblocks = [[{cell}]]\nprior = [0.5, 0.5]\nbeside = 1.0\n");
     let doors = |count: usize| {

@@ -32,7 +32,7 @@ pub(super) struct DrawFamily {
     /// The number of goals that must be held at the end, or a range; the family's own unless set
     #[arg(long, value_name = "N", value_parser = need)]
     need: Option<RangeInclusive<usize>>,
-    /// The probability that a reading is right
+    /// The probability that a reading is right, over 0.5 and up to 1
     #[arg(long, value_name = "P", default_value_t = 1.0, value_parser = probability)]
     right: f64,
     #[command(flatten)]

@@ -3,34 +3,15 @@
 //! Robots without goals of their own can be exchanged: one that is in the way goes itself. So ways
 //! to goals that differ are enough, and nobody has to search for moves of the whole team.
 
-use crate::scenario::{Scenario, enough_goals};
+use crate::scenario::{Scenario, served};
 use iibt_core::grid::Cell;
-use iibt_core::navigation::Effect;
 
 /// Whether there is a way from every start to every goal where nothing is blocked, and in every
 /// world of positive prior as many robots as needed have ways to goals that differ and serve.
 pub(super) fn is_soluble(scenario: &Scenario) -> bool {
     let Scenario { map, goals, robots, need, .. } = scenario;
     let reached = |start: Cell| goals.iter().all(|&goal| map.connected(start).contains(goal));
-    let is_soluble_in = |world: &Vec<u8>| {
-        let floor = map.avoiding(scenario.cells_of_unknowns(Effect::Blocks, world, true));
-        let useless: Vec<Cell> = scenario.useless_goals(world).collect();
-        let serving: Vec<Cell> = goals.iter().copied().filter(|goal| !useless.contains(goal)).collect();
-        serving.len() >= *need && enough_goals(&floor, &serving, robots, *need).is_ok()
-    };
-    robots.iter().all(|robot| reached(robot.start)) && worlds(scenario).iter().all(is_soluble_in)
-}
-
-/// The values of the unknowns in each world of positive prior.
-fn worlds(scenario: &Scenario) -> Vec<Vec<u8>> {
-    scenario.unknowns.iter().fold(vec![Vec::new()], |worlds, unknown| {
-        let values: Vec<u8> =
-            (0_u8..).zip(&unknown.prior).filter(|(_, p)| **p > 0.0).map(|(v, _)| v).collect();
-        let with = |world: Vec<u8>| {
-            values.iter().map(move |&value| [world.as_slice(), &[value]].concat()).collect::<Vec<_>>()
-        };
-        worlds.into_iter().flat_map(with).collect()
-    })
+    robots.iter().all(|robot| reached(robot.start)) && served(scenario).all(|robots| robots >= *need)
 }
 
 #[cfg(test)]
@@ -44,14 +25,15 @@ mod tests {
 
     #[test]
     fn every_start_has_a_way_to_every_goal() {
-        let either = "[[unknown]]\nserves = [[3], [7]]\nprior = [0.5, 0.5]";
+        let either = "[[unknown]]\nserves = [[3], [7]]\nprior = [0.5, 0.5]\nbeside = 1.0";
         assert!(verdict(1, "1..G\n...G", either));
         assert!(!verdict(1, "1..G\n####\n...G", "") && !verdict(1, "1..G\n####\n2...", ""));
     }
 
     #[test]
     fn in_every_world_that_may_be_enough_goals_serve() {
-        let serves = |prior: &str| format!("[[unknown]]\nserves = [[2, 3], [7]]\nprior = {prior}");
+        let serves =
+            |prior: &str| format!("[[unknown]]\nserves = [[2, 3], [7]]\nprior = {prior}\nbeside = 1.0");
         let map = "1.GG\n2..G";
         assert!(verdict(1, map, &serves("[0.5, 0.5]")) && verdict(2, map, &serves("[1.0, 0.0]")));
         assert!(!verdict(2, map, &serves("[0.5, 0.5]")));
@@ -60,7 +42,8 @@ mod tests {
     #[test]
     fn in_every_world_that_may_be_a_way_is_open() {
         let gates = |prior: &str| {
-            let gate = |cell: u8| format!("[[unknown]]\nblocks = [[{cell}]]\nprior = {prior}\n");
+            let gate =
+                |cell: u8| format!("[[unknown]]\nblocks = [[{cell}]]\nprior = {prior}\nbeside = 1.0\n");
             gate(1) + &gate(9)
         };
         let two_ways = "1..G\n.##.\n....";

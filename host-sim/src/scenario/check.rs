@@ -16,6 +16,12 @@ const MOST_MISSIONS: u32 = 1000;
 
 /// Checks everything; `text` is what `file` was read from.
 pub(super) fn check(name: &str, text: &str, file: &ScenarioFile) -> Read<Scenario> {
+    let scenario = read(name, text, file)?;
+    possible(&scenario, file)?;
+    Ok(scenario)
+}
+
+fn read(name: &str, text: &str, file: &ScenarioFile) -> Read<Scenario> {
     let drawing = Drawing::read(text, &file.map)?;
     let goals = drawing.goals(file)?;
     let robots = drawing.team(file, &goals)?;
@@ -121,6 +127,20 @@ fn with_own_goals(mut goals: Vec<Cell>, robots: &[RobotSpec]) -> Vec<Cell> {
 fn needed(file: &ScenarioFile, goals: &[Cell], robots: &[RobotSpec]) -> Read<usize> {
     let most = goals.len().min(robots.len());
     Ok(whole("need", file.need.as_ref(), 1..=most as u32, most as u32)? as usize)
+}
+
+/// Whether robots can accomplish a mission with unknowns in one of its worlds, and may look.
+fn possible(scenario: &Scenario, file: &ScenarioFile) -> Read<()> {
+    let Some(first) = file.unknowns.first() else { return Ok(()) };
+    if let Some(paths) = file.robots.iter().find_map(|robot| robot.get_ref().paths.as_ref()) {
+        return refuse(paths.span(), "robots with paths do not look: leave them out, or every [[unknown]]");
+    }
+    let (need, most) = (scenario.need, reach::served(scenario).max().unwrap_or(0));
+    if most >= need {
+        return Ok(());
+    }
+    let reason = format!("need = {need}, but at most {most} can be held, whatever the unknowns are");
+    refuse(file.need.as_ref().map_or(first.span(), Spanned::span), reason)
 }
 
 /// Whether a mission has this many goals.

@@ -3,20 +3,27 @@
 //! The assignment uses augmenting paths (Kuhn 1955): a robot takes a goal that is free, or one that
 //! another robot can exchange for a different goal.
 
-use super::{Floor, MAX_CELLS, RobotSpec};
+use super::{Floor, MAX_CELLS, RobotSpec, Scenario};
 use iibt_core::actions::HORIZON;
 use iibt_core::grid::{Cell, Planner};
+use iibt_core::navigation::Effect;
 
 /// A robot without a goal, by its index, and the reason.
 pub(crate) type Stranded = (usize, String);
 
 /// Assigns robots to goals that differ, as many as needed, or names the first robot without one.
-pub(crate) fn enough_goals(
+pub(super) fn enough_goals(
     map: &Floor,
     goals: &[Cell],
     robots: &[RobotSpec],
     need: usize,
 ) -> Result<(), Stranded> {
+    let (found, stranded) = assigned(map, goals, robots);
+    stranded.filter(|_| found < need).map_or(Ok(()), Err)
+}
+
+/// How many robots get goals that differ, and the first that gets none.
+fn assigned(map: &Floor, goals: &[Cell], robots: &[RobotSpec]) -> (usize, Option<Stranded>) {
     let reachable: Vec<_> = robots.iter().map(|robot| reachable(map, goals, robot)).collect();
     let mut owners = vec![None; goals.len()];
     let mut stranded = None;
@@ -25,8 +32,30 @@ pub(crate) fn enough_goals(
             stranded.get_or_insert_with(|| (index, reason(robot, goals, &reachable[index])));
         }
     }
-    let found = owners.iter().flatten().count();
-    stranded.filter(|_| found < need).map_or(Ok(()), Err)
+    (owners.iter().flatten().count(), stranded)
+}
+
+/// In each world of positive prior, how many robots have ways to goals that differ and serve.
+pub(crate) fn served(scenario: &Scenario) -> impl Iterator<Item = usize> {
+    worlds(scenario).into_iter().map(|world| {
+        let Scenario { map, goals, robots, .. } = scenario;
+        let floor = map.avoiding(scenario.cells_of_unknowns(Effect::Blocks, &world, true));
+        let useless: Vec<Cell> = scenario.useless_goals(&world).collect();
+        let serving: Vec<Cell> = goals.iter().copied().filter(|goal| !useless.contains(goal)).collect();
+        assigned(&floor, &serving, robots).0
+    })
+}
+
+/// The values of the unknowns in each world of positive prior.
+fn worlds(scenario: &Scenario) -> Vec<Vec<u8>> {
+    scenario.unknowns.iter().fold(vec![Vec::new()], |worlds, unknown| {
+        let values: Vec<u8> =
+            (0_u8..).zip(&unknown.prior).filter(|(_, p)| **p > 0.0).map(|(v, _)| v).collect();
+        let with = |world: Vec<u8>| {
+            values.iter().map(move |&value| [world.as_slice(), &[value]].concat()).collect::<Vec<_>>()
+        };
+        worlds.into_iter().flat_map(with).collect()
+    })
 }
 
 /// How many parts the free cells fall into between which no way leads.

@@ -3,10 +3,11 @@
 use super::drawing::Drawing;
 use super::file::{self, ScenarioFile};
 use super::{MAX_CELLS, RobotSpec, StrangerSpec, UnknownSpec};
-use crate::input::{Fault, Read, optional, refuse, share, whole};
+use crate::input::{Fault, Read, RealNumber, optional, refuse, share};
 use crate::text::counted;
 use iibt_core::grid::{Cell, Move};
 use iibt_core::navigation::{Effect, MAX_UNKNOWNS, MAX_VALUES, MAX_WORLDS, Place, Sight, Tells};
+use toml::Spanned;
 
 /// The range in which a stranger must be seen: two robots that are no nearer come to no common cell
 /// in a tick.
@@ -30,6 +31,12 @@ impl Drawing {
             let strangers = unknowns.iter().filter_map(|unknown| Some(unknown.stranger?.start));
             let taken: Vec<Cell> = robots.iter().map(|robot| robot.start).chain(strangers).collect();
             unknown.stranger = self.stranger(written.get_ref(), &unknown, &taken).map_err(of)?;
+            may_be_blocked(written.get_ref(), &unknowns, &taken)?;
+            if unknown.stranger.is_none() && unknown.sights.is_empty() {
+                let reason = "nothing tells the value of this unknown: write beside = P, or add an \
+                              [[unknown.sight]]";
+                return refuse(written.span(), reason);
+            }
             unknowns.push(unknown);
         }
         room(&unknowns, file)?;
@@ -39,8 +46,23 @@ impl Drawing {
     fn unknown(&self, written: &file::UnknownEntry, goals: &[Cell]) -> Read<UnknownSpec> {
         let (effect, key, groups) = effect(written)?;
         let prior = prior(written, effect, key, values(effect, key, groups)?)?;
-        let first = prior.len() - groups.get_ref().len();
-        let mut cells: Vec<Place> = Vec::new();
+        let cells = self.places(effect, groups, goals)?;
+        let sights = self.sights(written, &cells, effect, prior.len())?;
+        let last = prior.len() as u32 - 1;
+        let real = optional("real", written.real.as_ref(), 0..=last)?.map(|value| value as u8);
+        if let (Some(value), Some(number)) = (real, &written.real)
+            && prior[usize::from(value)] == 0.0
+        {
+            let reason = format!("real = {value}, but the prior of that value is 0: robots rule it out");
+            return refuse(number.span(), reason);
+        }
+        Ok(UnknownSpec { effect, cells, prior, sights, real, stranger: None })
+    }
+
+    /// The cells of an unknown, each with its value.
+    fn places(&self, effect: Effect, groups: &file::Groups, goals: &[Cell]) -> Read<Vec<Place>> {
+        let first = usize::from(effect == Effect::Blocks);
+        let mut places: Vec<Place> = Vec::new();
         for (value, group) in groups.get_ref().iter().enumerate() {
             for number in group {
                 let cell = self.free("a cell of an unknown", number)?;
@@ -50,29 +72,53 @@ impl Drawing {
                         format!("{} is no goal: it neither serves nor is taken", cell.0),
                     );
                 }
-                if cells.iter().any(|place| place.cell == cell) {
+                if places.iter().any(|place| place.cell == cell) {
                     return refuse(number.span(), format!("{} belongs to the unknown already", cell.0));
                 }
-                cells.push(Place::new(cell, (value + first) as u8));
+                places.push(Place::new(cell, (value + first) as u8));
             }
         }
-        let mut sights = written
-            .sights
-            .iter()
-            .map(|sight| self.sight(sight.get_ref(), prior.len()))
-            .collect::<Read<Vec<_>>>()?;
-        if written.beside.is_some() {
-            let right = share("beside", written.beside.as_ref(), 1.0)? as f32;
-            sights.extend(self.beside(&cells, effect).map(|(from, value)| Sight {
-                from,
-                tells: Tells::Whether(value),
-                right,
-            }));
+        let empty = groups.get_ref().iter().filter(|group| group.is_empty()).count();
+        if empty + first > 1 {
+            let other =
+                if first == 1 { "value 0, in which nothing is blocked" } else { "the other empty one" };
+            return refuse(groups.span(), format!("an empty group means the same as {other}"));
         }
-        let last = prior.len() as u32 - 1;
-        let real = written.real.as_ref().map(|real| whole("real", Some(real), 0..=last, 0)).transpose()?;
-        let real = real.map(|value| value as u8);
-        Ok(UnknownSpec { effect, cells, prior, sights, real, stranger: None })
+        Ok(places)
+    }
+
+    /// From where an unknown is seen: as its sights say, then from beside its cells.
+    fn sights(
+        &self,
+        written: &file::UnknownEntry,
+        cells: &[Place],
+        effect: Effect,
+        values: usize,
+    ) -> Read<Vec<Sight>> {
+        let mut sights: Vec<Sight> = Vec::new();
+        let is_known = |sights: &[Sight], from, tells| {
+            sights.iter().any(|sight| (sight.from, sight.tells) == (from, tells))
+        };
+        for entry in written.sights.iter().map(Spanned::get_ref) {
+            let sight = self.sight(entry, values)?;
+            if is_known(&sights, sight.from, sight.tells) {
+                let reason = format!("the unknown has such a sight from {} already", sight.from.0);
+                return refuse(entry.from.span(), reason);
+            }
+            sights.push(sight);
+        }
+        let Some(beside) = &written.beside else { return Ok(sights) };
+        let right = right("beside", Some(beside), 2)?;
+        for (from, value) in self.beside(cells, effect) {
+            let tells = Tells::Whether(value);
+            if is_known(&sights, from, tells) {
+                let reason =
+                    format!("a sight from {} tells of value {value} already, which beside does too", from.0);
+                return refuse(beside.span(), reason);
+            }
+            sights.push(Sight { from, tells, right });
+        }
+        Ok(sights)
     }
 
     /// The stranger whose goal an unknown is; it starts where nobody else does, with a way to every
@@ -113,10 +159,12 @@ impl Drawing {
 
     fn sight(&self, written: &file::SightEntry, values: usize) -> Read<Sight> {
         let last = values as u32 - 1;
-        let value =
-            written.tells.as_ref().map(|value| whole("tells", Some(value), 0..=last, 0)).transpose()?;
-        let tells = value.map_or(Tells::Value, |value| Tells::Whether(value as u8));
-        let right = share("right", written.right.as_ref(), 1.0)? as f32;
+        let value = optional("tells", written.tells.as_ref(), 0..=last)?;
+        let (tells, answers) = match value {
+            Some(value) => (Tells::Whether(value as u8), 2),
+            None => (Tells::Value, values),
+        };
+        let right = right("right", written.right.as_ref(), answers)?;
         Ok(Sight { from: self.free("from", &written.from)?, tells, right })
     }
 
@@ -191,6 +239,37 @@ fn prior(written: &file::UnknownEntry, effect: Effect, key: &str, values: usize)
         return refuse(written.prior.span(), reason);
     }
     Ok(prior.into_iter().map(|p| p as f32).collect())
+}
+
+/// The probability that a reading of so many answers is right: more than that of a guess.
+fn right(key: &str, number: Option<&RealNumber>, answers: usize) -> Read<f32> {
+    let right = share(key, number, 1.0)? as f32;
+    match number {
+        Some(number) if right * answers as f32 <= 1.0 => refuse(
+            number.span(),
+            format!("{key} = {right} is no better than a guess: of {answers} answers it is over 1/{answers}"),
+        ),
+        _ => Ok(right),
+    }
+}
+
+/// Whether the cells that an unknown may block are no other's, and nobody starts there.
+fn may_be_blocked(written: &file::UnknownEntry, others: &[UnknownSpec], starts: &[Cell]) -> Read<()> {
+    let groups = written.blocks.iter().flat_map(Spanned::get_ref);
+    let others = others.iter().filter(|other| other.effect == Effect::Blocks);
+    for number in groups.flatten() {
+        let is_it = |cell: Cell| i64::from(cell.0) == *number.get_ref();
+        if starts.iter().copied().any(is_it) {
+            return refuse(
+                number.span(),
+                format!("{} is where a robot starts: it is not blocked", number.get_ref()),
+            );
+        }
+        if others.clone().flat_map(|other| &other.cells).any(|place| is_it(place.cell)) {
+            return refuse(number.span(), format!("{} belongs to another unknown already", number.get_ref()));
+        }
+    }
+    Ok(())
 }
 
 /// Whether there is room for so many values, and combinations of them.
