@@ -136,8 +136,8 @@ impl ToldChoice for ChosenPolicy {
 
 impl fmt::Display for ChosenPolicy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let number = self.policy + 1;
-        writeln!(f, "joint policy {number} of {}, probability {:.3}", self.listed, self.probability)?;
+        let Self { policy, listed, probability, .. } = self;
+        writeln!(f, "joint policy {policy}, one of {listed}, probability {probability:.3}")?;
         for way in &self.ways {
             writeln!(f, "  {way}")?;
         }

@@ -119,7 +119,7 @@ impl ToldChoice for ChosenParts {
 impl fmt::Display for ChosenParts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { policy, place, listed, probability, parts } = self;
-        writeln!(f, "joint policy {} of {listed}, pi{policy}, probability {probability:.3}", place + 1)?;
+        writeln!(f, "joint policy {place}, one of {listed}, pi{policy}, probability {probability:.3}")?;
         parts.iter().try_for_each(|part| writeln!(f, "  {part}"))
     }
 }
