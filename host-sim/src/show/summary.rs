@@ -66,10 +66,11 @@ fn row(robot: &RobotRecord) -> [String; 9] {
 }
 
 fn arrival(robot: &RobotRecord) -> String {
-    if robot.goal == Some(robot.cell) && robot.status == "arrived" {
-        format!("tick {}", robot.arrived)
-    } else {
-        format!("no: {}", robot.status)
+    match robot.goal {
+        _ if robot.status != "arrived" => format!("no: {}", robot.status),
+        Some(goal) if goal == robot.cell => format!("tick {}", robot.arrived),
+        Some(_) => "no: elsewhere".to_owned(),
+        None => format!("tick {}, at no goal", robot.arrived),
     }
 }
 
@@ -157,6 +158,20 @@ mod tests {
         let text = summary(&record, None);
         assert!(text.contains("\nR2: visited 4 9, charged 1 time, battery 35 %, stopped\n"), "{text}");
         assert!(!text.contains("\nR1: "), "{text}");
+    }
+
+    #[test]
+    fn tells_where_a_robot_is_that_has_arrived() {
+        let arrived = |goal| {
+            let mut record = flown(0.0);
+            record.robots[0].goal = goal;
+            arrival(&record.robots[0])
+        };
+        let record = flown(0.0);
+        let tick = format!("tick {}", record.robots[0].arrived);
+        assert_eq!(arrived(Some(record.robots[0].cell)), tick);
+        assert_eq!(arrived(None), tick + ", at no goal");
+        assert_eq!(arrived(Some(Cell(0))), "no: elsewhere");
     }
 
     #[test]
