@@ -6,6 +6,7 @@ use crate::random::{Random, Stream};
 use crate::record::Record;
 use crate::scenario::Scenario;
 use crate::team::TeamError;
+use crate::world::World;
 use iibt_core::grid::Cell;
 use iibt_core::navigation::Experience;
 use serde::Serialize;
@@ -69,7 +70,11 @@ pub fn fly_series(
         let seed = conditions.seed.wrapping_add(number << 32);
         let record = fly_preferring(scenario, Conditions { seed, ..conditions }, preferences, observer)?;
         // One draw for every goal, so that the outcome does not depend on which robot stands where.
-        let serves: Vec<bool> = scenario.serves.iter().map(|&serves| random.bernoulli(serves)).collect();
+        let serves = scenario.serves.iter().map(|&serves| random.bernoulli(serves));
+        let world = World::new(scenario, seed);
+        let is_useless = |goal: &Cell| world.useless().contains(goal);
+        let serves: Vec<bool> =
+            serves.zip(&scenario.goals).map(|(serves, goal)| serves && !is_useless(goal)).collect();
         let goal_of = |cell: Cell| scenario.goals.iter().position(|&goal| goal == cell);
         let stands: Vec<Option<usize>> = record.robots.iter().map(|robot| goal_of(robot.cell)).collect();
         for (experience, goal) in experience.iter_mut().zip(&stands) {
@@ -79,4 +84,25 @@ pub fn fly_series(
         missions.push(SeriesMission { record, served });
     }
     Ok(Series { learning, missions })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::team::Pilot;
+
+    #[test]
+    fn a_goal_that_an_unknown_leaves_out_serves_nobody() {
+        let served = |real: u8| {
+            let text = format!(
+                "title = 't'\nlimit = 20\nneed = 1\nmap = '1.G....G'\n[[unknown]]\nserves = [[2], [7]]\n\
+                 prior = [0.5, 0.5]\nbeside = 1.0\nreal = {real}"
+            );
+            let scenario = Scenario::parse("t", &text).unwrap();
+            // It goes to the nearest goal whether that serves or not.
+            let conditions = Conditions { tree: Pilot::Conventional, ..Conditions::default() };
+            fly_series(&scenario, conditions, true, &mut ()).unwrap().missions.remove(0).served
+        };
+        assert_eq!((served(0), served(1)), (vec![Some(true)], vec![Some(false)]));
+    }
 }
