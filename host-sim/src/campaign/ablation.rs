@@ -69,7 +69,9 @@ impl Ablation {
             Decider::WithoutLooking => "no robot is sent to look",
             Decider::LastReading => "a robot believes its last reading, and nothing else",
             Decider::StayingFacts => "a robot's first reading is a fact that stays",
-            Decider::Unshared => "robots keep what they have read to themselves",
+            Decider::Unshared => {
+                "no reading enters a joint decision, each robot only asks for another by its own"
+            }
             Decider::Random => "any policy of the list",
             Decider::First => "the first policy of the list",
             Decider::Shortest => "the policy of the fewest ticks if nothing is seen",
