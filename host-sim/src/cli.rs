@@ -269,6 +269,7 @@ impl RunArgs {
                 format!("{}: --tree-log is for the tree with the inference node", scenario.name).into()
             );
         }
+        note_conventional(&[self.tree], std::slice::from_ref(&scenario));
         let conditions = Conditions { seed: self.seed, loss: self.loss, tree: self.tree };
         if scenario.missions > 1 {
             return self.run_series(&scenario, conditions);
@@ -334,6 +335,18 @@ impl RunArgs {
             format!("\n{}", summary(record, columns))
         };
         Ok(text + "\n")
+    }
+}
+
+/// Says on standard error that robots with a conventional tree know of no unknowns, if some fly
+/// where there are.
+fn note_conventional(pilots: &[Pilot], scenarios: &[Scenario]) {
+    let is_one = |pilot: &Pilot| matches!(pilot, Pilot::Conventional | Pilot::Figure5);
+    if pilots.iter().any(is_one) && scenarios.iter().any(|scenario| !scenario.unknowns.is_empty()) {
+        eprintln!(
+            "note: a conventional tree knows of no [[unknown]]: all cells are free to it until it sees them \
+             blocked, and all goals serve"
+        );
     }
 }
 

@@ -63,7 +63,7 @@ pub struct Difference {
     pub pairs: u32,
     /// The mean of the differences.
     pub mean: f64,
-    /// Student's interval of that mean, 95 %.
+    /// Student's interval of that mean, 95 %; the mean itself of a single pair.
     pub interval: [f64; 2],
 }
 
@@ -107,10 +107,10 @@ impl Difference {
         Self { pairs: values.len() as u32, mean, interval: student(&values, mean) }
     }
 
-    /// Returns whether the interval excludes zero.
+    /// Returns whether the interval excludes zero; a single pair has none.
     #[must_use]
     pub fn is_significant(&self) -> bool {
-        self.interval[0] > 0.0 || self.interval[1] < 0.0
+        self.pairs > 1 && (self.interval[0] > 0.0 || self.interval[1] < 0.0)
     }
 }
 
@@ -208,6 +208,6 @@ mod tests {
             Difference::of([1.0, 1.1, 0.9]).is_significant() && Difference::of([-2.0, -2.1]).is_significant()
         );
         assert!(!Difference::of([1.0, -1.0, 0.5]).is_significant());
-        assert!(!Difference::of([]).is_significant());
+        assert!(!Difference::of([]).is_significant() && !Difference::of([3.0]).is_significant());
     }
 }

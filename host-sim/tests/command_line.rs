@@ -418,9 +418,35 @@ fn missions_of_a_family_are_listed_drawn_and_refused_with_a_reason() {
     refuses(&mut host_sim("family sign --robots 9"), "a number of robots is 1 to 8");
     refuses(&mut host_sim("family sign --need 0"), "a number of goals is 1 or more");
     refuses(&mut host_sim("family sign --right 1.1"), "a probability is a number from 0 to 1");
+    for right in ["0", "0.5", "-1"] {
+        let line = format!("family sign --right {right}");
+        refuses(&mut host_sim(&line), "a probability ");
+    }
     refuses(&mut host_sim("family gates --need 2"), "gates: a need of 2..2 goals");
     refuses(&mut host_sim("family sign --robots 1"), "sign: a need of 2..2 goals");
     refuses(&mut host_sim("family sign --count 2"), "--out");
+}
+
+#[test]
+fn trees_that_know_of_no_unknowns_say_so_and_ablations_are_for_missions_with_unknowns() {
+    let scenarios = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    let flown = |tree: &str, name: &str| {
+        let file = scenarios.join(name);
+        host_sim(&format!("run --quiet --tree {tree}")).arg(file).assert().code(vec![0, 1])
+    };
+    flown("conventional", "sign.toml")
+        .stderr(starts_with("note: a conventional tree knows of no [[unknown]]"));
+    flown("inference", "sign.toml").stderr(is_empty());
+    flown("conventional", "two-goals.toml").stderr(is_empty());
+    refuses(
+        &mut host_sim("campaign two-goals --ablate"),
+        "two-goals: --ablate is for missions with an [[unknown]]",
+    );
+    let help = host_sim("campaign --help").assert().success();
+    let help = String::from_utf8_lossy(&help.get_output().stdout).into_owned();
+    let at = |text: &str| help.find(text).expect("it is told");
+    assert!(at("all` are the `parts`") < at("  matching ") && at("  matching ") < at("and the `rules`"));
+    assert!(at("and the `rules`") < at("  free-space "));
 }
 
 #[test]

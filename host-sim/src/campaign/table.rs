@@ -14,8 +14,8 @@ impl CampaignReport {
         for row in &self.rows {
             text += &row.ablations();
         }
-        text += "\nTicks are those until the last robot is where it ends. Intervals are 95 %: Wilson's of a ratio,\n\
-                 Student's of a mean. Differences are of pairs with the same seed, both of which accomplished the mission.\n";
+        text += "\nTicks are those until the last robot is where it ends; p95 is their 95th percentile. Intervals are\n\
+                 95 %: Wilson's of a ratio, Student's of a mean. Differences are of pairs with the same seed, both of which accomplished the mission.\n";
         text
     }
 
@@ -31,14 +31,14 @@ impl CampaignReport {
             "accomplished",
             "together",
             "collided",
-            "ticks: mean, median, 95 %",
+            "ticks: mean, median, p95",
             "messages",
             "moves"
         );
         for row in &self.rows {
             text += &row.lines();
         }
-        text += "\nIntervals are 95 %: Wilson's of a ratio, Student's of a mean. Ticks, messages and moves are means over flights\n\
+        text += "\nIntervals are 95 %: Wilson's of a ratio, Student's of a mean; p95 is the 95th percentile. Ticks, messages and moves are means over flights\n\
                  that accomplished the mission; differences are of pairs with the same seed, both of which did.\n";
         text
     }
@@ -51,7 +51,7 @@ impl CampaignRow {
             "\n{:<17}  {:<24}  {:<32}  {:>5}  {}\n",
             format!("disturbance {}", self.disturbance.name()),
             "accomplished",
-            "ticks: mean, median, 95 %",
+            "ticks: mean, median, p95",
             "worst",
             "more than inference"
         );
@@ -68,11 +68,11 @@ impl CampaignRow {
                 })
             });
             text += &format!(
-                "{:<17}  {}  {}  {:>5.0}  {more}\n",
+                "{:<17}  {}  {}  {:>5}  {more}\n",
                 summary.pilot.name(),
                 share(&summary.accomplished),
                 distribution(&summary.ticks),
-                summary.ticks.most
+                of_some(&summary.ticks, format!("{:.0}", summary.ticks.most))
             );
         }
         if let Some(best) = self.best_rule() {
@@ -111,14 +111,14 @@ impl CampaignRow {
 impl Summary {
     fn line(&self) -> String {
         format!(
-            "{:<12}  {}  {:>7.1} %  {:>8}  {}  {:>8.1}  {:>5.1}",
+            "{:<12}  {}  {:>7.1} %  {:>8}  {}  {:>8}  {:>5}",
             self.pilot.name(),
             share(&self.accomplished),
             100.0 * self.together.ratio,
             self.collided.count,
             distribution(&self.ticks),
-            self.messages.mean,
-            self.moves.mean
+            of_some(&self.messages, format!("{:.1}", self.messages.mean)),
+            of_some(&self.moves, format!("{:.1}", self.moves.mean))
         )
     }
 }
@@ -161,19 +161,92 @@ fn share(share: &Share) -> String {
     format!("{:>5.1} % ({low:>5.1} to {high:>5.1})", 100.0 * share.ratio)
 }
 
+/// A statistic as it is written, if it is one of any flights.
+fn of_some(of: &Distribution, text: String) -> String {
+    if of.count == 0 { "-".to_owned() } else { text }
+}
+
 fn distribution(of: &Distribution) -> String {
     if of.count == 0 {
         return format!("{:>32}", "-");
     }
     let [low, high] = of.interval;
-    format!("{:>5.1} ({low:>5.1} to {high:>5.1}) {:>4.0} {:>4.0}", of.mean, of.median, of.p95)
+    let interval = if of.count > 1 { format!("({low:>5.1} to {high:>5.1})") } else { String::new() };
+    format!("{:>5.1} {interval:>16} {:>4.0} {:>4.0}", of.mean, of.median, of.p95)
 }
 
 fn difference(of: &Difference) -> String {
-    if of.pairs == 0 {
-        return "-".to_owned();
+    match of.pairs {
+        0 => return "-".to_owned(),
+        1 => return format!("{:+.1}", of.mean),
+        _ => {}
     }
     let [low, high] = of.interval;
     let mark = if of.is_significant() { "" } else { "; not significant" };
     format!("{:+.1} ({low:+.1} to {high:+.1}{mark})", of.mean)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::campaign::{Disturbance, Score, Violations};
+    use crate::verdict::Outcome;
+
+    fn score(ticks: Option<u32>) -> Score {
+        let (outcome, accomplished) = (Outcome::Unfinished, ticks.is_some());
+        let (ticks, faults) = (ticks.unwrap_or(200), Violations::default());
+        Score {
+            seed: 0,
+            outcome,
+            accomplished,
+            together: false,
+            ticks,
+            reported: ticks,
+            spread: 0,
+            faults,
+            bumps: 0,
+            messages: 5,
+            moves: 5,
+            in_place: 0,
+        }
+    }
+
+    /// A report of inference and a rule that took these ticks, `None` for a flight that failed.
+    fn report(inference: &[Option<u32>], rule: &[Option<u32>]) -> CampaignReport {
+        let pilots = [Pilot::Inference, Pilot::Ablated(&Ablation::RULES[0])];
+        let [first, second] =
+            [inference, rule].map(|ticks| ticks.iter().copied().map(score).collect::<Vec<_>>());
+        let row = CampaignRow {
+            disturbance: Disturbance::None,
+            summaries: vec![Summary::of(pilots[0], &first), Summary::of(pilots[1], &second)],
+            comparisons: vec![Comparison::of(pilots, &first, &second)],
+        };
+        CampaignReport { scenario: "t".to_owned(), seeds: first.len() as u32, rows: vec![row] }
+    }
+
+    /// The line of the rule.
+    fn rule(report: &CampaignReport) -> String {
+        let text = report.ablation_table();
+        let line = text.lines().find(|line| line.starts_with("free-space"));
+        line.expect("it was flown").split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn there_is_no_interval_of_a_single_flight_or_pair() {
+        let one = report(&[Some(10)], &[Some(13)]);
+        assert_eq!(rule(&one), "free-space 100.0 % ( 20.7 to 100.0) 13.0 13 13 13 +3.0");
+        assert!(one.table().contains("inference minus free-space: accomplished +0.0 points, "));
+        let two = report(&[Some(10), Some(12)], &[Some(13), Some(15)]);
+        let line = rule(&two);
+        assert!(line.contains("14.0 ( 1.3 to 26.7) 14 15 15 +3.0 (+3.0 to +3.0)"), "{line}");
+    }
+
+    #[test]
+    fn there_are_no_numbers_of_flights_that_failed() {
+        let none = report(&[Some(10), Some(12)], &[None, None]);
+        assert_eq!(rule(&none), "free-space 0.0 % ( 0.0 to 65.8) - - -");
+        let table = none.table();
+        let line = table.lines().find(|line| line.contains("free-space  ")).expect("it was flown");
+        assert!(line.trim_end().ends_with("-         -      -"), "{line}");
+    }
 }

@@ -1,7 +1,7 @@
 //! `campaign`: a mission flown many times, or many missions, by the inference node and by a
 //! conventional tree.
 
-use super::{Failure, about, exit_status, report, scenario, task};
+use super::{Failure, about, exit_status, note_conventional, report, scenario, task};
 use clap::{Args, ValueEnum};
 use host_sim::campaign::{Ablation, Campaign, Disturbance};
 use host_sim::{Pilot, Scenario};
@@ -36,13 +36,15 @@ and, which `every` leaves out because the robot that is struck does not arrive:
   stalled    the drive of one robot stalls for good
 
 With --ablate the same seeds are flown with a part of the decision taken out, or with a rule in its
-place; `parts` and `rules` are these, `all` both:
-{ablations}
+place; `all` are the `parts`,
+{parts}
+and the `rules`:
+{rules}
 
 In a folder, the first seed flies the first file by name, and after the last file the first again.
 
-A task file is flown at levels of 0, 10, 20 and 30 % of wrong readings and of failed actions, without
---tree, --disturbance and --ablate. Its exit status is 0 at any share of success.
+A task file is flown at levels of 0, 10, 20 and 30 % of wrong readings and of failed actions,
+without --tree, --disturbance and --ablate. Its exit status is 0 at any share of success.
 
 Exit status:
   0  no flight of the inference node had a collision
@@ -52,8 +54,9 @@ Exit status:
 /// The examples, with a line for each decider.
 pub(super) fn examples() -> String {
     let line = |ablation: &Ablation| format!("  {:<17}  {}\n", ablation.name, ablation.what());
-    let lines: String = Ablation::all().map(line).collect();
-    EXAMPLES.replace("{ablations}", lines.trim_end())
+    let lines = |of: &[Ablation]| of.iter().map(line).collect::<String>();
+    let (parts, rules) = (lines(Ablation::PARTS), lines(Ablation::RULES));
+    EXAMPLES.replace("{parts}", parts.trim_end()).replace("{rules}", rules.trim_end())
 }
 
 /// The seeds of a campaign, unless told otherwise.
@@ -141,8 +144,13 @@ fn ablations(names: &str) -> Result<AblationList, String> {
             name => all.push(Ablation::find(name).ok_or_else(|| no_ablation(name))?),
         }
     }
-    all.dedup();
-    Ok(AblationList(all))
+    let mut once = Vec::new();
+    for ablation in all {
+        if !once.contains(&ablation) {
+            once.push(ablation);
+        }
+    }
+    Ok(AblationList(once))
 }
 
 fn no_ablation(name: &str) -> String {
@@ -181,7 +189,11 @@ impl FlyMany {
         for scenario in &mut scenarios {
             scenario.inference.budget = self.budget.or(scenario.inference.budget);
         }
+        if self.ablate.is_some() && scenarios.iter().all(|scenario| scenario.unknowns.is_empty()) {
+            return Err(format!("{}: --ablate is for missions with an [[unknown]]", self.scenario).into());
+        }
         let pilots = self.pilots();
+        note_conventional(&pilots, &scenarios);
         let most = pilots.iter().map(|pilot| pilot.most_cells()).min().unwrap_or(0);
         if let Some(large) = scenarios.iter().find(|scenario| scenario.map.len() > most) {
             let (name, cells) = (&large.name, large.map.len());
@@ -252,4 +264,21 @@ fn tell(done: usize, flights: usize) {
     } else {
         Ok(())
     };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_named_twice_is_flown_once() {
+        let names = |list: &str| {
+            let AblationList(all) = ablations(list).expect("there are such");
+            all.iter().map(|ablation| ablation.name).collect::<Vec<_>>()
+        };
+        assert_eq!(names("likeliest,first,likeliest"), ["likeliest", "first"]);
+        assert_eq!(names("parts,parts"), names("parts"));
+        assert_eq!(names("first,all,rules").len(), names("all").len());
+        assert!(ablations("firs").is_err());
+    }
 }
