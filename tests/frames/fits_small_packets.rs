@@ -57,7 +57,7 @@ fn the_longest_packet_is_as_long_as_its_type_says() {
 fn a_ninth_value_of_unknowns_and_a_third_place_are_refused_by_name() {
     let map = Map::<WORDS>::drawn("....\n....\n....\n....\n....").unwrap();
     let (starts, goals) = ([Cell(0), Cell(4)], [Cell(3), Cell(7)]);
-    let sights = [Sight { from: Cell(1), tells: Tells::Value, right: 1.0 }];
+    let sights = [sight(Cell(1), 1.0)];
     let start = |prior: &[f32]| {
         let cells: Vec<Place> = (1..prior.len()).map(|n| Place::new(Cell(7 + n as u16), n as u8)).collect();
         let unknowns = [Unknown { effect: Effect::Blocks, cells: &cells, prior, sights: &sights }];
@@ -91,19 +91,21 @@ fn ground(random: &mut Random, wanted: usize) -> (Map<WORDS>, Vec<Cell>) {
     }
 }
 
+/// A cell from where the value of an unknown is read.
+const fn sight(from: Cell, right: f32) -> Sight {
+    Sight { from, tells: Tells::Value, right }
+}
+
 /// Flies one mission; notes for each number of robots left out the longest packet on the air.
 /// Returns whether all robots that are heard have arrived.
 fn fly(seed: u64, longest: &mut [usize; 5]) -> bool {
     let mut random = Random::new(seed);
     let (map, cells) = ground(&mut random, 10);
     // A cell that may be blocked, and is not, seen from beside it.
-    let (cells, doubtful) = cells.split_at(8);
+    let doubtful = &cells[8..];
     let look_outs: Vec<Vec<Sight>> = doubtful
         .iter()
-        .map(|&cell| {
-            map.free_neighbours(cell).map(|(_, from)| Sight { from, tells: Tells::Value, right: 0.9 })
-        })
-        .map(Iterator::collect)
+        .map(|&cell| map.free_neighbours(cell).map(|(_, from)| sight(from, 0.9)).collect())
         .collect();
     let places = [doubtful[0], doubtful[1]].map(|cell| [Place::new(cell, 1)]);
     let unknowns: Vec<Unknown<'_>> = places
@@ -111,7 +113,7 @@ fn fly(seed: u64, longest: &mut [usize; 5]) -> bool {
         .zip(&look_outs)
         .map(|(cells, sights)| Unknown { effect: Effect::Blocks, cells, prior: &[1.0 - 1e-3, 1e-3], sights })
         .collect();
-    let (starts, goals) = cells.split_at(4);
+    let (starts, goals) = cells[..8].split_at(4);
     let mission = Mission { policies: 8, unknowns: &unknowns, ..Mission::new(map, starts, goals) };
     let radio = Radio { loss: 0.2, ..Radio::default() };
     let faults = Faults { radio, obstacle: 0.05, errand: 0.02, ..Faults::default() };

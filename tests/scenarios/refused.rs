@@ -215,6 +215,10 @@ fn when_an_unknown_makes_no_sense() {
     ] {
         assert_eq!(refusal("my.toml", &with_unknown(&sound)), "accepted", "{sound}");
     }
+}
+
+#[test]
+fn when_a_reading_of_several_values_is_no_better_than_a_guess() {
     let third = |right: f64| {
         let sight = format!("[[unknown.sight]]\nfrom = 3\nright = {right}");
         refusal(

@@ -18,9 +18,9 @@ pub const MAX_WORLDS: usize = if cfg!(feature = "unknowns") { 16 } else { 1 };
 
 /// A hidden factor of the mission: it has one of several values, the same for the whole mission.
 ///
-/// Each of its cells belongs to a value. What the value means for its cells is the
-/// [`Effect`]: the cells are blocked in the worlds in which the unknown has that value, they are the
-/// goals that serve, or those that a robot takes which is no member of the team.
+/// Each of its cells belongs to a value. What the value means for its cells is the [`Effect`]: the
+/// cells are blocked in the worlds in which the unknown has that value, they are the goals that
+/// serve, or those that a robot takes which is no member of the team.
 ///
 /// ```
 /// use iibt_core::grid::{Cell, Map};
