@@ -138,7 +138,7 @@ impl Targets {
     ) -> Option<(usize, Cell)> {
         let is_open = |sight: &&Sight| match sight.tells {
             Tells::Value => true,
-            Tells::Whether(value) => prospects.is_undecided(number, value.into()),
+            Tells::Whether(value) => prospects.is_undecided((number, unknown), value.into()),
         };
         let tells_all = unknown.sights.iter().any(|sight| sight.tells == Tells::Value);
         let fits = |sight: &&Sight| !tells_all || sight.tells == Tells::Value;
@@ -230,7 +230,8 @@ impl Targets {
         let serving = prospects.open(mission).find(|(_, unknown)| unknown.effect == Effect::Serves);
         if let Some((number, unknown)) = serving {
             let mut left: CellSet<W> = CellSet::EMPTY;
-            for value in prospects.by_value(number).filter(|&value| prospects.is_undecided(number, value)) {
+            let is_open = |&value: &usize| prospects.is_undecided((number, unknown), value);
+            for value in prospects.by_value(number).filter(is_open) {
                 let goal = unknown.cells_of(value as u8).find(|&cell| !closed.contains(cell));
                 goal.iter().for_each(|&goal| _ = left.insert(goal));
             }

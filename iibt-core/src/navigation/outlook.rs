@@ -90,12 +90,14 @@ impl Rest<'_> {
         self.paths().all(|(_, path, made)| moves_of(path) <= made)
     }
 
-    /// Whether one of these cells is on what is left of a path.
-    fn is_shut<const W: usize>(&self, map: &Map<W>, closed: &CellSet<W>) -> bool {
+    /// After how many ticks a robot stands before one of these cells, if one is on what is left of a
+    /// path.
+    fn until<const W: usize>(&self, map: &Map<W>, closed: &CellSet<W>) -> Option<u16> {
         let enters = |(_, path, made): (usize, &Path, u16)| {
-            ahead(path, map, made).any(|(_, cell)| closed.contains(cell))
+            let mut closed = ahead(path, map, made).filter(|&(_, cell)| closed.contains(cell));
+            closed.next().map(|(moves, _)| moves.saturating_sub(made + 1))
         };
-        !closed.is_empty() && self.paths().any(enters)
+        if closed.is_empty() { None } else { self.paths().filter_map(enters).min() }
     }
 }
 
@@ -176,26 +178,32 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         ExpectedTime { epistemic: once.pragmatic.saturating_sub(total), ..once }
     }
 
-    /// The time in each world if a plan is followed to its end, whatever is seen. Where a way is
-    /// blocked, or it does not end on goals that serve, the team decides again; one that is there
-    /// already stays for ever.
+    /// The time in each world if a plan is followed to its end, whatever is seen. Before a cell that
+    /// is blocked, or where it does not end on goals that serve, the team decides again; one that is
+    /// there already stays for ever.
     fn to_its_end(&self, mission: &Mission<'_, W>, rest: &Rest<'_>) -> [Eighths; MAX_WORLDS] {
-        let (end, now) = (rest.cells(&mission.map, u16::MAX), rest.cells(&mission.map, 0));
-        let of = |is: &dyn Fn(usize) -> bool| bits(worlds_of(self.all()).filter(|&world| is(world)));
-        let shut = of(&|world| rest.is_shut(&mission.map, &self.walls(mission, world)));
-        let missed = of(&|world| !self.is_done(world, &end)) & !shut;
-        let mut times = [8 * rest.ticks; MAX_WORLDS];
-        for (worlds, from, ticks) in [(shut, &now, 0), (missed, &end, rest.ticks)] {
-            if worlds == 0 {
-                continue;
+        let end = rest.cells(&mission.map, u16::MAX);
+        let mut stops = [None; MAX_WORLDS];
+        for world in worlds_of(self.all()) {
+            let shut = || rest.until(&mission.map, &self.walls(mission, world));
+            let missed = || (!self.is_done(world, &end)).then_some(rest.ticks);
+            if let Some(stop) = stops.get_mut(world) {
+                *stop = shut().or_else(missed);
             }
+        }
+        let mut times = [8 * rest.ticks; MAX_WORLDS];
+        let stop = |world: usize| stops.get(world).copied().flatten();
+        let mut left = bits(worlds_of(self.all()).filter(|&world| stop(world).is_some()));
+        while let Some(ticks) = worlds_of(left).filter_map(stop).min() {
+            let here = bits(worlds_of(left).filter(|&world| stop(world) == Some(ticks)));
+            left &= !here;
             let stays = rest.done.own.is_some() && rest.is_at_its_end();
             let more = if stays {
                 [8 * LONGEST; MAX_WORLDS]
             } else {
-                self.times(mission, from, worlds, Way::Nearest)
+                self.times(mission, &rest.cells(&mission.map, ticks), here, Way::Nearest)
             };
-            for world in worlds_of(worlds) {
+            for world in worlds_of(here) {
                 if let Some((time, more)) = times.get_mut(world).zip(more.get(world)) {
                     *time = (8 * (ticks + ROUND) + more).min(8 * LONGEST);
                 }
@@ -213,16 +221,20 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         mut times: [Eighths; MAX_WORLDS],
     ) -> [Eighths; MAX_WORLDS] {
         let mut alike = [self.all(); MAX_WORLDS];
-        let mut left = self.all();
+        let (mut left, mut stay) = (self.all(), 0);
+        let stop = |world: usize| rest.until(&mission.map, &self.walls(mission, world));
         for ticks in 0..=rest.ticks {
             let cells = rest.cells(&mission.map, ticks);
             for &cell in cells.iter().filter(|cell| self.has_sight(**cell)) {
-                self.tell_apart(mission, cell, &mut alike);
+                stay = stay.max(self.tell_apart(mission, cell, &mut alike));
             }
             let is_known = |&world: &usize| alike.get(world).is_some_and(|alike| *alike == 1 << world);
             for world in worlds_of(left).filter(is_known) {
                 left &= !(1 << world);
-                let anew = 8 * (ticks + ROUND + self.ticks_to(world, &cells)).min(LONGEST);
+                if stop(world).is_some_and(|stop| stop < ticks) {
+                    continue;
+                }
+                let anew = 8 * (ticks + stay + ROUND + self.ticks_to(world, &cells)).min(LONGEST);
                 if let Some(time) = times.get_mut(world) {
                     *time = anew.min(*time);
                 }
@@ -234,16 +246,23 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         times
     }
 
-    /// Takes from the worlds that look like each one those that look otherwise from a cell.
-    fn tell_apart(&self, mission: &Mission<'_, W>, cell: Cell, alike: &mut [Bits; MAX_WORLDS]) {
+    /// Takes from the worlds that look like each one those that look otherwise from a cell; returns
+    /// for how many ticks a robot stays there to be sure.
+    fn tell_apart(&self, mission: &Mission<'_, W>, cell: Cell, alike: &mut [Bits; MAX_WORLDS]) -> u16 {
+        let mut longest = 0;
         for (number, unknown) in (0..).zip(mission.unknowns) {
             for sight in unknown.sights.iter().filter(|sight| sight.from == cell) {
+                let Some(stay) = sight.stay(unknown.values()) else { continue };
                 for (world, alike) in alike.iter_mut().enumerate() {
                     let looks_like = |&other: &usize| self.looks_like(number, sight, world, other);
-                    *alike = bits(worlds_of(*alike).filter(looks_like));
+                    let left = bits(worlds_of(*alike).filter(looks_like));
+                    if left != core::mem::replace(alike, left) {
+                        longest = longest.max(stay);
+                    }
                 }
             }
         }
+        longest
     }
 
     /// After how many ticks a robot comes to where it sees something of what is not known; of a
@@ -273,7 +292,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     ) {
         for (number, unknown) in (0..).zip(mission.unknowns) {
             let here = unknown.sights.iter().filter(|sight| sight.from == from);
-            for sight in here.filter(|sight| self.is_open(number, sight, belief)) {
+            for sight in here.filter(|sight| self.is_open((number, unknown), sight, belief)) {
                 self.read_from((number, unknown), sight, readings);
             }
         }
@@ -307,7 +326,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         mission: &Mission<'m, W>,
         belief: &[f32],
     ) -> impl Iterator<Item = (usize, &'m Unknown<'m>)> {
-        of(mission, Effect::Takes).filter(|&(number, _)| self.is_undecided_by(number, belief))
+        of(mission, Effect::Takes).filter(|&unknown| self.is_undecided_by(unknown, belief))
     }
 }
 
@@ -319,4 +338,127 @@ fn whatever_is_seen(belief: &[f32], ways: &[[Eighths; MAX_WORLDS]]) -> ExpectedT
 /// The cell of a path after so many moves.
 pub(super) fn after<const W: usize>(map: &Map<W>, path: &Path, moves: u16) -> Cell {
     visits(path, map).take_while(|&(made, _)| made <= moves).last().map_or(path.start, |(_, cell)| cell)
+}
+
+#[cfg(all(test, feature = "unknowns"))]
+mod tests {
+    use super::super::fact::Fact;
+    use super::super::policies::{Members, Policies};
+    use super::super::prospects::Certainty;
+    use super::super::unknown::Place;
+    use super::*;
+    use crate::grid::words;
+    use crate::team::rounds::{Proposal, View};
+
+    const CELLS: usize = 42;
+    const W: usize = words(21, 2);
+
+    const fn whether(from: u16, value: u8) -> Sight {
+        Sight { from: Cell(from), tells: Tells::Whether(value), right: 1.0 }
+    }
+
+    const ENDS: [Place; 2] = [Place::new(Cell(0), 0), Place::new(Cell(20), 1)];
+    const BESIDE_ENDS: [Sight; 5] =
+        [whether(0, 0), whether(1, 0), whether(21, 0), whether(20, 1), whether(19, 1)];
+    const SERVES: Unknown<'_> =
+        Unknown { effect: Effect::Serves, cells: &ENDS, prior: &[0.5, 0.5], sights: &BESIDE_ENDS };
+
+    const DOOR: [Place; 1] = [Place::new(Cell(5), 1)];
+    const BESIDE_DOOR: [Sight; 3] = [whether(4, 1), whether(6, 1), whether(26, 1)];
+
+    fn door(prior: &'static [f32]) -> Unknown<'static> {
+        Unknown { effect: Effect::Blocks, cells: &DOOR, prior, sights: &BESIDE_DOOR }
+    }
+
+    /// The expected times, in eighths of a tick, of the plans that a robot in the middle of a
+    /// corridor has to each of its ends, along which there is a way around the door on the left.
+    fn times(row: &str, unknowns: &[Unknown<'_>]) -> [Option<Eighths>; 2] {
+        let map = std::format!("{row}\n.........#.##########");
+        let (starts, goals) = ([Cell(10)], [Cell(0), Cell(20)]);
+        let mission = Mission::new(Map::<W>::drawn(&map).unwrap(), &starts, &goals);
+        let mission = Mission { unknowns, need: Some(1), ..mission };
+        mission.check::<CELLS>().unwrap();
+        let proposal = Proposal { round: 0, view: View::full(1), walls: Vec::new() };
+        let fact = Fact { anchor: starts[0], ..Fact::default() };
+        let policies = Policies::<CELLS, W, 65, 256, 16>::of_round(&mission, &proposal, |_| Some(&fact));
+        let policies = policies.unwrap();
+        let plans = || policies.plans().iter().zip(policies.expected());
+        goals.map(|goal| {
+            let ends_there = |plan: &TeamPlan| plan.paths()[0].end(&mission.map) == goal;
+            plans().filter(|(plan, _)| ends_there(plan)).map(|(_, time)| time.total()).min()
+        })
+    }
+
+    const OPEN: &str = ".....................";
+
+    #[test]
+    fn a_team_decides_again_before_a_door_that_is_shut() {
+        // To the right: 9 moves and 1 more, or 3 ticks and back: 19 moves where the door is open;
+        // else 13, 3 ticks, and 8 around it.
+        let right = 0.5 * 10.0 + 0.5 * (9.0 + 3.0 + 0.7 * 19.0 + 0.3 * (13.0 + 3.0 + 8.0));
+        // To the left: 20.5 where the door is open. Else 4 moves and 3 ticks to the door, and 8 or,
+        // when it reads there that it is the other end, 31 more.
+        let left = 0.7 * 20.5 + 0.3 * (4.0 + 3.0 + 0.5 * 8.0 + 0.5 * 31.0);
+        let eighths = |ticks: f32| (8.0 * ticks) as Eighths;
+        let [to_the_left, to_the_right] = times(OPEN, &[SERVES, door(&[0.7, 0.3])]).map(Option::unwrap);
+        assert!(to_the_left.abs_diff(eighths(left)) <= 1, "{to_the_left} {left}");
+        assert!(to_the_right.abs_diff(eighths(right)) <= 1, "{to_the_right} {right}");
+    }
+
+    #[test]
+    fn a_door_that_is_known_to_be_shut_costs_what_a_wall_does() {
+        let wall = times(".....#...............", &[SERVES]);
+        for prior in [&[0.002, 0.998], &[0.0001, 0.9999], &[0.0, 1.0]] {
+            assert_eq!(times(OPEN, &[SERVES, door(prior)]), wall, "{prior:?}");
+        }
+        assert_eq!(times(OPEN, &[SERVES, door(&[0.999, 0.001])]), times(OPEN, &[SERVES]));
+    }
+
+    /// What a robot expects that stands beside a sign which is right so often.
+    fn beside_a_sign(right: f32) -> Eighths {
+        let sign = Sight { from: Cell(11), tells: Tells::Value, right };
+        let sights: std::vec::Vec<_> = BESIDE_ENDS.into_iter().chain([sign]).collect();
+        let [_, to_the_right] = times(OPEN, &[Unknown { sights: &sights, ..SERVES }]);
+        to_the_right.unwrap()
+    }
+
+    #[test]
+    fn a_sign_is_worth_less_the_more_often_it_is_wrong() {
+        let [sure, good, poor, guess] = [1.0, 0.9, 0.8, 0.5].map(beside_a_sign);
+        assert!(sure < good && good < poor && poor + 16 < guess, "{sure} {good} {poor} {guess}");
+        assert_eq!(times(OPEN, &[SERVES])[1], Some(guess), "it tells nothing");
+    }
+
+    /// What is known of an unknown with this prior when a robot has read all that it can.
+    fn known(prior: &[f32], told: &[u8]) -> Option<usize> {
+        let map = Map::<W>::drawn("....................................").unwrap();
+        let goals: std::vec::Vec<Cell> = (0..prior.len() as u16).map(Cell).collect();
+        let cells: std::vec::Vec<Place> =
+            (0..).map(|value| Place::new(Cell(value.into()), value)).take(goals.len()).collect();
+        let unknown = Unknown { effect: Effect::Serves, cells: &cells, prior, sights: &[] };
+        let starts = [Cell(30)];
+        let mission = Mission { unknowns: &[unknown], need: Some(1), ..Mission::new(map, &starts, &goals) };
+        let fact = Fact { anchor: starts[0], readings: up_to(told.iter().copied()), ..Fact::default() };
+        let members = Members::new(View::full(1), |_| Some(&fact));
+        let mut prospects = Prospects::<CELLS, W>::NONE;
+        prospects.start(&mission, &members, 1);
+        let is_open = prospects.open(&mission).next().is_some();
+        let likeliest = prospects.likeliest();
+        let here = [goals[likeliest]];
+        (0..goals.len()).for_each(|_| prospects.make(&mission, &goals, &CellSet::EMPTY));
+        let is_done = prospects.are_done(&mission, prospects.belief(), &here) == Certainty::Known;
+        assert!(is_done || is_open, "{:?}", prospects.belief());
+        (!is_open).then_some(likeliest)
+    }
+
+    #[test]
+    fn what_one_robot_can_read_is_enough_to_know() {
+        let mut told = [0xff; 8];
+        told[7] = 0x0f; // all against all but the last value
+        assert_eq!(known(&[1.0 / 16.0; 16], &told), Some(15));
+        assert_eq!(known(&[0.97, 0.03], &[0x0f]), Some(1));
+        assert_eq!(known(&[0.5, 0.5], &[0x0f]), Some(1));
+        assert_eq!(known(&[0.5, 0.5], &[0x08]), None, "it reads on");
+        assert_eq!(known(&[1.0 / 16.0; 16], &[0; 8]), None);
+    }
 }

@@ -369,7 +369,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 }
 
 /// The version of the alternatives that a list has where something is unknown.
-const BRANCHING: u64 = 2;
+const BRANCHING: u64 = 3;
 
 /// Whether there can be anything unknown: else no code for it is in the image.
 pub(super) const HAS_UNKNOWNS: bool = MAX_WORLDS > 1;

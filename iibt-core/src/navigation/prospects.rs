@@ -3,7 +3,7 @@
 
 use super::mission::Mission;
 use super::policies::{HAS_UNKNOWNS, Members};
-use super::readings::{AnnouncedReadings, evidence};
+use super::readings::{AnnouncedReadings, LEAST_LIKELIHOOD, evidence};
 use super::unknown::{Effect, MAX_WORLDS, Place, Sight, Tells, Unknown, worlds};
 use crate::grid::{Cell, CellSet};
 use crate::inference::Worlds;
@@ -16,12 +16,15 @@ pub(super) const NO_WAY: u8 = u8::MAX;
 /// The ticks that count where no way leads to the goals, and the most that a way on takes.
 pub(super) const LONGEST: u16 = 96;
 
-/// The probability above which a value counts as known: it is not worth another look.
+/// The probability above which a value counts as known: it is not worth another look. What one robot
+/// reads is capped, so a value that was improbable beforehand is known from a lower one on.
 const KNOWN: f32 = 0.995;
 
-/// The probability from which on a team takes its work for done. What one robot has read is capped:
-/// for a goal that served with 0.03 beforehand it does not make sure of more than this.
+/// The probability from which on a team takes its work for done.
 const DONE: f32 = 0.98;
+
+/// How much of the probability that a robot's readings can give counts as all of it.
+const AS_GOOD_AS: f32 = 0.999;
 
 /// Some of the worlds, a bit for each.
 pub(super) type Bits = u16;
@@ -49,6 +52,10 @@ pub(super) struct Prospects<const S: usize, const W: usize> {
     sights: CellSet<W>,
     /// The cells that may be blocked.
     doubtful: CellSet<W>,
+    /// The cells that are blocked in some world.
+    blocking: CellSet<W>,
+    /// The worlds that agree with all that is known.
+    believable: Bits,
     /// Where members stand: a stranger does not come there before they leave.
     standing: CellSet<W>,
 }
@@ -74,6 +81,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         need: 0,
         sights: CellSet::EMPTY,
         doubtful: CellSet::EMPTY,
+        blocking: CellSet::EMPTY,
+        believable: 0,
         standing: CellSet::EMPTY,
     };
 
@@ -91,6 +100,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         }
         self.belief = self.worlds.belief(evidence(mission.unknowns, self.told.iter()));
         self.find_sights(mission);
+        self.believable = self.believable_by(mission, &self.belief);
         self.standing = members.facts().map(|fact| fact.anchor).collect();
     }
 
@@ -103,6 +113,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
             }
         }
         (self.sights, self.doubtful) = (sights, doubtful);
+        let blocking = of(mission, Effect::Blocks).flat_map(|(_, unknown)| unknown.cells);
+        self.blocking = blocking.map(|place| place.cell).collect();
     }
 
     /// The probability of each world.
@@ -137,14 +149,33 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         self.made += 1;
     }
 
-    /// Whether all that matters of an unknown is known.
-    fn is_known(&self, unknown: usize) -> bool {
-        (0..self.worlds.values(unknown)).any(|value| self.probability(unknown, value) >= KNOWN)
+    /// Whether it is open if an unknown has a value.
+    pub(super) fn is_undecided(&self, unknown: (usize, &Unknown<'_>), value: usize) -> bool {
+        self.may_have(unknown, value, &self.belief) && self.is_undecided_by(unknown, &self.belief)
     }
 
-    /// Whether it is open if an unknown has a value.
-    pub(super) fn is_undecided(&self, unknown: usize, value: usize) -> bool {
-        is_undecided(self.probability(unknown, value))
+    /// The worlds that agree with all that is known by a belief.
+    fn believable_by(&self, mission: &Mission<'_, W>, belief: &[f32]) -> Bits {
+        let mut worlds = bits(0..belief.len());
+        for (number, unknown) in (0..).zip(mission.unknowns) {
+            let known = self.known((number, unknown), belief);
+            let agrees = |&world: &usize| {
+                let value = self.value(world, number);
+                known.map_or_else(|| self.may_have((number, unknown), value, belief), |known| value == known)
+            };
+            worlds = bits(worlds_of(worlds).filter(agrees));
+        }
+        worlds
+    }
+
+    /// The worlds that agree with all that is known.
+    pub(super) const fn believable(&self) -> Bits {
+        self.believable
+    }
+
+    /// The cells that are blocked in some world.
+    pub(super) const fn blocking(&self) -> &CellSet<W> {
+        &self.blocking
     }
 
     /// The value of an unknown in a world.
@@ -192,7 +223,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         &self,
         mission: &Mission<'m, W>,
     ) -> impl Iterator<Item = (usize, &'m Unknown<'m>)> {
-        (0..).zip(mission.unknowns).filter(|&(number, _)| !self.is_known(number))
+        (0..).zip(mission.unknowns).filter(|&unknown| self.known(unknown, &self.belief).is_none())
     }
 
     /// The cells that are blocked in a world, of those that may be.
@@ -240,7 +271,12 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// The cells that are as good as certain to be blocked, of those that might not have been.
     pub(super) fn shut(&self, mission: &Mission<'_, W>) -> CellSet<W> {
-        self.blocked(mission, &self.belief, KNOWN).without(&self.standing)
+        let known = (0..).zip(mission.unknowns).filter(|(_, unknown)| unknown.effect != Effect::Serves);
+        let cells = known.flat_map(|unknown| {
+            let value = self.known(unknown, &self.belief);
+            value.into_iter().flat_map(move |value| unknown.1.cells_of(value as u8))
+        });
+        cells.collect::<CellSet<W>>().without(&self.standing)
     }
 
     /// The probability that a cell is blocked.
@@ -265,22 +301,39 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     pub(super) fn is_informative(&self, mission: &Mission<'_, W>, from: Cell, belief: &[f32]) -> bool {
         (0..).zip(mission.unknowns).any(|(number, unknown)| {
             let mut sights = unknown.sights.iter().filter(|sight| sight.from == from);
-            sights.any(|sight| self.is_open(number, sight, belief))
+            sights.any(|sight| self.is_open((number, unknown), sight, belief))
         })
     }
 
     /// Whether what a sight tells is not known.
-    pub(super) fn is_open(&self, number: usize, sight: &Sight, belief: &[f32]) -> bool {
-        match sight.tells {
-            Tells::Value => self.is_undecided_by(number, belief),
-            Tells::Whether(value) => is_undecided(self.worlds.probability(belief, number, value.into())),
-        }
+    pub(super) fn is_open(&self, unknown: (usize, &Unknown<'_>), sight: &Sight, belief: &[f32]) -> bool {
+        let is_of_interest = match sight.tells {
+            Tells::Value => true,
+            Tells::Whether(value) => self.may_have(unknown, value.into(), belief),
+        };
+        is_of_interest && self.is_undecided_by(unknown, belief)
     }
 
     /// Whether the value of an unknown is open by a belief.
-    pub(super) fn is_undecided_by(&self, number: usize, belief: &[f32]) -> bool {
-        let mut values = 0..self.worlds.values(number);
-        values.any(|value| is_undecided(self.worlds.probability(belief, number, value)))
+    pub(super) fn is_undecided_by(&self, unknown: (usize, &Unknown<'_>), belief: &[f32]) -> bool {
+        self.known(unknown, belief).is_none()
+    }
+
+    /// The value of an unknown, if it is known by a belief.
+    fn known(&self, (number, unknown): (usize, &Unknown<'_>), belief: &[f32]) -> Option<usize> {
+        (0..).zip(unknown.prior).find_map(|(value, &prior)| {
+            let surest = prior / (prior + LEAST_LIKELIHOOD * (1.0 - prior));
+            let p = self.worlds.probability(belief, number, value);
+            (p >= (AS_GOOD_AS * surest).clamp(0.5, KNOWN)).then_some(value)
+        })
+    }
+
+    /// Whether an unknown is not known by a belief not to have a value.
+    fn may_have(&self, (number, unknown): (usize, &Unknown<'_>), value: usize, belief: &[f32]) -> bool {
+        let prior = unknown.prior.get(value).copied().unwrap_or(0.0);
+        let left = LEAST_LIKELIHOOD * prior;
+        let least = left / (left + 1.0 - prior);
+        self.worlds.probability(belief, number, value) > (1.0 - KNOWN).max(least / AS_GOOD_AS)
     }
 
     /// The worlds that are possible.
@@ -327,16 +380,19 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     }
 
     /// Whether a cell is a goal that might have served, but is known not to.
-    pub(super) fn is_in_vain(&self, belief: &[f32], cell: Cell) -> bool {
-        let serves = belief.iter().enumerate().filter(|&(world, _)| self.distance(world, cell) == 0);
-        serves.clone().next().is_some() && serves.map(|(_, p)| p).sum::<f32>() <= 1.0 - KNOWN
+    pub(super) fn is_in_vain(&self, mission: &Mission<'_, W>, belief: &[f32], cell: Cell) -> bool {
+        let serves = bits((0..belief.len()).filter(|&world| self.distance(world, cell) == 0));
+        serves != 0 && serves & self.believable_by(mission, belief) == 0
     }
 
     /// How certain it is that as many robots as needed are on goals that serve.
-    pub(super) fn are_done(&self, belief: &[f32], cells: &[Cell]) -> Certainty {
-        let done = belief.iter().enumerate().filter(|&(world, _)| self.is_done(world, cells));
-        match done.map(|(_, p)| p).sum::<f32>() {
+    pub(super) fn are_done(&self, mission: &Mission<'_, W>, belief: &[f32], cells: &[Cell]) -> Certainty {
+        let done = bits((0..belief.len()).filter(|&world| self.is_done(world, cells)));
+        let p: f32 = worlds_of(done).filter_map(|world| belief.get(world)).sum();
+        let is_known = || self.believable_by(mission, belief) & !done == 0;
+        match p {
             DONE.. => Certainty::Known,
+            0.5.. if is_known() => Certainty::Known,
             0.5.. => Certainty::Likely,
             _ => Certainty::Unlikely,
         }
@@ -355,11 +411,6 @@ pub(super) fn of<'m, const W: usize>(
     effect: Effect,
 ) -> impl Iterator<Item = (usize, &'m Unknown<'m>)> {
     (0..).zip(mission.unknowns).filter(move |(_, unknown)| unknown.effect == effect)
-}
-
-/// Whether something with this probability is worth another look.
-fn is_undecided(p: f32) -> bool {
-    (1.0 - KNOWN..KNOWN).contains(&p)
 }
 
 /// Some of the worlds, or values, from the likeliest on, the first of equals first.

@@ -25,6 +25,9 @@ const STEP: u8 = 8;
 /// few readings can turn it round.
 const CAP: u8 = 15 * STEP;
 
+/// The likelihood of a value against which a robot's readings speak as much as they can: exp(-7.5).
+pub(super) const LEAST_LIKELIHOOD: f32 = 0.000_553_084_4;
+
 /// What a robot has read of the unknowns of its mission.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Readings {

@@ -92,8 +92,8 @@ impl Targets {
         let mut tours: Vec<Tour<S>, MAX_TEAM> = up_to(
             seekers.map(|(place, errand)| Tour::begin(&mission.map, place as u8, errand.from, &closed)),
         );
-        let mut left =
-            bits(prospects.by_value(number).filter(|&value| prospects.is_undecided(number, value)));
+        let is_open = |&value: &usize| prospects.is_undecided((number, unknown), value);
+        let mut left = bits(prospects.by_value(number).filter(is_open));
         while let Some((index, value, cell)) = best(&tours, prospects, (number, unknown), left) {
             left &= !(1 << value);
             let tour = tours.get_mut(index)?;

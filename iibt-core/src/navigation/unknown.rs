@@ -3,6 +3,7 @@
 use super::mission::{Mission, MissionError};
 use crate::grid::{Cell, CellSet};
 use crate::inference::{Argument, OutOfRange, Worlds};
+use crate::math;
 use crate::team::Fnv1a;
 use crate::team::rounds::View;
 
@@ -15,6 +16,12 @@ pub const MAX_VALUES: usize = 2 * MAX_UNKNOWNS;
 /// The most combinations of the values of all unknowns of a mission: one without the feature
 /// `unknowns`.
 pub const MAX_WORLDS: usize = if cfg!(feature = "unknowns") { 16 } else { 1 };
+
+/// The evidence, in nats, with which a robot takes what it has read for sure.
+const SURE: f32 = 3.9;
+
+/// The most ticks for which a robot is expected to read the same again and again.
+const LONGEST_STAY: u8 = 12;
 
 /// A hidden factor of the mission: it has one of several values, the same for the whole mission.
 ///
@@ -161,6 +168,21 @@ impl Sight {
         (0..all)
             .map(Says::Value)
             .chain(whether.into_iter().flat_map(|value| [Says::Is(value), Says::IsNot(value)]))
+    }
+
+    /// The ticks that a robot stays here for as many readings as make it sure, beside the first one;
+    /// `None` where it has something better to do than wait for that.
+    pub(super) fn stay(self, values: u8) -> Option<u16> {
+        if self.right >= 1.0 {
+            return Some(0);
+        }
+        let others = if self.tells == Tells::Value { values.saturating_sub(1).max(1) } else { 1 };
+        let wrong = (1.0 - self.right) / f32::from(others);
+        // What a reading is expected to speak for the true value, against another one.
+        let nats = (self.right - wrong) * (math::ln(self.right) - math::ln(wrong));
+        let more = SURE / nats;
+        // A cast cuts off: the first reading is counted by that.
+        (more < f32::from(LONGEST_STAY)).then_some(more as u16)
     }
 
     /// The probability of a reading where the unknown has a value of so many.

@@ -138,7 +138,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         for (cell, &world) in leg.cells.iter_mut().zip(towards) {
             *cell = self.next(&mission.map, world, *cell);
         }
-        let entered = |cell: &&Cell| self.doubtful().contains(**cell);
+        let entered = |cell: &&Cell| self.blocking().contains(**cell);
         for (number, unknown) in (0..).zip(mission.unknowns).filter(|(_, it)| it.effect == Effect::Blocks) {
             for &cell in leg.cells.iter().filter(entered) {
                 let blocked = unknown.cells.iter().find(|place| place.cell == cell);
@@ -160,13 +160,18 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         Move::ALL.into_iter().map(|step| map.neighbour(cell, step)).find(is_nearer).unwrap_or(cell)
     }
 
-    /// Parts the worlds by what is seen from where the robots are: those that look like the assumed
-    /// one stay together.
+    /// Parts the worlds by what is seen from where the robots are, once they are sure of it: those
+    /// that look like the assumed one stay together.
     fn see(&self, mission: &Mission<'_, W>, assumed: usize, leg: &mut Leg, legs: &mut Vec<Leg, MAX_WORLDS>) {
         let cells = leg.cells.clone();
         for &cell in cells.iter().filter(|cell| self.has_sight(**cell)) {
             for (number, unknown) in (0..).zip(mission.unknowns) {
                 for sight in unknown.sights.iter().filter(|sight| sight.from == cell) {
+                    if self.unlike(number, sight, assumed, leg.worlds).is_none() {
+                        continue;
+                    }
+                    let Some(stay) = sight.stay(unknown.values()) else { continue };
+                    leg.ticks += stay;
                     while let Some(other) = self.unlike(number, sight, assumed, leg.worlds) {
                         let is_alike = |&world: &usize| self.looks_like(number, sight, world, other);
                         let alike = bits(worlds_of(leg.worlds).filter(is_alike));
@@ -192,8 +197,11 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         }
     }
 
-    /// The world that a team assumes, of some.
+    /// The world that a team assumes, of some: one that agrees with all that is known, if there is
+    /// one.
     pub(super) fn assume(&self, way: Way, cells: &[Cell], worlds: Bits) -> Option<usize> {
+        let believable = worlds & self.believable();
+        let worlds = if believable == 0 { worlds } else { believable };
         let ticks = |world: usize| self.ticks_to(world, cells);
         let all = worlds_of(worlds);
         match way {

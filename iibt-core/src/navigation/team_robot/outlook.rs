@@ -65,11 +65,11 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         let Some(ends) = self.ends().filter(|_| self.policies.is_branching()) else { return false };
         let (prospects, belief) = (self.policies.prospects(), self.belief());
         let here = self.standing().filter(|&cell| prospects.has_sight(cell));
-        match prospects.are_done(&belief, &ends) {
+        match prospects.are_done(self.mission, &belief, &ends) {
             Certainty::Known => false,
             Certainty::Likely => {
                 let may_tell = |cell| prospects.is_informative(self.mission, cell, &belief);
-                let is_in_vain = |cell| prospects.is_in_vain(&belief, cell);
+                let is_in_vain = |cell| prospects.is_in_vain(self.mission, &belief, cell);
                 here.is_some_and(may_tell) || self.standing().is_some_and(is_in_vain)
             }
             Certainty::Unlikely => true,
