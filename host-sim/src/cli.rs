@@ -22,7 +22,7 @@ use self::manipulate::Manipulate;
 use self::reproduce::Reproduce;
 use anstream::{AutoStream, ColorChoice};
 use clap::{Arg, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
-use host_sim::campaign::Disturbance;
+use host_sim::campaign::{Ablation, Disturbance};
 use host_sim::show::{Narrator, Palette, Screen, outcome_line, series_lines, summary};
 use host_sim::{Conditions, Observer, Pilot, Record, Scenario, fly, fly_series, library};
 use serde::Serialize;
@@ -66,6 +66,7 @@ Examples:
   host-sim run factory              watch the default mission
   host-sim run factory --loss 0.3   with a radio that loses three frames in ten
   host-sim run factory --tree conventional   the same with a tree written by hand
+  host-sim run sign --decider likeliest      with a rule in place of inference
   host-sim run my-warehouse.toml    a scenario of your own
   host-sim run two-goals --json | jq '.robots[].path'
   host-sim run two-goals --tree-log trees.txt && host-sim tree replay pilot trees.txt --robot R1
@@ -81,8 +82,8 @@ A scenario of your own:
 host-sim/scenarios/README.md tells what else a scenario can say.
 
 A task written as tables is flown in the same way: `host-sim run valves`, `host-sim run my-task.toml`.
-host-sim/tasks/README.md tells what such a file says. --tree, --disturbance, --log and --tree-log are for
-scenarios.
+host-sim/tasks/README.md tells what such a file says. --tree, --decider, --disturbance, --log and
+--tree-log are for scenarios.
 
 Exit status:
   0  the mission was accomplished, or there was nothing to do
@@ -168,6 +169,9 @@ struct RunArgs {
     /// The tree that flies the robots: the inference node, or a conventional tree of the paper
     #[arg(long, value_name = "TREE", value_enum, default_value_t)]
     tree: Pilot,
+    /// What decides where something is unknown, in place of inference: a name of `campaign --ablate`
+    #[arg(long, value_name = "NAME", value_parser = campaign::ablation, conflicts_with = "tree")]
+    decider: Option<&'static Ablation>,
     /// The trees of the robots of a task: for each the one with its name, else the main tree
     #[arg(long, value_name = "FILE.xml")]
     task_tree: Option<String>,
@@ -270,7 +274,11 @@ impl RunArgs {
             );
         }
         note_conventional(&[self.tree], std::slice::from_ref(&scenario));
-        let conditions = Conditions { seed: self.seed, loss: self.loss, tree: self.tree };
+        if self.decider.is_some() && scenario.unknowns.is_empty() {
+            return Err(format!("{}: nothing is unknown, which --decider is for", scenario.name).into());
+        }
+        let tree = self.decider.map_or(self.tree, Pilot::Ablated);
+        let conditions = Conditions { seed: self.seed, loss: self.loss, tree };
         if scenario.missions > 1 {
             return self.run_series(&scenario, conditions);
         }

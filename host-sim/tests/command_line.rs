@@ -313,9 +313,28 @@ fn what_a_robot_waits_for_is_printed() {
 }
 
 #[test]
+fn a_flight_is_watched_with_a_rule_in_place_of_inference() {
+    let flown = |arguments: &str| {
+        let run = host_sim(&format!("run sign --json {arguments}")).assert().success();
+        serde_json::from_slice::<Value>(&run.get_output().stdout).expect("JSON")
+    };
+    let (inference, rule) = (flown(""), flown("--decider pessimistic"));
+    assert_ne!(inference["robots"], rule["robots"]);
+    refuses(
+        &mut host_sim("run factory --decider likeliest"),
+        "factory: nothing is unknown, which --decider is for",
+    );
+    refuses(&mut host_sim("run sign --decider clever"), "there is no 'clever': there are no-branching, ");
+    refuses(
+        &mut host_sim("hil sign --decider likeliest"),
+        "--decider likeliest: the image decides by inference",
+    );
+}
+
+#[test]
 fn a_task_is_flown_and_exported_without_what_is_for_scenarios_and_models() {
     for option in ["--log x.csv", "--tree conventional"] {
-        let reason = "valves: a task is flown without --tree, --disturbance, --log and --tree-log";
+        let reason = "valves: a task is flown without --tree, --decider, --disturbance, --log and --tree-log";
         refuses(&mut host_sim(&format!("run valves {option}")), reason);
     }
     for option in ["--name x", "--dense"] {

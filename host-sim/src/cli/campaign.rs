@@ -141,7 +141,7 @@ fn ablations(names: &str) -> Result<AblationList, String> {
             "all" => all.extend(Ablation::all()),
             "parts" => all.extend(Ablation::PARTS),
             "rules" => all.extend(Ablation::RULES),
-            name => all.push(Ablation::find(name).ok_or_else(|| no_ablation(name))?),
+            name => all.push(ablation(name).map_err(|error| format!("{error}, or all, parts, rules"))?),
         }
     }
     let mut once = Vec::new();
@@ -153,9 +153,12 @@ fn ablations(names: &str) -> Result<AblationList, String> {
     Ok(AblationList(once))
 }
 
-fn no_ablation(name: &str) -> String {
-    let names: Vec<_> = Ablation::all().map(|ablation| ablation.name).collect();
-    format!("there is no '{name}': there are all, parts, rules, {}", names.join(", "))
+/// The ablation with a name.
+pub(super) fn ablation(name: &str) -> Result<&'static Ablation, String> {
+    Ablation::find(name).ok_or_else(|| {
+        let names: Vec<_> = Ablation::all().map(|ablation| ablation.name).collect();
+        format!("there is no '{name}': there are {}", names.join(", "))
+    })
 }
 
 /// The scenarios that an argument names: one, or those of a folder in the order of their names.

@@ -3,6 +3,7 @@
 use super::{Failure, RunArgs, exit_status, print, read, report, scenario, task};
 use bumpalo::Bump;
 use clap::Args;
+use host_sim::campaign::Ablation;
 use host_sim::hil::{
     Bench, Compared, Difference, HilRecord, build_image, build_task_image, fly_emulated, fly_emulated_task,
 };
@@ -71,6 +72,9 @@ impl Hil {
             return Err(
                 format!("--tree {}: the image has the tree with inference", self.run.tree.name()).into()
             );
+        }
+        if let Some(Ablation { name, .. }) = self.run.decider {
+            return Err(format!("--decider {name}: the image decides by inference").into());
         }
         let scenario = self.run.disturbance.applied(&scenario(&self.run.scenario)?, self.run.seed);
         let scenario = self.with_robots(scenario)?;

@@ -45,9 +45,10 @@ pub(super) fn mission<'a>(
 pub(super) fn run(of: &RunArgs, text: &str) -> Result<ExitCode, Failure> {
     let name = &of.scenario;
     if of.is_more_than_a_task() {
-        return Err(
-            format!("{name}: a task is flown without --tree, --disturbance, --log and --tree-log").into()
-        );
+        return Err(format!(
+            "{name}: a task is flown without --tree, --decider, --disturbance, --log and --tree-log"
+        )
+        .into());
     }
     let arena = Bump::new();
     let mission = mission(&arena, name, text, of.task_tree.as_deref())?;
@@ -72,7 +73,8 @@ impl RunArgs {
     /// Whether there are arguments that are for scenarios only.
     pub(super) fn is_more_than_a_task(&self) -> bool {
         let keeps_a_log = self.log.is_some() || self.tree_log.is_some();
-        self.tree != Pilot::default() || keeps_a_log || self.disturbance != Disturbance::None
+        let has_pilot = self.tree != Pilot::default() || self.decider.is_some();
+        has_pilot || keeps_a_log || self.disturbance != Disturbance::None
     }
 }
 
