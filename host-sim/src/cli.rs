@@ -262,22 +262,8 @@ impl RunArgs {
         self.has_no_task_tree()?;
         self.is_no_folder()?;
         let scenario = self.disturbance.applied(&scenario(&self.scenario)?, self.seed);
-        if self.tree == Pilot::Figure5 && scenario.goals.len() != 2 {
-            let goals = scenario.goals.len();
-            return Err(
-                format!("{}: the tree of figure 5 is for two goals, not {goals}", scenario.name).into()
-            );
-        }
-        if self.tree_log.is_some() && matches!(self.tree, Pilot::Conventional | Pilot::Figure5) {
-            return Err(
-                format!("{}: --tree-log is for the tree with the inference node", scenario.name).into()
-            );
-        }
-        note_conventional(&[self.tree], std::slice::from_ref(&scenario));
-        if self.decider.is_some() && scenario.unknowns.is_empty() {
-            return Err(format!("{}: nothing is unknown, which --decider is for", scenario.name).into());
-        }
-        let tree = self.decider.map_or(self.tree, Pilot::Ablated);
+        let tree = self.pilot(&scenario)?;
+        note_conventional(&[tree], std::slice::from_ref(&scenario));
         let conditions = Conditions { seed: self.seed, loss: self.loss, tree };
         if scenario.missions > 1 {
             return self.run_series(&scenario, conditions);
@@ -288,6 +274,22 @@ impl RunArgs {
         kept.finish()?;
         print(&self.report(&record)?)?;
         Ok(exit_status(record.outcome.is_success()))
+    }
+
+    /// What flies the robots of a scenario.
+    fn pilot(&self, scenario: &Scenario) -> Result<Pilot, String> {
+        let name = &scenario.name;
+        if self.tree == Pilot::Figure5 && scenario.goals.len() != 2 {
+            let goals = scenario.goals.len();
+            return Err(format!("{name}: the tree of figure 5 is for two goals, not {goals}"));
+        }
+        if self.tree_log.is_some() && matches!(self.tree, Pilot::Conventional | Pilot::Figure5) {
+            return Err(format!("{name}: --tree-log is for the tree with the inference node"));
+        }
+        if self.decider.is_some() && scenario.unknowns.is_empty() {
+            return Err(format!("{name}: nothing is unknown, which --decider is for"));
+        }
+        Ok(self.decider.map_or(self.tree, Pilot::Ablated))
     }
 
     fn is_no_folder(&self) -> Result<(), String> {
