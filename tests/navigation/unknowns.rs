@@ -39,6 +39,31 @@ fn in_every_world(scenario: &Scenario) -> Vec<u32> {
     (0..values).map(of).collect()
 }
 
+/// A robot sees the obstacle on its way, and goes round it, though no sight tells of it there.
+#[test]
+fn who_stands_before_a_door_that_is_shut_knows_it() {
+    let text = r#"
+        title = "A door of which only a far sign tells"
+        map = """
+        1.....G
+        .####..
+        .......
+        """
+        [[unknown]]
+        blocks = [[3]]
+        prior = [0.9, 0.1]
+        real = 1
+        [[unknown.sight]]
+        from = 20
+    "#;
+    let door = Scenario::parse("door", text).expect("it is sound");
+    let record = flown(&door, 1, None);
+    assert!(record.outcome.is_success(), "{:?}", record.outcome);
+    // Two moves to the door and back, and ten around it.
+    assert!(record.last_arrival() <= 2 + 2 + 10 + 6, "{}", record.last_arrival());
+    assert!(has_been_at(&record, 2) && !has_been_at(&record, 20), "{:?}", record.history);
+}
+
 /// The mean over the worlds of the only unknown.
 fn mean(scenario: &Scenario, ticks: &[u32]) -> f64 {
     scenario.unknowns[0].prior.iter().zip(ticks).map(|(&p, &ticks)| f64::from(p) * f64::from(ticks)).sum()

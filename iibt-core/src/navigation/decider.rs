@@ -52,7 +52,7 @@ pub enum Decider {
     LastReading,
     /// The same, but a robot's first reading of an unknown is a fact that stays.
     StayingFacts,
-    /// The same, but robots keep what they have read to themselves.
+    /// The same, but no reading enters a joint decision: a robot asks for another one by its own.
     Unshared,
     /// A policy drawn by the paths of all.
     Random,

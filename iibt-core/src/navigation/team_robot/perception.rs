@@ -5,7 +5,7 @@ use super::super::policies::HAS_UNKNOWNS;
 use super::super::progress::destination;
 use super::super::prospects::of;
 use super::super::strangers::{Sighting, likelihoods};
-use super::super::unknown::Effect;
+use super::super::unknown::{Effect, MAX_VALUES, Place};
 use super::super::{Fact, GridPercept, Intention};
 use super::{MAX_HAZARDS, Navigation};
 use crate::bounded::up_to;
@@ -16,6 +16,10 @@ use heapless::Vec;
 
 /// The ticks of silence after which a member may be anywhere.
 const LONGEST_SILENCE: u16 = 8;
+
+/// What an obstacle in view speaks against the values by which its cell is free, in nats: the sensor
+/// is right in nineteen of twenty cases.
+const OBSTACLE_SEEN: f32 = 3.0;
 
 impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
     Navigation<'_, S, W, L, M, K>
@@ -36,7 +40,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
         self.locate(percept.reading);
         self.watch(&percept.sightings, &teammates);
         self.look(percept, peers, &teammates);
-        self.read(percept);
+        self.read(percept, &teammates);
         if let Some(here) = self.standing() {
             if Self::PLANS {
                 let obstacles = &self.obstacles;
@@ -133,11 +137,30 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     }
 
     /// Counts what was read of the unknowns: not while the robot may be elsewhere than it believes.
-    fn read(&mut self, percept: &GridPercept) {
+    fn read(&mut self, percept: &GridPercept, teammates: &Teammates<'_, Fact<W>, K>) {
         let may_read = HAS_UNKNOWNS && !self.is_in_doubt();
         let Some(here) = self.standing().filter(|_| may_read) else { return };
         for &reading in &percept.readings {
             self.readings.count(self.mission.unknowns, reading, here, self.mission.decider().counting());
+        }
+        self.read_obstacles(percept, here, teammates);
+    }
+
+    /// Counts an obstacle on a cell that may be blocked, where the robot reads nothing else of it:
+    /// one that stands before a door knows at last that it is shut.
+    fn read_obstacles(&mut self, percept: &GridPercept, here: Cell, teammates: &Teammates<'_, Fact<W>, K>) {
+        let unknowns = self.mission.unknowns;
+        for (number, unknown) in of(self.mission, Effect::Blocks) {
+            if unknown.sights.iter().any(|sight| sight.from == here) {
+                continue;
+            }
+            let is_seen = |place: &&Place| percept.hazards.contains(&place.cell);
+            let seen = unknown.cells.iter().find(is_seen);
+            if let Some(place) = seen.filter(|place| !self.may_be_teammate(place.cell, teammates)) {
+                let nats = |value: u8| if value == place.value { 0.0 } else { -OBSTACLE_SEEN };
+                let nats: Vec<f32, MAX_VALUES> = up_to((0..unknown.values()).map(nats));
+                self.readings.add(unknowns, number, &nats);
+            }
         }
     }
 
@@ -146,7 +169,7 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
     fn look_at_hazards(&mut self, percept: &GridPercept, teammates: &Teammates<'_, Fact<W>, K>) {
         let entering = self.may_enter(teammates).map(|(_, to)| to);
         let own = self.localisation.position().0;
-        // What is seen of an unknown comes as a reading.
+        // What is seen of an unknown is a reading.
         let is_stranger = |cell: Cell| self.strangers.seen().any(|(_, at)| at == cell);
         let is_news = |cell: &&Cell| {
             let is_known = **cell == own || self.is_doubtful(**cell) || is_stranger(**cell);
