@@ -254,8 +254,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
             for sight in unknown.sights.iter().filter(|sight| sight.from == cell) {
                 let Some(stay) = sight.stay(unknown.values()) else { continue };
                 for (world, alike) in alike.iter_mut().enumerate() {
-                    let looks_like = |&other: &usize| self.looks_like(number, sight, world, other);
-                    let left = bits(worlds_of(*alike).filter(looks_like));
+                    let left = *alike & self.alike(number, sight, world);
                     if left != core::mem::replace(alike, left) {
                         longest = longest.max(stay);
                     }

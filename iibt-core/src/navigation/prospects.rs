@@ -4,7 +4,7 @@
 use super::mission::Mission;
 use super::policies::{HAS_UNKNOWNS, Members};
 use super::readings::{AnnouncedReadings, LEAST_LIKELIHOOD, evidence};
-use super::unknown::{Effect, MAX_WORLDS, Place, Sight, Tells, Unknown, worlds};
+use super::unknown::{Effect, MAX_UNKNOWNS, MAX_VALUES, MAX_WORLDS, Place, Sight, Tells, Unknown, worlds};
 use crate::grid::{Cell, CellSet};
 use crate::inference::Worlds;
 use crate::team::{MAX_TEAM, RobotId};
@@ -39,6 +39,10 @@ const TABLES: usize = if HAS_UNKNOWNS { MAX_WORLDS } else { 0 };
 #[derive(Clone, Debug)]
 pub(super) struct Prospects<const S: usize, const W: usize> {
     worlds: Worlds<MAX_WORLDS>,
+    /// The place of the first value of each unknown among those of all.
+    first: [u8; MAX_UNKNOWNS],
+    /// The worlds in which each value holds.
+    having: [Bits; MAX_VALUES],
     belief: Vec<f32, MAX_WORLDS>,
     /// What each robot had told of its readings when the round began.
     told: [AnnouncedReadings; MAX_TEAM],
@@ -73,6 +77,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     /// Nothing is unknown.
     pub(super) const NONE: Self = Self {
         worlds: Worlds::NONE,
+        first: [0; MAX_UNKNOWNS],
+        having: [0; MAX_VALUES],
         belief: Vec::new(),
         told: [const { AnnouncedReadings::new() }; MAX_TEAM],
         // Zeros: a robot that is zeros but for a little is built in place, not on the stack.
@@ -92,6 +98,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         self.need = need;
         // A mission with more worlds than there is room for is refused.
         self.worlds = worlds(mission.unknowns).unwrap_or(Worlds::NONE);
+        self.find_values();
         self.told = core::array::from_fn(|_| AnnouncedReadings::new());
         for (robot, fact) in members.iter() {
             if let Some(slot) = self.told.get_mut(robot.index()) {
@@ -102,6 +109,19 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         self.find_sights(mission);
         self.believable = self.believable_by(mission, &self.belief);
         self.standing = members.facts().map(|fact| fact.anchor).collect();
+    }
+
+    fn find_values(&mut self) {
+        let mut places = self.having.iter_mut();
+        let mut place = 0;
+        for (unknown, first) in self.first.iter_mut().enumerate() {
+            *first = place;
+            for (value, having) in (0..self.worlds.values(unknown)).zip(&mut places) {
+                let has = |&world: &usize| self.worlds.value(world, unknown) == value;
+                *having = bits((0..self.worlds.len()).filter(has));
+                place += 1;
+            }
+        }
     }
 
     fn find_sights(&mut self, mission: &Mission<'_, W>) {
@@ -180,7 +200,30 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// The value of an unknown in a world.
     pub(super) fn value(&self, world: usize, unknown: usize) -> usize {
-        self.worlds.value(world, unknown)
+        let mut values = 0..self.worlds.values(unknown);
+        values.find(|&value| self.having(unknown, value) >> world & 1 == 1).unwrap_or(0)
+    }
+
+    /// The worlds in which an unknown has a value.
+    pub(super) fn having(&self, unknown: usize, value: usize) -> Bits {
+        let first = self.first.get(unknown).map_or(usize::MAX, |&first| first.into());
+        self.having.get(first.saturating_add(value)).copied().unwrap_or(0)
+    }
+
+    /// The worlds that look like one of them from a sight of an unknown.
+    pub(super) fn alike(&self, unknown: usize, sight: &Sight, world: usize) -> Bits {
+        match sight.tells {
+            Tells::Value => self.having(unknown, self.value(world, unknown)),
+            Tells::Whether(value) => {
+                let has = self.having(unknown, value.into());
+                if has >> world & 1 == 1 { has } else { !has }
+            }
+        }
+    }
+
+    /// The probability that an unknown has a value by a belief.
+    fn probability_by(&self, belief: &[f32], unknown: usize, value: usize) -> f32 {
+        worlds_of(self.having(unknown, value)).filter_map(|world| belief.get(world)).sum()
     }
 
     /// The probability of a world.
@@ -195,7 +238,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// The probability that an unknown has a value.
     pub(super) fn probability(&self, unknown: usize, value: usize) -> f32 {
-        self.worlds.probability(&self.belief, unknown, value)
+        self.probability_by(&self.belief, unknown, value)
     }
 
     /// The values of an unknown from the likeliest on, the first of equals first.
@@ -287,7 +330,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
 
     /// The cells that are blocked with at least this probability.
     pub(super) fn blocked(&self, mission: &Mission<'_, W>, belief: &[f32], least: f32) -> CellSet<W> {
-        let p = |number, place: &Place| self.worlds.probability(belief, number, place.value.into());
+        let p = |number, place: &Place| self.probability_by(belief, number, place.value.into());
         let blocked = may_block(mission).filter(|(number, place)| p(*number, place) >= least);
         blocked.map(|(_, place)| place.cell).collect()
     }
@@ -323,7 +366,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     fn known(&self, (number, unknown): (usize, &Unknown<'_>), belief: &[f32]) -> Option<usize> {
         (0..).zip(unknown.prior).find_map(|(value, &prior)| {
             let surest = prior / (prior + LEAST_LIKELIHOOD * (1.0 - prior));
-            let p = self.worlds.probability(belief, number, value);
+            let p = self.probability_by(belief, number, value);
             (p >= (AS_GOOD_AS * surest).clamp(0.5, KNOWN)).then_some(value)
         })
     }
@@ -333,7 +376,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         let prior = unknown.prior.get(value).copied().unwrap_or(0.0);
         let left = LEAST_LIKELIHOOD * prior;
         let least = left / (left + 1.0 - prior);
-        self.worlds.probability(belief, number, value) > (1.0 - KNOWN).max(least / AS_GOOD_AS)
+        self.probability_by(belief, number, value) > (1.0 - KNOWN).max(least / AS_GOOD_AS)
     }
 
     /// The worlds that are possible.
@@ -355,16 +398,16 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     /// nearest, the first of them on the farthest cell where goals lie behind each other.
     pub(super) fn ticks_to(&self, world: usize, cells: &[Cell]) -> u16 {
         let mut sorted = [NO_WAY; MAX_TEAM];
+        let need = self.need.min(cells.len());
+        let needed = sorted.get_mut(..need).unwrap_or_default();
         for &cell in cells {
             let mut distance = self.distance(world, cell);
-            for slot in &mut sorted {
+            for slot in &mut *needed {
                 if distance < *slot {
                     core::mem::swap(slot, &mut distance);
                 }
             }
         }
-        let need = self.need.min(cells.len());
-        let needed = sorted.get(..need).unwrap_or_default();
         if needed.iter().all(|&distance| distance == 0) {
             return 0;
         }

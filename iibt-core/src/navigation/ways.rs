@@ -7,7 +7,7 @@
 
 use super::mission::Mission;
 use super::prospects::{Bits, LONGEST, NO_WAY, Prospects, Robots, bits, descending, worlds_of};
-use super::unknown::{Effect, MAX_WORLDS, Sight, Tells};
+use super::unknown::{Effect, MAX_WORLDS};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Map, Move};
 use crate::inference::Eighths;
@@ -143,8 +143,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
             for &cell in leg.cells.iter().filter(entered) {
                 let blocked = unknown.cells.iter().find(|place| place.cell == cell);
                 let Some(place) = blocked else { continue };
-                let is_shut = |world: &usize| self.value(*world, number) == usize::from(place.value);
-                let shut = bits(worlds_of(leg.worlds).filter(is_shut));
+                let shut = leg.worlds & self.having(number, place.value.into());
                 part(legs, &Leg { cells: before.clone(), ..*leg }, shut);
                 leg.worlds &= !shut;
             }
@@ -167,33 +166,20 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         for &cell in cells.iter().filter(|cell| self.has_sight(**cell)) {
             for (number, unknown) in (0..).zip(mission.unknowns) {
                 for sight in unknown.sights.iter().filter(|sight| sight.from == cell) {
-                    if self.unlike(number, sight, assumed, leg.worlds).is_none() {
+                    let mut unlike = leg.worlds & !self.alike(number, sight, assumed);
+                    if unlike == 0 {
                         continue;
                     }
                     let Some(stay) = sight.stay(unknown.values()) else { continue };
                     leg.ticks += stay;
-                    while let Some(other) = self.unlike(number, sight, assumed, leg.worlds) {
-                        let is_alike = |&world: &usize| self.looks_like(number, sight, world, other);
-                        let alike = bits(worlds_of(leg.worlds).filter(is_alike));
+                    leg.worlds &= !unlike;
+                    while let Some(other) = worlds_of(unlike).next() {
+                        let alike = unlike & self.alike(number, sight, other);
                         part(legs, leg, alike);
-                        leg.worlds &= !alike;
+                        unlike &= !alike;
                     }
                 }
             }
-        }
-    }
-
-    /// A world that looks unlike the assumed one from there.
-    fn unlike(&self, number: usize, sight: &Sight, assumed: usize, worlds: Bits) -> Option<usize> {
-        worlds_of(worlds).find(|&world| !self.looks_like(number, sight, world, assumed))
-    }
-
-    /// Whether two worlds look alike from there.
-    pub(super) fn looks_like(&self, number: usize, sight: &Sight, one: usize, other: usize) -> bool {
-        let [one, other] = [one, other].map(|world| self.value(world, number));
-        match sight.tells {
-            Tells::Value => one == other,
-            Tells::Whether(value) => (one == usize::from(value)) == (other == usize::from(value)),
         }
     }
 
