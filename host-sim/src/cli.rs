@@ -66,7 +66,7 @@ Examples:
   host-sim run factory              watch the default mission
   host-sim run factory --loss 0.3   with a radio that loses three frames in ten
   host-sim run factory --tree conventional   the same with a tree written by hand
-  host-sim run sign --decider likeliest      with a rule in place of inference
+  host-sim run sign.toml --decider likeliest   with a rule in place of inference
   host-sim run my-warehouse.toml    a scenario of your own
   host-sim run two-goals --json | jq '.robots[].path'
   host-sim run two-goals --tree-log trees.txt && host-sim tree replay pilot trees.txt --robot R1

@@ -315,7 +315,7 @@ fn what_a_robot_waits_for_is_printed() {
 #[test]
 fn a_flight_is_watched_with_a_rule_in_place_of_inference() {
     let flown = |arguments: &str| {
-        let run = host_sim(&format!("run sign --json {arguments}")).assert().success();
+        let run = host_sim(&format!("run scenarios/sign.toml --json {arguments}")).assert().success();
         serde_json::from_slice::<Value>(&run.get_output().stdout).expect("JSON")
     };
     let (inference, rule) = (flown(""), flown("--decider pessimistic"));

@@ -48,10 +48,14 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         mission: &Mission<'_, W>,
         robots: &[Cell],
     ) -> Vec<[Eighths; MAX_WORLDS], MOST_WAYS> {
-        let first = self.by_belief().map(Way::First);
-        let ways = [Way::Nearest, Way::Likeliest, Way::Farthest].into_iter().chain(first);
         let later = |time: Eighths| (time + 8 * ROUND).min(8 * LONGEST);
-        up_to(ways.take(MOST_WAYS - 1).map(|way| self.times(mission, robots, self.all(), way).map(later)))
+        let times = |way| self.times(mission, robots, self.all(), way).map(later);
+        let nearest = times(Way::Nearest);
+        let nearest_first = self.assume(Way::Nearest, robots, self.all()).map(Way::First);
+        let others = [Way::Likeliest, Way::Farthest].into_iter().chain(self.by_belief().map(Way::First));
+        // The nearest world first, and then the nearest one, is one of those that are made already.
+        let others = others.map(|way| if Some(way) == nearest_first { nearest } else { times(way) });
+        up_to(core::iter::once(nearest).chain(others).take(MOST_WAYS - 1))
     }
 
     /// The time in each world that a way takes from where the robots are.
