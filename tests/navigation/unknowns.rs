@@ -271,7 +271,7 @@ mod hall {
 fn a_round_counts_what_every_member_has_read_once() {
     let mission = hall::mission();
     let (mut rounds, mut together) = (0, 0);
-    for seed in 0..40 {
+    for seed in 0..80 {
         let faults = Faults { radio: Radio { duplicate: 0.5, ..Radio::default() }, ..Faults::default() };
         let mut team = Team::over(&mission, faults, seed).expect("it is sound");
         let mut checked = None;

@@ -56,10 +56,8 @@ pub(super) struct Prospects<const S: usize, const W: usize> {
     sights: CellSet<W>,
     /// The cells that may be blocked.
     doubtful: CellSet<W>,
-    /// The cells that are blocked in some world.
-    blocking: CellSet<W>,
-    /// The worlds that agree with all that is known.
-    believable: Bits,
+    /// The worlds that agree with all that is known; nothing where nothing can be unknown.
+    believable: [Bits; HAS_UNKNOWNS as usize],
     /// Where members stand: a stranger does not come there before they leave.
     standing: CellSet<W>,
 }
@@ -87,8 +85,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         need: 0,
         sights: CellSet::EMPTY,
         doubtful: CellSet::EMPTY,
-        blocking: CellSet::EMPTY,
-        believable: 0,
+        believable: [0; HAS_UNKNOWNS as usize],
         standing: CellSet::EMPTY,
     };
 
@@ -107,7 +104,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         }
         self.belief = self.worlds.belief(evidence(mission.unknowns, self.told.iter()));
         self.find_sights(mission);
-        self.believable = self.believable_by(mission, &self.belief);
+        let believable = self.believable_by(mission, &self.belief);
+        self.believable.fill(believable);
         self.standing = members.facts().map(|fact| fact.anchor).collect();
     }
 
@@ -133,8 +131,6 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
             }
         }
         (self.sights, self.doubtful) = (sights, doubtful);
-        let blocking = of(mission, Effect::Blocks).flat_map(|(_, unknown)| unknown.cells);
-        self.blocking = blocking.map(|place| place.cell).collect();
     }
 
     /// The probability of each world.
@@ -189,13 +185,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
     }
 
     /// The worlds that agree with all that is known.
-    pub(super) const fn believable(&self) -> Bits {
-        self.believable
-    }
-
-    /// The cells that are blocked in some world.
-    pub(super) const fn blocking(&self) -> &CellSet<W> {
-        &self.blocking
+    pub(super) fn believable(&self) -> Bits {
+        self.believable.first().copied().unwrap_or(Bits::MAX)
     }
 
     /// The value of an unknown in a world.

@@ -6,7 +6,7 @@
 //! comes from distance tables, one a world; robots do not get in each other's way there.
 
 use super::mission::Mission;
-use super::prospects::{Bits, LONGEST, NO_WAY, Prospects, Robots, bits, descending, worlds_of};
+use super::prospects::{Bits, LONGEST, NO_WAY, Prospects, Robots, bits, descending, of, worlds_of};
 use super::unknown::{Effect, MAX_WORLDS};
 use crate::bounded::up_to;
 use crate::grid::{Cell, Map, Move};
@@ -142,9 +142,8 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         for (cell, &world) in leg.cells.iter_mut().zip(towards) {
             *cell = self.next(&mission.map, world, *cell);
         }
-        let entered = |cell: &&Cell| self.blocking().contains(**cell);
-        for (number, unknown) in (0..).zip(mission.unknowns).filter(|(_, it)| it.effect == Effect::Blocks) {
-            for &cell in leg.cells.iter().filter(entered) {
+        for (number, unknown) in of(mission, Effect::Blocks) {
+            for &cell in &leg.cells {
                 let blocked = unknown.cells.iter().find(|place| place.cell == cell);
                 let Some(place) = blocked else { continue };
                 let shut = leg.worlds & self.having(number, place.value.into());
