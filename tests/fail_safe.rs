@@ -89,12 +89,12 @@ fn a_robot_that_fails_again_and_again_stands_until_somebody_resets_it() {
 #[test]
 fn a_robot_of_a_team_that_faults_on_its_way_stands_and_starts_again() {
     let (mut robot, _) = driving(0, &TO_THE_RESET);
-    robot.pause().jump(0x0f00_0000);
+    lead_astray(&robot);
     robot.wait_for("fails: a fault at 0x0f00");
     assert_eq!(Motors::of(robot.pause()), Motors::Cut);
 
     let (mut robot, _) = driving(0, &RESTARTING);
-    robot.pause().jump(0x0f00_0000);
+    lead_astray(&robot);
     robot.wait_for("restarted after a fault at 0x0f00");
     robot.wait_for("boot: robot 1 of 2");
 }
@@ -126,6 +126,18 @@ fn driving(number: u8, options: &[&str]) -> (Robot, OnHost) {
     robot.wait_for("took");
     drive(&mut robot, &mut teammate);
     (robot, teammate)
+}
+
+/// Has a robot go on where there is no code, out of its sleep: out of its log, there would be none
+/// of the fault before the restart.
+fn lead_astray(robot: &Robot) {
+    for _ in 0..10_000 {
+        let mut paused = robot.pause();
+        if paused.is_asleep() {
+            return paused.jump(0x0f00_0000);
+        }
+    }
+    panic!("it never sleeps: {:#?}", robot.seen());
 }
 
 /// Ticks both until the first one drives.

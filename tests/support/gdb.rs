@@ -109,6 +109,15 @@ impl Paused {
         assert_eq!(self.ask(&format!("G{registers}")), "OK");
     }
 
+    /// Whether the core sleeps until the next interrupt: it is behind a `wfi`.
+    ///
+    /// # Panics
+    /// When QEMU does not answer.
+    pub fn is_asleep(&mut self) -> bool {
+        let next = word_at(&self.ask("g"), 15);
+        self.memory(next.wrapping_sub(2), 2) == [0x30, 0xbf]
+    }
+
     /// Bytes of the memory.
     ///
     /// # Panics
