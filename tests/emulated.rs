@@ -76,8 +76,9 @@ fn fast_page(tick: u16) -> Vec<u8> {
 /// The reduced configuration on the smallest chip, whose image has no log: what it says is what its
 /// twin in process says, which hears the same.
 ///
-/// QEMU hands over what this chip hears byte by byte, and needs up to a millisecond for each on some
-/// hosts. With ticks of 20 ms the frames came a second late there, and the robots lost each other.
+/// QEMU hands over what this chip hears byte by byte, and needs up to a millisecond for each on
+/// some hosts. With ticks of 20 ms the frames came a second late there, and the robots lost each
+/// other.
 #[test]
 fn the_reduced_image_on_a_cortex_m0_decides_as_its_twin_in_process_and_arrives() {
     let page = (Slots::NRF51822.first, &fast_page(200)[..]);

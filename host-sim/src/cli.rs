@@ -169,7 +169,8 @@ struct RunArgs {
     /// The tree that flies the robots: the inference node, or a conventional tree of the paper
     #[arg(long, value_name = "TREE", value_enum, default_value_t)]
     tree: Pilot,
-    /// What decides where something is unknown, in place of inference: a name of `campaign --ablate`
+    /// What decides where something is unknown, in place of inference: a name of `campaign
+    /// --ablate`
     #[arg(long, value_name = "NAME", value_parser = campaign::ablation, conflicts_with = "tree")]
     decider: Option<&'static Ablation>,
     /// The trees of the robots of a task: for each the one with its name, else the main tree
@@ -283,7 +284,7 @@ impl RunArgs {
             let goals = scenario.goals.len();
             return Err(format!("{name}: the tree of figure 5 is for two goals, not {goals}"));
         }
-        if self.tree_log.is_some() && matches!(self.tree, Pilot::Conventional | Pilot::Figure5) {
+        if self.tree_log.is_some() && self.tree.is_conventional() {
             return Err(format!("{name}: --tree-log is for the tree with the inference node"));
         }
         if self.decider.is_some() && scenario.unknowns.is_empty() {
@@ -351,8 +352,9 @@ impl RunArgs {
 /// Says on standard error that robots with a conventional tree know of no unknowns, if some fly
 /// where there are.
 fn note_conventional(pilots: &[Pilot], scenarios: &[Scenario]) {
-    let is_one = |pilot: &Pilot| matches!(pilot, Pilot::Conventional | Pilot::Figure5);
-    if pilots.iter().any(is_one) && scenarios.iter().any(|scenario| !scenario.unknowns.is_empty()) {
+    if pilots.iter().any(|pilot| pilot.is_conventional())
+        && scenarios.iter().any(|scenario| !scenario.unknowns.is_empty())
+    {
         eprintln!(
             "note: a conventional tree knows of no [[unknown]]: all cells are free to it until it sees them \
              blocked, and all goals serve"

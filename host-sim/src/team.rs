@@ -102,6 +102,12 @@ impl Pilot {
         if let Self::Ablated(ablation) = self { ablation.decider } else { Decider::Inference }
     }
 
+    /// Whether it is a conventional tree.
+    #[must_use]
+    pub const fn is_conventional(self) -> bool {
+        self.figure().is_some()
+    }
+
     /// The conventional tree, if it is one.
     const fn figure(self) -> Option<ConventionalTree> {
         match self {

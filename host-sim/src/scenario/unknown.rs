@@ -241,7 +241,8 @@ fn prior(written: &file::UnknownEntry, effect: Effect, key: &str, values: usize)
     Ok(prior.into_iter().map(|p| p as f32).collect())
 }
 
-/// The probability that a reading of so many answers is right: more than that of a guess.
+/// The probability that a reading is right, which has this many possible answers: more than that of
+/// a guess.
 fn right(key: &str, number: Option<&RealNumber>, answers: usize) -> Read<f32> {
     let right = share(key, number, 1.0)? as f32;
     match number {

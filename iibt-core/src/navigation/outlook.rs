@@ -59,6 +59,9 @@ impl Seekers {
     }
 }
 
+/// After how many ticks a plan stops in each world; `None` where it goes on to its end.
+type Stops = [Option<u16>; MAX_WORLDS];
+
 /// What is left of a plan.
 #[derive(Clone, Copy, Debug)]
 struct Rest<'p> {
@@ -90,8 +93,8 @@ impl Rest<'_> {
         self.paths().all(|(_, path, made)| moves_of(path) <= made)
     }
 
-    /// After how many ticks a robot stands before one of these cells, if one is on what is left of a
-    /// path.
+    /// After how many ticks a robot stands before one of these cells, if one is on what is left of
+    /// a path.
     fn until<const W: usize>(&self, map: &Map<W>, closed: &CellSet<W>) -> Option<u16> {
         let enters = |(_, path, made): (usize, &Path, u16)| {
             let mut closed = ahead(path, map, made).filter(|&(_, cell)| closed.contains(cell));
@@ -154,7 +157,7 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         let looks = [self.first_look(mission, &rest, belief), shown];
         let look = looks.into_iter().flatten().min().filter(|_| mission.decider().branches());
         let Some(look) = look else {
-            let way = self.to_its_end(mission, &rest);
+            let way = self.to_its_end(mission, &rest, &self.stops(mission, &rest));
             return whatever_is_seen(belief, &[way]);
         };
         let mut readings: Vec<[f32; MAX_WORLDS], MOST_READINGS> = up_to([[1.0; MAX_WORLDS]]);
@@ -167,28 +170,39 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         }
         let mut ways = self.ways(mission, &rest.cells(&mission.map, look));
         let later = Rest { done: done.after(look), ticks: ticks.saturating_sub(look), ..rest };
+        let shut = self.stops(mission, &later);
         // There is room for one more than those.
-        let _ = ways.push(self.to_its_end(mission, &later));
+        let _ = ways.push(self.to_its_end(mission, &later, &shut));
         let once = Outlook { until: 8 * look, readings: &readings, ways: &ways }.expected(belief);
         // What is seen later still can change how the team goes on as well.
         if let Some(way) = ways.last_mut() {
-            *way = self.until_known(mission, &later, *way);
+            *way = self.until_known(mission, &later, &shut, *way);
         }
         let total = Outlook { until: 8 * look, readings: &readings, ways: &ways }.expected(belief).total();
         ExpectedTime { epistemic: once.pragmatic.saturating_sub(total), ..once }
     }
 
-    /// The time in each world if a plan is followed to its end, whatever is seen. Before a cell that
-    /// is blocked, or where it does not end on goals that serve, the team decides again; one that is
-    /// there already stays for ever.
-    fn to_its_end(&self, mission: &Mission<'_, W>, rest: &Rest<'_>) -> [Eighths; MAX_WORLDS] {
-        let end = rest.cells(&mission.map, u16::MAX);
+    /// After how many ticks a plan ends before a cell that is blocked, in each world in which it
+    /// does.
+    fn stops(&self, mission: &Mission<'_, W>, rest: &Rest<'_>) -> Stops {
         let mut stops = [None; MAX_WORLDS];
         for world in worlds_of(self.all()) {
-            let shut = || rest.until(&mission.map, &self.walls(mission, world));
-            let missed = || (!self.is_done(world, &end)).then_some(rest.ticks);
             if let Some(stop) = stops.get_mut(world) {
-                *stop = shut().or_else(missed);
+                *stop = rest.until(&mission.map, &self.walls(mission, world));
+            }
+        }
+        stops
+    }
+
+    /// The time in each world if a plan is followed to its end, whatever is seen. Before a cell
+    /// that is blocked, or where it does not end on goals that serve, the team decides again; one
+    /// that is there already stays for ever.
+    fn to_its_end(&self, mission: &Mission<'_, W>, rest: &Rest<'_>, shut: &Stops) -> [Eighths; MAX_WORLDS] {
+        let end = rest.cells(&mission.map, u16::MAX);
+        let mut stops = *shut;
+        for world in worlds_of(self.all()) {
+            if let Some(stop @ None) = stops.get_mut(world) {
+                *stop = (!self.is_done(world, &end)).then_some(rest.ticks);
             }
         }
         let mut times = [8 * rest.ticks; MAX_WORLDS];
@@ -218,11 +232,12 @@ impl<const S: usize, const W: usize> Prospects<S, W> {
         &self,
         mission: &Mission<'_, W>,
         rest: &Rest<'_>,
+        shut: &Stops,
         mut times: [Eighths; MAX_WORLDS],
     ) -> [Eighths; MAX_WORLDS] {
         let mut alike = [self.all(); MAX_WORLDS];
         let (mut left, mut stay) = (self.all(), 0);
-        let stop = |world: usize| rest.until(&mission.map, &self.walls(mission, world));
+        let stop = |world: usize| shut.get(world).copied().flatten();
         for ticks in 0..=rest.ticks {
             let cells = rest.cells(&mission.map, ticks);
             for &cell in cells.iter().filter(|cell| self.has_sight(**cell)) {

@@ -16,8 +16,8 @@ pub(super) const NO_WAY: u8 = u8::MAX;
 /// The ticks that count where no way leads to the goals, and the most that a way on takes.
 pub(super) const LONGEST: u16 = 96;
 
-/// The probability above which a value counts as known: it is not worth another look. What one robot
-/// reads is capped, so a value that was improbable beforehand is known from a lower one on.
+/// The probability above which a value counts as known: it is not worth another look. What one
+/// robot reads is capped, so a value that was improbable beforehand is known from a lower one on.
 const KNOWN: f32 = 0.995;
 
 /// The probability from which on a team takes its work for done.

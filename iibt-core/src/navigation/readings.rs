@@ -6,7 +6,7 @@
 //! all: of these the sums of one member count.
 
 use super::decider::Counting;
-use super::unknown::{Effect, MAX_VALUES, Reading, Says, Tells, Unknown};
+use super::unknown::{Effect, MAX_VALUES, Reading, Says, Unknown};
 use crate::bounded::up_to;
 use crate::grid::Cell;
 use crate::math;
@@ -45,11 +45,7 @@ impl Readings {
         let number = usize::from(reading.unknown);
         let Some(unknown) = unknowns.get(number) else { return };
         let Some(sight) = unknown.sight(at, reading.says.tells()) else { return };
-        let others = match sight.tells {
-            Tells::Value => f32::from(unknown.values().saturating_sub(1)),
-            Tells::Whether(_) => 1.0,
-        };
-        let nats = math::ln(sight.right) - math::ln((1.0 - sight.right) / others);
+        let nats = math::ln(sight.right) - math::ln(sight.wrong(unknown.values()));
         let (value, speaks_for) = match reading.says {
             Says::Value(value) | Says::Is(value) => (value, nats > 0.0),
             Says::IsNot(value) => (value, nats <= 0.0),
@@ -170,7 +166,7 @@ pub(super) fn evidence<'e>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::unknown::Sight;
+    use super::super::unknown::{Sight, Tells};
     use super::*;
 
     const SIGHTS: [Sight; 2] = [

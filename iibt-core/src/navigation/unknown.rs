@@ -170,14 +170,19 @@ impl Sight {
             .chain(whether.into_iter().flat_map(|value| [Says::Is(value), Says::IsNot(value)]))
     }
 
-    /// The ticks that a robot stays here for as many readings as make it sure, beside the first one;
-    /// `None` where it has something better to do than wait for that.
+    /// The probability of each reading that is wrong, of an unknown of so many values.
+    pub(super) fn wrong(self, values: u8) -> f32 {
+        let others = if self.tells == Tells::Value { values.saturating_sub(1).max(1) } else { 1 };
+        (1.0 - self.right) / f32::from(others)
+    }
+
+    /// The ticks that a robot stays here for as many readings as make it sure, beside the first
+    /// one; `None` where it has something better to do than wait for that.
     pub(super) fn stay(self, values: u8) -> Option<u16> {
         if self.right >= 1.0 {
             return Some(0);
         }
-        let others = if self.tells == Tells::Value { values.saturating_sub(1).max(1) } else { 1 };
-        let wrong = (1.0 - self.right) / f32::from(others);
+        let wrong = self.wrong(values);
         // What a reading is expected to speak for the true value, against another one.
         let nats = (self.right - wrong) * (math::ln(self.right) - math::ln(wrong));
         let more = SURE / nats;
@@ -187,13 +192,11 @@ impl Sight {
 
     /// The probability of a reading where the unknown has a value of so many.
     pub(super) fn likelihood(self, says: Says, value: u8, values: u8) -> f32 {
-        let others =
-            if self.tells == Tells::Value { f32::from(values.saturating_sub(1).max(1)) } else { 1.0 };
         let is_right = match says {
             Says::Value(read) | Says::Is(read) => read == value,
             Says::IsNot(read) => read != value,
         };
-        if is_right { self.right } else { (1.0 - self.right) / others }
+        if is_right { self.right } else { self.wrong(values) }
     }
 }
 

@@ -17,8 +17,8 @@ use heapless::Vec;
 /// The ticks of silence after which a member may be anywhere.
 const LONGEST_SILENCE: u16 = 8;
 
-/// What an obstacle in view speaks against the values by which its cell is free, in nats: the sensor
-/// is right in nineteen of twenty cases.
+/// What an obstacle in view speaks against the values by which its cell is free, in nats: the
+/// sensor is right in nineteen of twenty cases.
 const OBSTACLE_SEEN: f32 = 3.0;
 
 impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: usize>
@@ -187,8 +187,8 @@ impl<const S: usize, const W: usize, const L: usize, const M: usize, const K: us
 
     /// Whether a cell is one of an unknown that may block it.
     fn is_doubtful(&self, cell: Cell) -> bool {
-        let mut blocks = self.mission.unknowns.iter().filter(|unknown| unknown.effect == Effect::Blocks);
-        blocks.any(|unknown| unknown.cells.iter().any(|place| place.cell == cell))
+        let mut blocks = of(self.mission, Effect::Blocks);
+        blocks.any(|(_, unknown)| unknown.cells.iter().any(|place| place.cell == cell))
     }
 
     /// Whether a teammate may be on a cell now. A robot that was left out knows nothing of the
