@@ -29,7 +29,7 @@ const GUARDS: &[Guard] = &[
         "false",
         "unknowns::a_robot_reads_the_sign_while_the_others_go_on_and_the_team_follows_what_it_has_read"),
     guard("what will be seen later still counts", OUTLOOK,
-        "*way = self.until_known(mission, &later, *way);",
+        "*way = self.until_known(mission, &later, &shut, *way);",
         "",
         "unknowns::a_team_shares_a_search"),
     guard("plans are made by which a robot looks first", POLICIES,
