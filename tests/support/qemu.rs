@@ -9,7 +9,7 @@ use host_sim::{FirmwareLog, LogItem};
 use std::io::{BufReader, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -147,7 +147,7 @@ pub fn number(line: &str, before: &str) -> u32 {
 #[derive(Debug)]
 pub struct Robot {
     qemu: Child,
-    link: UnixStream,
+    link: ChildStdin,
     sent: Receiver<u8>,
     log: Receiver<Logged>,
     bytes: Vec<u8>,
@@ -238,7 +238,6 @@ impl Robot {
         let elf = std::fs::read(image).unwrap_or_else(|error| panic!("{}: {error}", image.display()));
         let sockets = directory();
         let log = listen(&sockets, "log");
-        let link = listen(&sockets, "link");
         let loader = page.map(|(address, page)| {
             let file = sockets.join("page");
             std::fs::write(&file, page).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
@@ -248,8 +247,8 @@ impl Robot {
         let options: Vec<_> = options.iter().copied().chain(loader).collect();
         let mut qemu = start(image, &sockets, machine, &options);
         let log = accept(&log, &mut qemu);
-        let link = accept(&link, &mut qemu);
-        let sent = collect(link.try_clone().expect("a socket can be shared"));
+        let link = qemu.stdin.take().expect("a pipe");
+        let sent = collect(qemu.stdout.take().expect("a pipe"));
         let log = decode(image, &elf, log);
         Self { qemu, link, sent, log, bytes: Vec::new(), seen: Vec::new(), sockets }
     }
@@ -302,6 +301,19 @@ impl Robot {
     /// When QEMU has ended.
     pub fn send(&mut self, bytes: &[u8]) {
         self.link.write_all(bytes).expect("QEMU takes the bytes");
+    }
+
+    /// Whether the robot has taken all that was sent to it, but for the few bytes that its port
+    /// holds.
+    ///
+    /// On a busy host QEMU may need some 20 ms for a byte: who sends a frame in each tick of such a
+    /// robot is heard ever later.
+    ///
+    /// # Panics
+    /// When the pipe cannot be asked.
+    #[must_use]
+    pub fn has_taken_all(&self) -> bool {
+        rustix::io::ioctl_fionread(&self.link).expect("a pipe tells how much it holds") == 0
     }
 
     /// Waits for the next `N` bytes on the link.
@@ -367,15 +379,16 @@ fn listen(directory: &Path, name: &str) -> UnixListener {
     listener
 }
 
-/// Starts QEMU as the client of both sockets, so that no byte of the log is lost.
+/// Starts QEMU as the client of the log's socket, so that no byte of it is lost. The link is its
+/// standard input and output.
 fn start(image: &Path, sockets: &Path, machine: &str, options: &[&str]) -> Child {
-    let socket = |name: &str| format!("socket,id={name},path={}", sockets.join(name).display());
+    let log = format!("socket,id=log,path={}", sockets.join("log").display());
     let (emulator, ports) = emulator(machine);
     let mut command = Command::new(emulator);
     command.args(["-M", machine, "-display", "none", "-monitor", "none", "-no-reboot"]);
-    command.args(["-chardev", &socket("log"), "-chardev", &socket("link")]).args(ports);
+    command.args(["-chardev", &log, "-chardev", "stdio,id=link,signal=off"]).args(ports);
     command.args(["-gdb", &format!("unix:{},server=on,wait=off", sockets.join("gdb").display())]);
-    command.args(options).arg("-kernel").arg(image).stdin(Stdio::null());
+    command.args(options).arg("-kernel").arg(image).stdin(Stdio::piped()).stdout(Stdio::piped());
     command.spawn().unwrap_or_else(|error| panic!("{emulator}: {error}; `tests/run` installs it"))
 }
 
@@ -410,7 +423,7 @@ fn accept(listener: &UnixListener, qemu: &mut Child) -> UnixStream {
 
 /// Takes what comes from a link on a thread of its own. QEMU stands still, and does not even answer
 /// its debugger, where some hundred bytes of a robot wait to be read.
-fn collect(link: UnixStream) -> Receiver<u8> {
+fn collect(link: ChildStdout) -> Receiver<u8> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
         let mut bytes = BufReader::new(link).bytes().map_while(Result::ok);
