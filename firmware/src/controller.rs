@@ -272,16 +272,16 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
 }
 
 /// The teammate whose newest frame goes out in place of the robot's own: every second turn one of
-/// those that are fresh, one after the other. A robot in a burst of losses so hears by way of
-/// others what was said meanwhile.
+/// those that have been heard, one after the other. A robot in a burst of losses so hears by way of
+/// others what was said meanwhile, and everybody hears the last word of one that is silent for good.
 ///
 /// The frame is the one that the teammate has sent, with its number and its tag, so receivers take
 /// it if it is news to them.
 fn to_pass_on<M: Message>(peers: Peers<'_, M>, turn: u16) -> Option<&Peer<M>> {
-    let fresh = peers.fresh().count();
+    let heard = peers.iter().count();
     let others_hear = peers.team() > 2 && turn % 2 == 1;
     let start = usize::from(turn / 2) + peers.own().index();
-    peers.fresh().nth(start.checked_rem(fresh)?).filter(|_| others_hear)
+    peers.iter().nth(start.checked_rem(heard)?).filter(|_| others_hear)
 }
 
 #[cfg(test)]
