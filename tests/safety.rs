@@ -3,7 +3,8 @@
 //! How many teams must arrive is what was measured less some three standard deviations of such a
 //! count, and five where nearly all arrive: another stream of random numbers passes. Of teams for
 //! which all is within reach at most one may be held up; four where way-points can ask for plans
-//! that a search of the image's size does not find.
+//! that a search of the image's size does not find; two where a move that has failed leaves a robot
+//! in doubt among teammates at other paces, so that no move of it is safe (116 of 56,000 teams).
 
 use firmware::missions::{LAYERS, NODES, POLICIES};
 use host_sim::{EventEffect, Faults, NavigatorFlight, Radio, Random, reproduce};
@@ -329,7 +330,7 @@ mod with_robots_of_different_paces {
     fn with_moves_that_fail_and_obstacles_that_appear() {
         let faults = Faults { radio: radio(0.2, 0, 0.0), slip: 0.1, obstacle: 0.05, ..Faults::default() };
         let fates = campaign("paces, rough ground", faults, known);
-        fates.are_good(494, 1);
+        fates.are_good(494, 2);
     }
 
     #[test]
