@@ -14,8 +14,8 @@ use tests::budgets::assert_stack_within;
 use tests::qemu::{MICROBIT, RISC_V, Robot, image_for, number, reduced_image, team_member};
 use tests::rig::{DEMO_KEY, OnHost, ReducedOnHost, SizedOnHost, demo_keys, demo_page};
 
-/// Flies section 5.1 with the image: robot 2 hears every frame of it and answers with what `disturb`
-/// makes of its own, but where the last answer is still on its way.
+/// Flies section 5.1 with the image: robot 2 hears every frame of it and answers with what
+/// `disturb` makes of its own, but where the last answer is still on its way.
 fn fly<const L: usize, const M: usize, const K: usize>(
     image: &mut Robot,
     second: &mut SizedOnHost<L, M, K>,
@@ -79,9 +79,8 @@ fn fast_page(tick: u16) -> Vec<u8> {
 /// The reduced configuration on the smallest chip, whose image has no log: what it says is what its
 /// twin in process says, which hears the same.
 ///
-/// QEMU hands over what this chip hears byte by byte, and needs up to a millisecond for each on
-/// some hosts. With ticks of 20 ms the frames came a second late there, and the robots lost each
-/// other.
+/// QEMU hands over what this chip hears byte by byte, and needs up to 20 ms for each on a busy host.
+/// With ticks as short as those of the other chips most frames would come too late.
 #[test]
 fn the_reduced_image_on_a_cortex_m0_decides_as_its_twin_in_process_and_arrives() {
     let page = (Slots::NRF51822.first, &fast_page(500)[..]);

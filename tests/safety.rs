@@ -477,15 +477,12 @@ mod with_a_robot_that_dies {
         let (dying, later) = (random.below(size), random.below(10) as u32);
         let others: Vec<usize> = (0..size).filter(|&robot| robot != dying).collect();
         let mut team = team(&mission, faults, seed);
-        let is_heard = |team: &Team<'_>| {
-            let mut knowing = others.iter().map(|&robot| knows(team, robot, dying));
-            match dies {
-                Dies::HeardByAll => knowing.all(|knows| knows),
-                Dies::HeardByOne => knowing.any(|knows| knows),
-            }
+        let (enough, after) = match dies {
+            Dies::HeardByAll => (others.len(), later),
+            Dies::HeardByOne => (1, 0),
         };
-        let before = judge::fly_until(&mut team, LIMIT, |team| is_heard(team));
-        let after = if matches!(dies, Dies::HeardByAll) { later } else { 0 };
+        let knowing = |team: &Team<'_>| others.iter().filter(|&&robot| knows(team, robot, dying)).count();
+        let before = judge::fly_until(&mut team, LIMIT, |team| knowing(team) >= enough);
         let tick = before.arrived.expect("it is heard") + after;
         let meanwhile = judge::fly_until(&mut team, tick, |_| false);
         team.cause(EventEffect::Stop(dying, None));
@@ -503,6 +500,11 @@ mod with_a_robot_that_dies {
         (fate(&team, &mission, &others, outcome), outcome.arrived.is_some() && holds_closed)
     }
 
+    /// A third of the frames is lost, and others come late or twice.
+    fn lossy() -> Faults {
+        Faults { radio: radio(0.3, 3, 0.2), ..Faults::default() }
+    }
+
     /// Whether a robot knows where a teammate can be, which it does once it has heard it with a
     /// vector.
     fn knows(team: &Team<'_>, robot: usize, teammate: usize) -> bool {
@@ -517,24 +519,21 @@ mod with_a_robot_that_dies {
 
     #[test]
     fn the_others_arrive_though_a_third_of_the_frames_is_lost_late_or_twice() {
-        let faults = Faults { radio: radio(0.3, 3, 0.2), ..Faults::default() };
-        Fates::of("one dies, lossy", |seed| fly(seed, Dies::HeardByAll, faults).0).are_good(451, 1);
+        Fates::of("one dies, lossy", |seed| fly(seed, Dies::HeardByAll, lossy()).0).are_good(451, 1);
     }
 
     /// Who has heard it passes on its last frame. Else those that it has not reached could never
     /// know where it may be.
     #[test]
     fn the_others_arrive_though_it_has_reached_only_one_of_them() {
-        let faults = Faults { radio: radio(0.3, 3, 0.2), ..Faults::default() };
-        Fates::of("one dies, heard by one", |seed| fly(seed, Dies::HeardByOne, faults).0).are_good(435, 1);
+        Fates::of("one dies, heard by one", |seed| fly(seed, Dies::HeardByOne, lossy()).0).are_good(435, 1);
     }
 
     /// In one of some 300 flights a robot stands where the dead one may be by what the others know.
     #[test]
     fn a_robot_keeps_a_goal_where_the_dead_one_may_be() {
-        let faults = Faults { radio: radio(0.3, 3, 0.2), ..Faults::default() };
         assert!(
-            (600..2600).any(|seed| fly(seed, Dies::HeardByAll, faults) == (Fate::Arrived, true)),
+            (600..2600).any(|seed| fly(seed, Dies::HeardByAll, lossy()) == (Fate::Arrived, true)),
             "nobody keeps such a goal"
         );
     }

@@ -273,7 +273,8 @@ impl<H: Link + Clock, R: Robot<H>> Controller<R, H> {
 
 /// The teammate whose newest frame goes out in place of the robot's own: every second turn one of
 /// those that have been heard, one after the other. A robot in a burst of losses so hears by way of
-/// others what was said meanwhile, and everybody hears the last word of one that is silent for good.
+/// others what was said meanwhile, and everybody hears the last word of one that is silent for
+/// good.
 ///
 /// The frame is the one that the teammate has sent, with its number and its tag, so receivers take
 /// it if it is news to them.
